@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 #![cfg(unix)]
 
+mod angles;
 #[path = "../../examples/simulated_grbl/balance/mod.rs"]
 mod balance;
 mod cut_off;

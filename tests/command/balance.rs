@@ -217,6 +217,35 @@ fn a_balance_that_never_rises_is_a_fault_and_the_dose_is_left_unfinished() {
 }
 
 #[test]
+fn a_balance_that_shows_all_that_was_asked_for_ends_an_unfinished_dose_without_a_step() {
+    let user = User::new();
+    let mass = user.path("mass");
+    fs::write(&mass, "50.00 g").unwrap();
+    let read = format!("cat '{}'", mass.display());
+    let scale = ["--until-scale", "--scale-command", &read];
+    // The vessel was empty when the line was: nothing arrived before the balance was read.
+    assert_eq!(user.types(&[&["5g"][..], &scale].concat()).code, 1);
+    let turned_ml = number(&user.json(&["status"])["unfinished"], "delivered_most_ml");
+    fs::write(&mass, "55.00 g").unwrap();
+    let found = user.json(&[&["resume"][..], &scale].concat());
+    assert_eq!(
+        (found["steps_made"].as_i64(), found["completed"].as_bool()),
+        (Some(0), Some(true)),
+        "{found}"
+    );
+    let weighed = &found["by_weight"];
+    assert!((number(weighed, "mass_g") - 5.0).abs() < 1e-9, "{found}");
+    assert!((number(weighed, "turned_ml") - turned_ml).abs() < 1e-9, "{found}");
+    let status = user.json(&["status"]);
+    assert!(
+        status["unfinished"].is_null() && status["last_by_weight"]["mass_g"] == weighed["mass_g"],
+        "{status}"
+    );
+    // The dose is over: a full vessel is no rest of another.
+    assert_eq!(user.types(&[&["resume"][..], &scale].concat()).code, 2);
+}
+
+#[test]
 fn the_last_dose_is_calibrated_by_what_a_balance_shows() {
     let user = User::new();
     user.json(&["30mL"]);

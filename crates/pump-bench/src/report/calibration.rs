@@ -222,9 +222,9 @@ fn less_sure_than_the_model(
     let is_less = found.prior.is_some() && of_doses > of_model;
     Ok(is_less.then(|| {
         format!(
-            "the mean volume by these doses, \u{b1} {:.1} %, is less sure than the model's, \u{b1} {:.1} % (k = 2): weigh \
+            "the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} {:.2} % (k = 2): weigh \
              more doses, or doses of more revolutions",
-            200.0 * of_doses,
+            200.0 * of_doses / found.factor,
             200.0 * of_model
         )
     }))

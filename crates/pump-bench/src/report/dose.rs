@@ -446,7 +446,9 @@ impl DoseReport {
         if !delivered.completed {
             // The balance was read in motion, and more still arrives. The model knows the steps, with the uncertainty
             // of the whole dose.
-            let turned_ml = delivered.turned_ml;
+            // The part of an earlier command was weighed at rest.
+            let before_turned_ml = prepared.begun.map_or(0.0, |begun| begun.turned_ml);
+            let turned_ml = delivered.before_ml + delivered.turned_ml - before_turned_ml;
             let (volume_least_ml, volume_most_ml) = (turned_ml, turned_ml);
             return Self { volume_least_ml, volume_most_ml, delivered_ml: Some(turned_ml), ..part };
         }

@@ -1,6 +1,6 @@
 //! Doses that are cut off and resumed.
 
-use pump_bench::{DoseError, DoseRequest};
+use pump_bench::{DoseError, DoseReport, DoseRequest};
 use pump_ctl::plan::{Cruise, Finish};
 use pump_model::units::rad_s;
 
@@ -22,10 +22,20 @@ fn the_total_of_a_resumed_dose_is_stated_from_the_least_to_the_most_that_it_can_
             curve.volume_ml(made as f64 * rest.plan.step_rad() + rest_rad)
         };
         let (least_ml, most_ml) = (total_ml(part.made_least), total_ml(part.made_most));
+        // The pump's own error comes on both sides: that of a dose of this volume which one command makes.
+        let unsure_ml = 0.5 * ((stated[1] - stated[0]) - (most_ml - least_ml));
         assert!(
-            (stated[0] - least_ml).abs() < 2e-4 && (stated[1] - most_ml).abs() < 2e-4,
+            (stated[0] + unsure_ml - least_ml).abs() < 2e-4 && (stated[1] - unsure_ml - most_ml).abs() < 2e-4,
             "{volume_ml} mL: {stated:?}, and it is {least_ml} to {most_ml}"
         );
+        let fresh = Lab::new();
+        let whole = fresh.bench.prepare(DoseRequest::dose(volume_ml)).unwrap();
+        let whole_ml = DoseReport::new(&fresh.bench, &whole, None).expanded_uncertainty_ml;
+        assert!(
+            (unsure_ml / whole_ml - 1.0).abs() < 0.1,
+            "{volume_ml} mL: {unsure_ml}, and {whole_ml} in one"
+        );
+        assert!((stated[2] / unsure_ml - 1.0).abs() < 0.05, "{stated:?}");
     }
 }
 

@@ -4,7 +4,8 @@ use core::fmt;
 
 use libm::{fabs, floor, log10, pow, round};
 
-/// A number as a message shows it: in full, or with an exponent where it would have dozens of digits.
+/// A number as a message shows it: with six significant digits, or with an exponent where it would have dozens of
+/// digits. Whole numbers keep all of theirs.
 ///
 /// ```
 /// use pump_model::Shown;

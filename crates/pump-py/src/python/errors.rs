@@ -163,11 +163,9 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
         ),
         DoseError::Balance(_) => BalanceError::new_err(message),
         DoseError::ByWeight { turned_ml, weighed_g, .. } => {
-            let of = with(BalanceError::new_err(message), &[("turned_ml", turned_ml)]);
-            match weighed_g {
-                Some(mass_g) => with(of, &[("weighed_g", mass_g)]),
-                None => of,
-            }
+            let mut known = vec![("turned_ml", turned_ml)];
+            known.extend(weighed_g.map(|mass_g| ("weighed_g", mass_g)));
+            with(BalanceError::new_err(message), &known)
         }
         DoseError::Stands { stand, .. } => with(
             SafetyError::new_err(message),

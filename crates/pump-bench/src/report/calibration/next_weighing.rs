@@ -101,13 +101,13 @@ impl NextWeighing {
                 format!(
                     "one dose like this \u{b1} {dose:.2} %, the mean of many such doses \u{b1} {now:.2} % (k = 2)"
                 ),
-                format!("one dose \u{b1} {then_dose:.2} %, the mean \u{b1} {then:.2} %"),
+                format!("about \u{b1} {then_dose:.2} % for one, \u{b1} {then:.2} % for the mean"),
             ],
             None => [
                 format!(
                     "the mean of many doses at this speed \u{b1} {now:.2} % (k = 2); one dose scatters besides"
                 ),
-                format!("the mean \u{b1} {then:.2} %"),
+                format!("about \u{b1} {then:.2} % for the mean"),
             ],
         };
         let doses = match self.more {
@@ -117,7 +117,7 @@ impl NextWeighing {
         };
         let way = words(Remedy::WeighOneMore);
         format!(
-            "  sure now    {now}\n  next        weigh {doses} before you rely on it; about {then} then; {way}\n"
+            "  sure now    {now}\n  next        weigh {doses} before you rely on it: then {then}; {way}\n"
         )
     }
 }
@@ -131,7 +131,7 @@ fn stated(prior: &ScatterPrior, factor: f64) -> String {
     };
     let percent = significant(100.0 * prior.standard / factor, 2);
     let known = 100.0 / sqrt(2.0 * f64::from(prior.degrees_of_freedom));
-    let role = if prior.shown == 0 { "is assumed for a dose like this" } else { "is assumed beside it" };
+    let role = if prior.shown == 0 { "is assumed for a dose like this" } else { "is assumed beside theirs" };
     format!(
         "  assumed     {shows}: a scatter of {percent} % {role}, {} times that of the pump file; the true one may be \
          {known:.0} % smaller or larger\n",
