@@ -80,9 +80,9 @@ enum Command {
     Discard(DiscardArgs),
     /// Let go of the rotor; its angle is less well known afterwards
     Release(ReleaseArgs),
-    /// Say what the tube has pumped and when to calibrate it again, or that it was replaced
+    /// Say what the tube has pumped, or that it was replaced
     Tube(TubeArgs),
-    /// Say what the safety limits leave, or clear a pump that stands at one
+    /// Say what the safety limits leave, or clear the pump
     Safety(SafetyArgs),
     /// Say that the receiving vessel was emptied
     Vessel(VesselArgs),

@@ -2,9 +2,6 @@
 
 mod run_volume;
 
-pub(super) use self::run_volume::RunBounds;
-use super::safety::system_now_s;
-
 use std::path::{Path, PathBuf};
 
 use libm::sqrt;
@@ -12,6 +9,7 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
+use super::safety::RunBounds;
 use crate::calibration::{
     Calibration, CalibrationError, Calibrations, Earlier, Expected, LastWeighing, Stored, WeighedDose,
 };
@@ -24,6 +22,7 @@ use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopReques
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
+use crate::record::{Clock, SystemClock};
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{PumpState, Story};
 use crate::units::StatedReading;
@@ -282,7 +281,7 @@ impl Bench {
         state: Option<PumpState>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
-        let now_s = system_now_s();
+        let now_s = SystemClock.now().unix_s;
         let most =
             RunBounds { steps: None, ml: self.left_ml(state.as_ref(), now_s, request.volume_ml < 0.0) };
         let mut prepared = self.prepare_from(&self.file, state, request, Some(most))?;

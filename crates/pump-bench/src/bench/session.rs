@@ -10,9 +10,10 @@ use crate::drives::{Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
-use super::bench::{Bench, RunBounds};
+use super::bench::Bench;
 use super::device::Device;
 use super::log::SessionLog;
+use super::safety::RunBounds;
 
 /// Bench that no other process can move meanwhile.
 #[derive(Debug)]

@@ -47,10 +47,10 @@ impl Drift {
     /// Fits a straight line to the factors of three calibrations or more, each weighted by its standard uncertainty.
     /// The last one is the present calibration. Returns `None` with fewer calibrations, or with all at one time.
     ///
-    /// The slope of weighted least squares is b = sum w (t - t0) y / sum w (t - t0)^2, w = 1 / u^2, with t0 the weighted
-    /// mean time, and its variance 1 / sum w (t - t0)^2 (Bevington and Robinson, Data Reduction and Error Analysis, 3rd
-    /// ed., section 6.4). Factors that scatter more than their uncertainties say widen it by the Birge ratio (Birge,
-    /// Phys. Rev. 40, 207 (1932)).
+    /// The slope of weighted least squares is b = sum w (t - t0) y / sum w (t - t0)^2, w = 1 / u^2, with t0 the
+    /// weighted mean time, and its variance 1 / sum w (t - t0)^2 (Bevington and Robinson, Data Reduction and
+    /// Error Analysis, 3rd ed., section 6.4). Factors that scatter more than their uncertainties say widen it
+    /// by the Birge ratio (Birge, Phys. Rev. 40, 207 (1932)).
     pub fn of(factors: &[FactorAtTime]) -> Option<Self> {
         let last = factors.last().filter(|_| factors.len() >= DRIFT_NEEDS)?;
         let usable =

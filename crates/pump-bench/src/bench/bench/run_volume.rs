@@ -8,6 +8,7 @@ use pump_model::Allowed;
 
 use self::time_search::TimeSearch;
 use super::Bench;
+use crate::bench::safety::RunBounds;
 use crate::dosing::{DoseError, DoseRequest, Prepared, cruise_of};
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
@@ -24,15 +25,6 @@ const WITHIN: f64 = 0.99;
 
 /// Turns that tell the flow of a cruise.
 const PROBED_TURNS: f64 = 10.0;
-
-/// Bounds of a run until it is stopped, beside those of every run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct RunBounds {
-    /// Most steps that the device can count. `None` if it bounds none.
-    pub(crate) steps: Option<u64>,
-    /// Most volume that the safety limits leave, in mL. Infinite without limits.
-    pub(crate) ml: f64,
-}
 
 impl Bench {
     /// Plans a run whose motion takes `time_s` to within a motor step, or as near to it as its ramps allow.

@@ -3,6 +3,8 @@
 mod check;
 mod clear;
 mod disturbed;
+mod run_bounds;
 
 pub(crate) use check::system_now_s;
 pub use clear::Cleared;
+pub(crate) use run_bounds::RunBounds;
