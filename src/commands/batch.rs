@@ -192,7 +192,7 @@ impl Batch<'_> {
                     find_angle(session, self.options, interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
-                    prepared.warnings.extend(self.before.drain(..));
+                    prepared.warnings.append(&mut self.before);
                     prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;

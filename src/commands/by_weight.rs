@@ -76,7 +76,8 @@ fn make(
     ) -> Result<(PreparedByWeight, BalanceReading), Failure>,
 ) -> Result<(), Failure> {
     let json = said.json;
-    let mut scale = balance.open(bench)?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
+    let mut scale =
+        balance.open(bench.board_port())?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
     let (prepared, reading) = prepare(&mut session, scale.as_mut(), &interrupt)?;
@@ -103,11 +104,14 @@ fn make(
     }
     let difference_g = delivered.difference_standard_g(options.scale, bench.file());
     let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
+    let delivered_ml = report.delivered_ml.unwrap_or_default();
     let printed = report_once(bench, report, said, None, Vec::new());
     match (printed, delivered.completed) {
-        (Err(failure), _) => Err(failure.after_motion()),
+        (Err(failure), _) => Err(failure.after_motion().delivered(delivered_ml)),
         (Ok(()), true) => Ok(()),
-        (Ok(()), false) => Err(Failure::stopped(interrupt.signal().unwrap_or(0), true, STOPPED)),
+        (Ok(()), false) => {
+            Err(Failure::stopped(interrupt.signal().unwrap_or(0), true, STOPPED).delivered(delivered_ml))
+        }
     }
 }
 
@@ -124,5 +128,5 @@ fn at_rest<T>(json: bool, read: impl FnOnce() -> T) -> T {
 
 /// Returns what a session gives, or its failure.
 fn of_session<T>(session: &mut Session<'_>, found: Result<T, DoseError>) -> Result<T, Failure> {
-    noted(session, found).map_err(|error| Failure::of(error).of_session(session))
+    noted(session, found).map_err(|error| Failure::from(error).of_session(session))
 }

@@ -25,7 +25,7 @@ fn the_port_of_the_board_is_refused_as_that_of_the_balance_by_any_of_its_names()
     let rig = Rig::new(Speech::MtSics, truth());
     let board = rig.board.path();
     let link = rig.path("scale");
-    std::os::unix::fs::symlink(&board, &link).unwrap();
+    std::os::unix::fs::symlink(board, &link).unwrap();
     for port in [board.to_str().unwrap(), link.to_str().unwrap()] {
         for words in [
             &["5g", "--until-scale"][..],

@@ -81,7 +81,7 @@ impl LastArgs {
             return Ok(reading);
         }
         let missing = || Failure::refused("what does the scale show? Write it, as 23.8g, or name a balance");
-        let mut balance = self.balance.open(bench)?.ok_or_else(missing)?;
+        let mut balance = self.balance.open(bench.board_port())?.ok_or_else(missing)?;
         let _interrupt = Interrupt::watch()?;
         let shown = still(balance.as_mut(), self.balance.longest_wait())?;
         let text = shown_mass(shown.mass_g, shown.step_g);

@@ -29,7 +29,7 @@ pub(super) enum Scale {
 impl Scale {
     /// The balance that is named, or else a person.
     pub(super) fn of(bench: &Bench, options: &BalanceOptions) -> Result<Self, Failure> {
-        Ok(match options.open(bench)? {
+        Ok(match options.open(bench.board_port())? {
             Some(balance) => {
                 Self::Balance { balance, before: None, longest: options.longest_wait(), digit_g: 0.0 }
             }

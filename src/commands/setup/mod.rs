@@ -148,7 +148,7 @@ impl SetupArgs {
         answers.check()?;
         course.check_axis(&answers)?;
         self.refuse_weight_before_dose(&answers)?;
-        let mut balance = self.balance.open()?;
+        let mut balance = self.balance.open(answers.port.as_deref())?;
         if let Some(balance) = &mut balance {
             // A balance that is silent or says no mass is found before anything moves.
             weigh::still(balance.as_mut(), &self.balance)?;

@@ -1,12 +1,12 @@
 //! The balance under the vessel: what it speaks, and where.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use pump_bench::Bench;
-use pump_bench::balance::{Balance, ProgramBalance, Protocol, SerialBalance, SerialLine};
-
+use pump_bench::balance::{
+    Balance, ProgramBalance, Protocol, SerialBalance, SerialLine, refuse_port_of_board,
+};
 use pump_bench::units;
 
 use crate::failure::Failure;
@@ -63,13 +63,13 @@ impl BalanceOptions {
         Duration::from_secs_f64(self.scale_wait.unwrap_or(STILL_S).min(MOST_WAIT_S))
     }
 
-    /// Opens the balance that is named, or returns `None` if a person answers. The port of the pump's board is refused.
-    pub(crate) fn open(&self, bench: &Bench) -> Result<Option<Box<dyn Balance>>, Failure> {
+    /// Opens the balance that is named, or returns `None` if a person answers. The port of the pump's `board` is refused.
+    pub(crate) fn open(&self, board: Option<&Path>) -> Result<Option<Box<dyn Balance>>, Failure> {
         if let Some(command) = &self.scale_command {
             return Ok(Some(Box::new(ProgramBalance::new(command.clone()))));
         }
         let Some(port) = &self.scale_port else { return Ok(None) };
-        bench.refuse_port_of_board(port).map_err(Failure::of)?;
+        refuse_port_of_board(port, board).map_err(Failure::of)?;
         let protocol = self.scale_protocol.unwrap_or(Protocol::MtSics);
         let line = self.scale_line.unwrap_or(protocol.usual_line());
         let balance = SerialBalance::open(port, line, protocol).map_err(Failure::of)?;

@@ -1,4 +1,5 @@
 //! The seams of the clock and the disk are real: the command itself under libfaketime, and with a limit of file size.
+#![allow(clippy::print_stderr, reason = "a test that is skipped says why")]
 
 use std::process::{Command, Output, Stdio};
 

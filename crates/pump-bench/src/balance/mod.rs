@@ -3,6 +3,7 @@
 //! A balance is read once it says that it stands still. Every wait has a deadline and hears the user's stop.
 
 mod error;
+mod own_port;
 mod program;
 mod reading;
 #[cfg(feature = "balance")]
@@ -13,6 +14,7 @@ use std::fmt::Debug;
 use std::time::Duration;
 
 pub use error::BalanceError;
+pub use own_port::refuse_port_of_board;
 pub use program::ProgramBalance;
 pub use reading::{BalanceReading, printed_reading};
 #[cfg(feature = "balance")]

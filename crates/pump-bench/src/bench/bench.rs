@@ -195,6 +195,11 @@ impl Bench {
         &self.drive
     }
 
+    /// Returns the port of the pump's board. A simulated motor has none.
+    pub fn board_port(&self) -> Option<&Path> {
+        self.drive.port.as_deref().filter(|_| !self.is_simulated())
+    }
+
     /// Returns the terms on which the device is opened. A program opens several axes of one board with them.
     pub fn opening(&self) -> &Opening {
         &self.opening

@@ -1,6 +1,5 @@
 //! The connection of a session to its device, and how the rotor was met.
 
-mod balance_port;
 mod confirmation;
 
 use std::time::{Duration, Instant};

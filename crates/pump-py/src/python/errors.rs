@@ -123,67 +123,72 @@ pub(crate) fn balance(error: &DoseBalanceError) -> PyErr {
 
 /// Maps an error of a bench. A failing motor, and a pump or device in use, are a `DriveError`.
 pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
-    let message = advice::told(&error);
-    let with = |of: PyErr, numbers: &[(&str, f64)]| {
-        for (name, number) in numbers {
-            // An exception takes any attribute.
-            let _ = of.value(py).setattr(*name, *number);
+    let numbers = numbers(&error);
+    let raised = class(error);
+    for (name, number) in numbers {
+        // An exception takes any attribute.
+        let _ = raised.value(py).setattr(name, number);
+    }
+    raised
+}
+
+/// Returns the attributes of an exception.
+fn numbers(error: &DoseError) -> Vec<(&'static str, f64)> {
+    let bounds = |least_ml, most_ml| vec![("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)];
+    match error {
+        DoseError::NoRest { requested_ml, least_ml, most_ml }
+        | DoseError::Unfinished { requested_ml, least_ml, most_ml } => {
+            let mut known = bounds(*least_ml, *most_ml);
+            known.push(("requested_ml", *requested_ml));
+            known
         }
-        of
-    };
+        DoseError::UnfinishedRun { least_ml, most_ml } | DoseError::Drive { least_ml, most_ml, .. } => {
+            bounds(*least_ml, *most_ml)
+        }
+        DoseError::ByWeight { turned_ml, weighed_g, .. } => {
+            let mut known = vec![("turned_ml", *turned_ml)];
+            known.extend(weighed_g.map(|mass_g| ("weighed_g", mass_g)));
+            known
+        }
+        DoseError::Stands { stand, .. } => {
+            vec![
+                ("used_ml", stand.used_ml),
+                ("planned_ml", stand.planned_ml),
+                ("allowed_ml", stand.allowed_ml),
+            ]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Returns the exception without its attributes.
+fn class(error: DoseError) -> PyErr {
+    let message = advice::told(&error);
     match error {
         DoseError::PumpFile(error) => pump_file(error),
         DoseError::Plan(error) => plan(error),
         DoseError::Calibration(error) => calibration(error),
         DoseError::Displacement(DisplacementError::Model(error)) => model(error),
-        DoseError::Displacement(_) => PlanError::new_err(message),
-        DoseError::NoRest { requested_ml, least_ml, most_ml } => with(
-            UnfinishedError::new_err(message),
-            &[
-                ("requested_ml", requested_ml),
-                ("delivered_least_ml", least_ml),
-                ("delivered_most_ml", most_ml),
-            ],
-        ),
-        DoseError::Unfinished { requested_ml, least_ml, most_ml } => with(
-            UnfinishedError::new_err(message),
-            &[
-                ("requested_ml", requested_ml),
-                ("delivered_least_ml", least_ml),
-                ("delivered_most_ml", most_ml),
-            ],
-        ),
-        DoseError::UnfinishedRun { least_ml, most_ml } => with(
-            UnfinishedError::new_err(message),
-            &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
-        ),
-        DoseError::Drive { least_ml, most_ml, .. } => with(
-            DriveError::new_err(message),
-            &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
-        ),
-        DoseError::Balance(_) => BalanceError::new_err(message),
-        DoseError::ByWeight { turned_ml, weighed_g, .. } => {
-            let mut known = vec![("turned_ml", turned_ml)];
-            known.extend(weighed_g.map(|mass_g| ("weighed_g", mass_g)));
-            with(BalanceError::new_err(message), &known)
-        }
-        DoseError::Stands { stand, .. } => with(
-            SafetyError::new_err(message),
-            &[("used_ml", stand.used_ml), ("planned_ml", stand.planned_ml), ("allowed_ml", stand.allowed_ml)],
-        ),
+        DoseError::NoRest { .. }
+        | DoseError::Unfinished { .. }
+        | DoseError::UnfinishedRun { .. }
+        | DoseError::BeyondRequest { .. }
+        | DoseError::AngleIsKnown
+        | DoseError::NoRestByWeight(_) => UnfinishedError::new_err(message),
+        DoseError::Balance(_) | DoseError::ByWeight { .. } => BalanceError::new_err(message),
+        DoseError::Stands { .. } => SafetyError::new_err(message),
         DoseError::NotCleared { .. } => value(message),
-        DoseError::NotByWeight { .. } | DoseError::NoRun { .. } | DoseError::Disturbed { .. } => {
-            PlanError::new_err(message)
-        }
-        DoseError::Folder(FolderError::Busy { .. })
+        DoseError::Drive { .. }
+        | DoseError::Folder(FolderError::Busy { .. })
         | DoseError::Connection(_)
         | DoseError::NoIndex { .. }
         | DoseError::Retraction { .. } => DriveError::new_err(message),
         DoseError::SuckBack { source: CtlPlanError::OutOfRange { .. }, .. } => PyValueError::new_err(message),
-        DoseError::BeyondRequest { .. } | DoseError::AngleIsKnown | DoseError::NoRestByWeight(_) => {
-            UnfinishedError::new_err(message)
-        }
-        DoseError::TubeWorn { .. }
+        DoseError::Displacement(_)
+        | DoseError::NotByWeight { .. }
+        | DoseError::NoRun { .. }
+        | DoseError::Disturbed { .. }
+        | DoseError::TubeWorn { .. }
         | DoseError::SuckBack { .. }
         | DoseError::RunsTheOtherWay { .. }
         | DoseError::TooSlow { .. }
