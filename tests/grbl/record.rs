@@ -229,6 +229,6 @@ fn a_board_that_turns_slower_than_its_settings_say_is_reported() {
     let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
     let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
     let warning = delivered.warnings.last().unwrap();
-    assert!(warning.text().contains("the device was slower"), "{warning}");
+    assert!(warning.text().contains("the board was slower"), "{warning}");
     assert!((delivered.measured_s / prepared.plan.profile().duration_s() - 2.0).abs() < 0.4, "{warning}");
 }

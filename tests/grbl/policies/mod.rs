@@ -31,7 +31,7 @@ fn types(folder: &Path, pump: &Path, words: &[&str]) -> Output {
     command.env("XDG_CONFIG_HOME", folder).env_remove("DOSE_CONFIG").stdin(Stdio::null()).output().unwrap()
 }
 
-/// A dose after the motor was let go.
+/// A dose after the motor was let go. The angle was stated to 1 deg, and two full steps are 3.6 deg.
 fn after_release(folder: &Path, pump: &Path) -> Output {
     for words in [&["home", "--set", "0deg"][..], &["release"]] {
         let done = types(folder, pump, words);
@@ -52,21 +52,21 @@ fn a_dose_without_a_person_does_as_the_pump_file_says_once_the_angle_was_disturb
             HomePolicy::Refuse => {
                 assert_eq!(board.rest().steps, 0, "nothing moved");
                 assert!(
-                    err.contains("\"kind\":\"angle\"") && err.contains("known within 3.6 deg now"),
+                    err.contains("\"kind\":\"angle\"") && err.contains("known within 4.6 deg now"),
                     "{err}"
                 );
             }
             HomePolicy::Accept => {
                 assert!(
-                    err.contains("known within 3.6 deg: [safety] home = \"accept\" doses from it"),
+                    err.contains("known within 4.6 deg: [safety] home = \"accept\" doses from it"),
                     "{err}"
                 );
-                assert!(out.contains("\"half_width_deg\":3.6"), "{out}");
+                assert!(out.contains("\"half_width_deg\":4.6"), "{out}");
             }
             HomePolicy::Sensor => {
                 assert!(board.rest().steps > 4000, "the rotor passed the sensor");
                 assert!(err.contains("turned to its index sensor first and pumped"), "{err}");
-                assert!(!out.contains("\"half_width_deg\":3.6"), "{out}");
+                assert!(!out.contains("\"half_width_deg\":4.6"), "{out}");
             }
         }
     }
