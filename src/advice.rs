@@ -82,8 +82,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
         Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose discard` leaves it",
         Remedy::FinishByVolumeOrWeigh => {
-            "`dose resume --until-scale` goes on while the vessel stands on its balance; `dose resume` makes the rest by \
-             volume; `dose discard` accepts it, then weigh the vessel and dose what it lacks"
+            "`dose resume --until-scale` goes on while the vessel stands on its balance; `dose resume` makes the rest \
+             by volume; `dose discard` accepts it, then weigh the vessel and dose what it lacks"
         }
         Remedy::AcceptInstead => "`dose discard` accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {

@@ -149,7 +149,12 @@ impl Failure {
 
     /// The failure of a command with a session that may have turned the motor before.
     pub(crate) fn of_session(self, session: &Session<'_>) -> Self {
-        if session.has_moved() { self.after_motion() } else { self }
+        if !session.has_moved() {
+            return self;
+        }
+        // A turn to the sensor or the rest of an earlier dose has pumped, and this failure tells nothing of it.
+        let delivered_ml = self.delivered_ml.filter(|known| Some(*known) != NOTHING);
+        Self { delivered_ml, ..self.after_motion() }
     }
 
     /// True if nothing moved and nothing stands in the way.

@@ -12,8 +12,7 @@ use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Finish;
 
-use super::delivery::{DeliveryEnd, Said, deliver, ended, report_once};
-use super::safety::{before_dose, find_angle};
+use super::delivery::{DeliveryEnd, Said, before_dose, deliver, ended, find_angle, report_once};
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -71,8 +70,10 @@ pub(super) fn run(
         let mut session = bench.session()?;
         batch.before = before_dose(bench, &mut session, options, &interrupt)?;
         batch.refuse_missing_ends(&mut session, &interrupt)?;
-        let safe = session.keep_batch_safe(request.volume_ml, schedule.count(), every_s.unwrap_or(0.0));
-        noted(&mut session, safe)?;
+        // A suck-back is repaid by the next dose, so that each pumps it too.
+        let each_ml = request.volume_ml + request.retract_ml.unwrap_or(0.0);
+        let safe = session.keep_batch_safe(each_ml, schedule.count(), every_s.unwrap_or(0.0));
+        noted(&mut session, safe).map_err(|error| Failure::from(error).of_session(&session))?;
         (batch.run(&mut session, schedule, &interrupt), "done")
     };
     let printed = batch.print_total();

@@ -3,8 +3,7 @@
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, PreparedByWeight, Session};
 
-use super::delivery::{Said, report_once};
-use super::safety::before_dose;
+use super::delivery::{Said, before_dose, report_once};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};

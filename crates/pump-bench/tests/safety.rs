@@ -104,7 +104,24 @@ fn a_pump_stands_at_its_day_before_it_moves_and_over_restarts_until_a_person_cle
 }
 
 #[test]
-fn every_purpose_counts_and_a_day_rolls_to_the_second() {
+fn every_purpose_counts() {
+    for (purpose, volume_ml) in [
+        (Purpose::Prime, 50.0),
+        (Purpose::Purge, 50.0),
+        (Purpose::Purge, -50.0),
+        (Purpose::Run, 50.0),
+        (Purpose::Calibrate, 50.0),
+    ] {
+        let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
+        let bench = bench(&folder, Some(50.0), None);
+        let mut session = session(&bench, &clock);
+        run(&mut session, DoseRequest::new(purpose, volume_ml)).unwrap();
+        assert_eq!(stands(dose(&mut session, 0.1)), (SafetyLimit::Day, true), "{purpose} {volume_ml}");
+    }
+}
+
+#[test]
+fn a_day_rolls_to_the_second() {
     let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
     let bench = bench(&folder, Some(50.0), None);
     let mut session = session(&bench, &clock);
@@ -153,6 +170,8 @@ fn a_vessel_counts_until_it_is_emptied_and_what_is_pumped_back_leaves_it() {
         clock.set(START + day * DAY);
         dose(&mut session, 20.0).unwrap();
     }
+    dose(&mut session, -5.0).unwrap();
+    // A line that is purged backwards may draw air: nothing leaves the vessel for sure.
     run(&mut session, DoseRequest::new(Purpose::Purge, -5.0)).unwrap();
     dose(&mut session, 5.0).unwrap();
     assert_eq!(stands(dose(&mut session, 1.0)), (SafetyLimit::Vessel, true));

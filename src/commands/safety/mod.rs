@@ -1,6 +1,5 @@
 //! `dose safety`: the safety limits of a pump, and the word of a person to one that stands at a limit.
 
-mod before_dose;
 mod clear;
 mod vessel;
 
@@ -14,7 +13,6 @@ use crate::options::bench::RecordOptions;
 use crate::options::report::FormatOption;
 use crate::terminal::{print, tell};
 
-pub(super) use self::before_dose::{before_dose, find_angle};
 pub(crate) use self::vessel::VesselArgs;
 
 #[derive(Debug, Args)]

@@ -63,7 +63,8 @@ impl BalanceOptions {
         Duration::from_secs_f64(self.scale_wait.unwrap_or(STILL_S).min(MOST_WAIT_S))
     }
 
-    /// Opens the balance that is named, or returns `None` if a person answers. The port of the pump's `board` is refused.
+    /// Opens the balance that is named, or returns `None` if a person answers. The port of the pump's `board` is
+    /// refused.
     pub(crate) fn open(&self, board: Option<&Path>) -> Result<Option<Box<dyn Balance>>, Failure> {
         if let Some(command) = &self.scale_command {
             return Ok(Some(Box::new(ProgramBalance::new(command.clone()))));

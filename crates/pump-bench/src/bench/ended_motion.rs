@@ -51,7 +51,8 @@ impl<'a> Session<'a> {
         let whole = made == plan.steps().unsigned_abs();
         // A run until it is stopped is complete once somebody stopped it.
         let is_ended = halt.is_none() && motion.terms.until_stopped;
-        let after = after_steps(before, &intent, made, is_ended, self.bench.model());
+        let after =
+            after_steps(before, self.log.clock.now().unix_s, &intent, made, is_ended, self.bench.model());
         let state = self.with_device(&mut device, after, Some(pace.pauses));
         let why = match &halt {
             Some(_) => Why::Fault,
@@ -163,7 +164,14 @@ impl<'a> Session<'a> {
 }
 
 /// Returns the state after the first `made` steps of `intent`. A motion that `is_ended` leaves nothing unfinished.
-fn after_steps(before: PumpState, intent: &Intent, made: u64, is_ended: bool, model: &Pump) -> PumpState {
-    let after = before.after(intent, made as i64, made as i64, model);
+fn after_steps(
+    before: PumpState,
+    ended_s: u64,
+    intent: &Intent,
+    made: u64,
+    is_ended: bool,
+    model: &Pump,
+) -> PumpState {
+    let after = before.after_until(ended_s, intent, made as i64, made as i64, model);
     PumpState { unfinished: after.unfinished.filter(|_| !is_ended), ..after }
 }

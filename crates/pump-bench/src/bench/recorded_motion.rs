@@ -155,7 +155,8 @@ impl<'a> Session<'a> {
     ) -> DoseError {
         let DriveFault { made_least, made_most, lost, error } = fault;
         let model = self.bench.model();
-        let after = before.after(&intent, made_least, made_most, model);
+        let ended_s = self.log.clock.now().unix_s;
+        let after = before.after_until(ended_s, &intent, made_least, made_most, model);
         let after = if lost { after.lost(model) } else { after };
         let mut state = self.with_device(&mut device, after, Some(pauses));
         // A turn to find the angle is no part of the unfinished dose that stays on record.

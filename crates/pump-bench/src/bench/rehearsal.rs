@@ -51,7 +51,7 @@ impl<'a> Rehearsal<'a> {
             let intent = Intent::of(plan, correction, purpose, carry_out_ml, 0);
             let all = plan.steps().abs();
             let before = self.state.unwrap_or(self.bench.fresh());
-            self.state = Some(before.after(&intent, all, all, self.bench.model()));
+            self.state = Some(before.after_until(intent.unix_s, &intent, all, all, self.bench.model()));
         };
         made(&prepared.plan, request.purpose, prepared.carry_out_ml);
         if let Some(back) = &prepared.retraction {

@@ -168,8 +168,8 @@ impl Bench {
         Some(Notice::from(text).with_remedy(Remedy::AcceptInstead))
     }
 
-    /// Returns the expanded uncertainty of the whole dose, in mL, that comes from the pump and not from the angle or the
-    /// steps: its parts are as far off as each other.
+    /// Returns the expanded uncertainty of the whole dose, in mL, that comes from the pump and not from the angle or
+    /// the steps: its parts are as far off as each other.
     fn pump_unsure_ml(&self, dose: &Unfinished, prepared: &Prepared) -> f64 {
         let (model, plan) = (&prepared.model, &prepared.plan);
         let volume_ml = dose.booked_ml(self.model()) + plan.planned_ml();

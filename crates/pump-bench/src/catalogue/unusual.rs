@@ -20,6 +20,7 @@ const MOST_ROLLERS: u32 = 12;
 /// let mut file = pump_bench::built_in("three-roller").unwrap();
 /// assert!(pump_bench::catalogue::unusual(&file).is_empty());
 /// file.motor.steps_per_rev = 3000;
+/// file.motor.confirmed = None;
 /// let warnings = pump_bench::catalogue::unusual(&file);
 /// assert!(warnings[0].text().starts_with("3000 steps per revolution are 15 microsteps"), "{warnings:?}");
 /// ```

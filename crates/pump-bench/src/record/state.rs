@@ -113,13 +113,18 @@ impl PumpState {
         self.safety.unwrap_or_else(|| SafetyAccount::of_early_record(self.wear.volume_ml, now_s))
     }
 
-    /// Returns the volumes that safety limits count after `made_least` to `made_most` net steps of `intent`: the most
-    /// that may have been pumped. A retraction leaves the vessel, and the next dose that repays it counts.
-    fn safety_after(&self, intent: &Intent, made_least: i64, made_most: i64, pump: &Pump) -> SafetyAccount {
-        let [least_ml, most_ml] = [made_least, made_most].map(|made| intent.delivered_ml(pump, made));
+    /// Returns the volumes that safety limits count after a motion that lasted `lasted_s`: the most that may have been
+    /// pumped. A retraction leaves the vessel, and the next dose that repays it counts.
+    fn safety_after(&self, made: &Unfinished, lasted_s: f64, pump: &Pump) -> SafetyAccount {
+        let intent = &made.intent;
+        let [least_ml, most_ml] =
+            [made.made_least, made.made_most].map(|steps| intent.delivered_ml(pump, steps));
         let pumped_ml = least_ml.abs().max(most_ml.abs());
         let day_ml = if intent.purpose == Purpose::Retract { 0.0 } else { pumped_ml };
-        self.safety_at(intent.unix_s).pumped(intent.unix_s, day_ml, least_ml.max(most_ml))
+        // A line that is pumped back may draw air.
+        let fills_line = matches!(intent.purpose, Purpose::Prime | Purpose::Purge | Purpose::Run);
+        let vessel_ml = least_ml.max(most_ml).max(if fills_line { 0.0 } else { f64::NEG_INFINITY });
+        self.safety_at(intent.unix_s).pumped(intent.unix_s, lasted_s as u64, day_ml, vessel_ml)
     }
 
     /// Returns the state with an unknown angle recorded as such. Earlier versions recorded it as half of the
@@ -232,15 +237,31 @@ impl PumpState {
 
     /// Returns the state once the rotor stands after `made_least` to `made_most` net steps of `intent`.
     ///
-    /// The tube wears by the most steps that may have been made in either direction.
+    /// The tube wears by the most steps that may have been made in either direction. Nobody knows when the motion ended,
+    /// so that it lasted as long as its plan.
     pub(crate) fn after(self, intent: &Intent, made_least: i64, made_most: i64, pump: &Pump) -> Self {
+        self.after_until(u64::MAX, intent, made_least, made_most, pump)
+    }
+
+    /// Returns the state as [`Self::after`] does, once the rotor stands at the wall time `ended_s`.
+    pub(crate) fn after_until(
+        self,
+        ended_s: u64,
+        intent: &Intent,
+        made_least: i64,
+        made_most: i64,
+        pump: &Pump,
+    ) -> Self {
         let all = intent.steps.abs();
         let worn = if -made_least > made_most { made_least } else { made_most };
         let part = Unfinished { intent: *intent, made_least, made_most, count_before: None };
+        let motion_s = intent.motion_s * worn.abs() as f64 / all as f64;
+        // A clock that was set meanwhile tells no longer motion than the plan.
+        let lasted_s = motion_s.min(ended_s.saturating_sub(intent.unix_s) as f64);
         let wear = Wear {
             volume_ml: self.wear.volume_ml + intent.delivered_ml(pump, worn).abs(),
             revolutions: self.wear.revolutions + worn.abs() as f64 * intent.step_rad / TURN_RAD,
-            motion_s: self.wear.motion_s + intent.motion_s * worn.abs() as f64 / all as f64,
+            motion_s: self.wear.motion_s + motion_s,
         };
         let finished = made_least == all && made_most == all;
         let unfinished = match intent.purpose {
@@ -261,7 +282,7 @@ impl PumpState {
             unfinished,
             last: LastDose::after(self.last, intent, made_least, made_most),
             source: PhaseSource::Recorded,
-            safety: Some(self.safety_after(intent, made_least, made_most, pump)),
+            safety: Some(self.safety_after(&part, lasted_s, pump)),
             ..self.booked(&part, pump)
         }
         .at(part.phase())

@@ -222,8 +222,8 @@ fn less_sure_than_the_model(
     let is_less = found.prior.is_some() && of_doses > of_model;
     Ok(is_less.then(|| {
         format!(
-            "the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} {:.2} % (k = 2): weigh \
-             more doses, or doses of more revolutions",
+            "the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} {:.2} % (k = 2): \
+             weigh more doses, or doses of more revolutions",
             200.0 * of_doses / found.factor,
             200.0 * of_model
         )

@@ -9,6 +9,12 @@ use super::{SafetyLimit, SafetyLimits, Stand};
 /// Volume by which a sum may exceed its limit, in mL: the rounding of sums.
 const ROUNDING_ML: f64 = 1e-9;
 
+/// Motion that counts as of its begin, in s: a dose that comes every 24 hours then fits. A longer one counts in parts of
+/// `PART_S` at most, or in `MOST_PARTS`.
+const SHORT_S: u64 = 60;
+const PART_S: u64 = 3600;
+const MOST_PARTS: u64 = 1000;
+
 /// Account of the volumes that safety limits count. It is kept whether there are limits or not.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,14 +37,27 @@ impl SafetyAccount {
     /// Returns the account of a record of an early version, which has no times: everything that the tube has pumped
     /// counts as of `now_s`, and as what the vessel has received.
     pub(crate) fn of_early_record(pumped_ml: f64, now_s: u64) -> Self {
-        if pumped_ml > 0.0 { Self::default().pumped(now_s, pumped_ml, pumped_ml) } else { Self::default() }
+        if pumped_ml > 0.0 { Self::default().pumped(now_s, 0, pumped_ml, pumped_ml) } else { Self::default() }
     }
 
-    /// Returns the account after a motion that began at `now_s`: `day_ml` counts for the day, and the vessel received
-    /// `vessel_ml`, negative if that left it.
-    pub(crate) fn pumped(self, now_s: u64, day_ml: f64, vessel_ml: f64) -> Self {
-        let time = self.at(now_s);
-        let day = if day_ml > 0.0 { self.day.with(time.passed_s, day_ml) } else { self.day };
+    /// Returns the account after a motion that began at `began_s` and took `lasted_s`: `day_ml` counts for the day, and
+    /// the vessel received `vessel_ml`, negative if that left it.
+    ///
+    /// A motion of less than a minute counts as of its begin. A longer one counts in even parts of an hour at most,
+    /// each as of its end, so that no 24 hours hold more than was counted.
+    pub(crate) fn pumped(self, began_s: u64, lasted_s: u64, day_ml: f64, vessel_ml: f64) -> Self {
+        let (parts, lasted_s) = match lasted_s {
+            0..SHORT_S => (1, 0),
+            _ => (lasted_s.div_ceil(PART_S).min(MOST_PARTS), lasted_s),
+        };
+        let mut time = self.at(began_s);
+        let mut day = self.day;
+        for part in 1..=parts {
+            time = time.seen(began_s.saturating_add(lasted_s / parts * part));
+            if day_ml > 0.0 {
+                day = day.with(time.passed_s, day_ml / parts as f64);
+            }
+        }
         Self { time: Some(time), day, vessel_ml: (self.vessel_ml + vessel_ml).max(0.0), ..self }
     }
 
@@ -88,7 +107,7 @@ impl SafetyAccount {
         (0..count).find_map(|number| {
             let at_s = now_s.saturating_add((number as f64 * every_s) as u64);
             let stand = account.stand_of(limits, at_s, volume_ml.abs(), volume_ml);
-            account = account.pumped(at_s, volume_ml.abs(), volume_ml);
+            account = account.pumped(at_s, 0, volume_ml.abs(), volume_ml);
             stand
         })
     }
@@ -109,7 +128,7 @@ impl SafetyAccount {
 
     /// Returns the account once a person has cleared the stand: the day begins anew. What the vessel holds stays.
     pub(crate) fn cleared(self, now_s: u64) -> Self {
-        Self { time: Some(PassedTime::from(now_s)), day: LastDay::default(), stand: None, ..self }
+        Self { time: Some(self.at(now_s)), day: LastDay::default(), stand: None, ..self }
     }
 
     /// Returns the account once the vessel is empty.
@@ -128,11 +147,12 @@ mod tests {
     use super::*;
 
     const DAY: u64 = super::super::DAY_S;
+    const HOUR: u64 = 3600;
     const LIMITS: SafetyLimits = SafetyLimits { max_ml_per_day: Some(50.0), vessel_ml: Some(120.0) };
 
     #[test]
     fn a_dose_that_just_fits_is_allowed_and_the_next_drop_is_not() {
-        let account = SafetyAccount::default().pumped(1000, 25.0, 25.0);
+        let account = SafetyAccount::default().pumped(1000, 0, 25.0, 25.0);
         assert_eq!(account.stand_of(&LIMITS, 2000, 25.0, 25.0), None);
         let stand = account.stand_of(&LIMITS, 2000, 25.001, 25.001).unwrap();
         assert_eq!((stand.limit, stand.used_ml, stand.allowed_ml), (SafetyLimit::Day, 25.0, 50.0));
@@ -141,23 +161,27 @@ mod tests {
 
     #[test]
     fn a_vessel_counts_what_is_sucked_back_and_forgets_nothing_overnight() {
-        let account =
-            SafetyAccount::default().pumped(0, 40.0, 40.0).pumped(DAY, 40.0, 40.0).pumped(2 * DAY, 0.0, -5.0);
+        let account = SafetyAccount::default().pumped(0, 0, 40.0, 40.0).pumped(DAY, 0, 40.0, 40.0).pumped(
+            2 * DAY,
+            0,
+            0.0,
+            -5.0,
+        );
         assert_eq!(account.vessel_ml, 75.0);
         let stand = account.stand_of(&LIMITS, 3 * DAY, 46.0, 46.0).unwrap();
         assert_eq!((stand.limit, stand.used_ml), (SafetyLimit::Vessel, 75.0));
         assert_eq!(account.emptied().stand_of(&LIMITS, 3 * DAY, 46.0, 46.0), None);
         // Nothing is in a vessel that was emptied by the pump itself.
-        assert_eq!(SafetyAccount::default().pumped(0, 9.0, -9.0).vessel_ml, 0.0);
+        assert_eq!(SafetyAccount::default().pumped(0, 0, 9.0, -9.0).vessel_ml, 0.0);
     }
 
     #[test]
     fn a_clock_set_back_frees_nothing_and_a_person_begins_the_day_anew() {
-        let account = SafetyAccount::default().pumped(10 * DAY, 50.0, 50.0);
+        let account = SafetyAccount::default().pumped(10 * DAY, 0, 50.0, 50.0);
         for now_s in [0, 10 * DAY, 11 * DAY - 1] {
             assert!(account.stand_of(&LIMITS, now_s, 0.1, 0.1).is_some(), "{now_s}");
         }
-        let (behind, later) = (account.pumped(0, 0.5, 0.5), 10 * DAY + 60);
+        let (behind, later) = (account.pumped(0, 0, 0.5, 0.5), 10 * DAY + 60);
         assert!(behind.stand_of(&LIMITS, later, 0.1, 0.1).is_some(), "the clock was set right again");
         assert_eq!(account.behind_s(9 * DAY), DAY);
         assert_eq!(account.cleared(later).day_ml(later), 0.0);
@@ -185,5 +209,28 @@ mod tests {
             (account.day_ml(7 * DAY), account.day_ml(8 * DAY), account.vessel_ml),
             (300.0, 0.0, 300.0)
         );
+    }
+
+    #[test]
+    fn a_motion_of_many_hours_counts_for_a_day_from_each_of_its_hours() {
+        let account = SafetyAccount::default().pumped(0, 24 * HOUR, 48.0, 48.0);
+        // 48 mL in the 24 hours until then, and 2 mL fewer with each hour.
+        for hour in 0..24 {
+            let left_ml = 48.0 - 2.0 * hour as f64;
+            let counted_ml = account.day_ml((24 + hour) * HOUR);
+            assert!((counted_ml - left_ml).abs() < 1e-9, "{hour}: {counted_ml}");
+        }
+        // A motion of two days is not forgotten when it ends.
+        let account = SafetyAccount::default().pumped(0, 48 * HOUR, 96.0, 96.0);
+        assert!((account.day_ml(48 * HOUR) - 48.0).abs() < 1e-9, "{}", account.day_ml(48 * HOUR));
+    }
+
+    #[test]
+    fn a_person_who_clears_by_a_wrong_clock_frees_no_later_day() {
+        let year = 365 * DAY;
+        // The board starts in 1970, a person clears, and the network sets the clock.
+        let cleared = SafetyAccount::default().pumped(50 * year, 0, 50.0, 50.0).cleared(60);
+        let account = cleared.pumped(120, 0, 50.0, 50.0);
+        assert!(account.stand_of(&LIMITS, 50 * year + HOUR, 0.1, 0.1).is_some());
     }
 }

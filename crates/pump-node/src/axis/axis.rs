@@ -79,8 +79,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.begun = false;
     }
 
-    /// Configures an axis that stands, and makes its pins outputs. The interrupt is kept off meanwhile, so nothing large
-    /// is moved but the brake.
+    /// Configures an axis that stands, and makes its pins outputs. The interrupt is kept off meanwhile, so nothing
+    /// large is moved but the brake.
     pub(crate) fn configure(&mut self, revision: u32, setup: &Setup, now: u64) {
         let Setup { config, times, brake } = setup;
         if !self.actuator.stepper().set_brake(brake) {

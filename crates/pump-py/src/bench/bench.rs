@@ -168,7 +168,8 @@ impl Bench {
         let request = asked.request(purpose_named(purpose)?, &self.weighing())?;
         self.run(py, progress, move |session, signal| {
             // No person watches the doses of a program.
-            if session.state().is_none_or(|state| state.unfinished.is_none()) {
+            let is_free = session.state().is_none_or(|state| state.unfinished.is_none());
+            if is_free && request.start_angle_rad.is_none() {
                 session.follow_home_policy(|_| signal.flow())?;
             }
             session.prepare(request)

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use super::balance::{Balance, lock};
 use super::bench::Bench;
 use super::request::AskedDose;
+use super::worker::Signal;
 use crate::argument::{cruise, text};
 use crate::python::advice;
 use crate::python::errors::{self, value};
@@ -71,7 +72,10 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
-        self.weighed(py, &by_weight, progress, move |session, balance| {
+        self.weighed(py, &by_weight, progress, move |session, balance, signal| {
+            if session.state().is_none_or(|state| state.unfinished.is_none()) {
+                session.follow_home_policy(|_| signal.flow())?;
+            }
             let prepared = session.prepare_by_weight(&order)?;
             let tare = session.tare_by_weight(&prepared, balance)?;
             Ok((prepared, tare))
@@ -88,7 +92,7 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
-        self.weighed(py, &by_weight, progress, move |session, balance| {
+        self.weighed(py, &by_weight, progress, move |session, balance, _| {
             session.prepare_rest_by_weight(&order, balance)
         })
     }
@@ -104,6 +108,7 @@ impl Bench {
         prepare: impl FnOnce(
             &mut Session<'_>,
             &mut dyn balance::Balance,
+            &Signal,
         ) -> Result<(PreparedByWeight, BalanceReading), DoseError>
         + Send
         + 'static,
@@ -119,7 +124,7 @@ impl Bench {
                 let mut device = lock(&device);
                 // The balance was open when the call began.
                 let Some(balance) = device.as_mut() else { return Err(BalanceError::Stopped.into()) };
-                let (prepared, tare) = prepare(session, balance.as_mut())?;
+                let (prepared, tare) = prepare(session, balance.as_mut(), signal)?;
                 signal.plans(prepared.whole.plan.steps().unsigned_abs());
                 let (mut before, mut last) = (0, 0);
                 let delivered = session.run_from_tare(&prepared, tare, balance.as_mut(), |made| {

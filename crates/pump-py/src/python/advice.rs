@@ -65,8 +65,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayUnknownAngle => "if nobody knows the angle, call bench.home_set(None)",
         Remedy::FinishOrLeave => "bench.resume() makes the rest, bench.discard() leaves it",
         Remedy::FinishByVolumeOrWeigh => {
-            "bench.resume(until_scale=balance) goes on while the vessel stands on its balance; bench.resume() makes the \
-             rest by volume; bench.discard() accepts it, then weigh the vessel and dose what it lacks"
+            "bench.resume(until_scale=balance) goes on while the vessel stands on its balance; bench.resume() makes \
+             the rest by volume; bench.discard() accepts it, then weigh the vessel and dose what it lacks"
         }
         Remedy::AcceptInstead => "bench.discard() accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {

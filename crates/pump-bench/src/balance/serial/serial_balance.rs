@@ -102,8 +102,8 @@ impl SerialBalance {
 impl SerialBalance {
     /// Asks until `is_wanted` takes an answer.
     ///
-    /// The time is that for which the balance was listened to: a wait counts for no more than it was to last. A computer
-    /// that is busy with other things waits longer, and the balance is not blamed for it.
+    /// The time is that for which the balance was listened to: a wait counts for no more than it was to last. A
+    /// computer that is busy with other things waits longer, and the balance is not blamed for it.
     fn read(
         &mut self,
         longest: Duration,

@@ -36,8 +36,8 @@ pub struct DeliveredByWeight {
     pub end_angle_rad: f64,
     /// Time for which the motor turned, in s.
     pub measured_s: f64,
-    /// Time from the first step to the last reading, in s, the weighing between the stretches included. `None` where the
-    /// motor is simulated, which takes no time.
+    /// Time from the first step to the last reading, in s, the weighing between the stretches included. `None` where
+    /// the motor is simulated, which takes no time.
     pub took_s: Option<f64>,
     /// Mass by which the dose may lack when it is done, in g.
     pub tolerance_g: f64,

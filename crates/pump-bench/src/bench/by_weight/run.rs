@@ -113,7 +113,7 @@ impl Session<'_> {
             return Err(DoseError::NothingUnfinished("resume"));
         }
         self.connect()?;
-        self.keep_safe(prepared.most_ml)?;
+        self.keep_safe(prepared.most_ml - prepared.begun.map_or(0.0, |begun| begun.turned_ml))?;
         let began = self.log.clock.now();
         let ended = self.weigh_out(began, prepared, tare, balance, watch);
         match &ended {

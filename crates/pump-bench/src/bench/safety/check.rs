@@ -91,7 +91,7 @@ impl Session<'_> {
     ///
     /// [`DoseError::Stands`] with the limit. The stand is on record.
     pub(in crate::bench) fn keep_safe(&mut self, planned_ml: f64) -> Result<(), DoseError> {
-        self.keep_batch_safe(planned_ml, 1, 0.0)
+        self.keep_doses_safe(planned_ml, 1, 0.0)
     }
 
     /// Has the pump stand if one of `count` doses of `volume_ml`, one every `every_s` from now on, would exceed a
@@ -99,8 +99,18 @@ impl Session<'_> {
     ///
     /// # Errors
     ///
-    /// [`DoseError::Stands`] with the limit. The stand is on record.
+    /// [`DoseError::Stands`] with the limit. The stand is on record. [`DoseError::Unfinished`] if a dose is unfinished.
     pub fn keep_batch_safe(&mut self, volume_ml: f64, count: u64, every_s: f64) -> Result<(), DoseError> {
+        self.check_stand()?;
+        if self.cut_off.is_some() {
+            // A device that still counts tells the steps of a motion that was cut off, before anything is recorded.
+            self.connect()?;
+        }
+        self.finished()?;
+        self.keep_doses_safe(volume_ml, count, every_s)
+    }
+
+    fn keep_doses_safe(&mut self, volume_ml: f64, count: u64, every_s: f64) -> Result<(), DoseError> {
         self.check_stand()?;
         let (now_s, state) = (self.log.clock.now().unix_s, self.stands());
         let (account, limits) = (state.safety_at(now_s), self.bench.safety_limits());
@@ -108,7 +118,13 @@ impl Session<'_> {
             self.tell_of_clock(&account, now_s);
             return Ok(());
         };
-        let stand = Stand { unix_s: now_s, ..self.bench.as_said(stand) };
+        // The doses before the one that does not fit are asked for, and not pumped.
+        let used_ml = match stand.limit {
+            SafetyLimit::Day => account.day_ml(now_s),
+            SafetyLimit::Vessel => account.vessel_ml,
+        };
+        let planned_ml = (stand.used_ml + stand.planned_ml - used_ml).max(stand.planned_ml);
+        let stand = Stand { unix_s: now_s, used_ml, planned_ml, ..self.bench.as_said(stand) };
         let account = account.standing(stand);
         if let Err(error) = self.rest(Why::Stands, PumpState { safety: Some(account), ..state }) {
             let text = format!("the stand at the safety limit could not be recorded: {error}");

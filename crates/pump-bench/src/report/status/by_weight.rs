@@ -60,8 +60,8 @@ impl LastByWeight {
             false => String::new(),
         };
         format!(
-            "last dose by weight: {:.decimals$} g of {:.decimals$} g asked for, {} mL{turned}; it carries nothing to the \
-             next dose{dropped}",
+            "last dose by weight: {:.decimals$} g of {:.decimals$} g asked for, {} mL{turned}; it carries nothing to \
+             the next dose{dropped}",
             self.mass_g,
             self.target_g,
             significant(self.volume_ml, 5),

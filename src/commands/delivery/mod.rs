@@ -1,5 +1,7 @@
 //! One delivery from the plan to the report: what doses, primes, purges and weighed runs have in common.
 
+mod before_dose;
+
 use pump_bench::export::write_steps;
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
@@ -7,7 +9,6 @@ use pump_bench::report::ErrorKind;
 use pump_bench::simulation::{Method, Waveform, times};
 use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
 
-use super::safety::before_dose;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -16,6 +17,8 @@ use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
 use crate::terminal::{announce, noted, print, tell, warn};
+
+pub(super) use before_dose::{before_dose, find_angle};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =

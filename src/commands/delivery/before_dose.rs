@@ -5,8 +5,8 @@ use pump_bench::report::AcceptedReport;
 use pump_bench::safety::UnfinishedPolicy;
 use pump_bench::{Bench, DoseError, DoseRequest, Session};
 
+use super::{Said, deliver, report};
 use crate::advice;
-use crate::commands::delivery::{Said, deliver, report};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
@@ -39,8 +39,9 @@ fn settle(
             UnfinishedPolicy::Resume => {}
         }
     }
+    let is_to_finish = is_unfinished(session);
     find_angle(session, options, interrupt)?;
-    if is_unfinished(session) {
+    if is_to_finish {
         resume(bench, session, options, interrupt)?;
     }
     Ok(told)
