@@ -124,7 +124,6 @@ struct Batch<'a> {
 struct Total {
     doses: u64,
     volume_ml: f64,
-    asked_ml: f64,
     /// Largest error of the sum, in mL: as if every dose erred the same way.
     expanded_ml: f64,
 }
@@ -315,7 +314,9 @@ impl Batch<'_> {
             return Ok(());
         }
         let pump = &self.bench.file().pump.id;
-        tell(&self.total.line(pump, self.options.dry_run))
+        // Doses that were skipped or stopped were asked for too.
+        let asked_ml = self.count as f64 * self.request.volume_ml;
+        tell(&self.total.line(pump, self.count, asked_ml, self.options.dry_run))
     }
 }
 
@@ -323,16 +324,16 @@ impl Total {
     fn add(&mut self, report: &DoseReport) {
         self.doses += 1;
         self.volume_ml += report.delivered_ml.unwrap_or(report.planned_ml);
-        self.asked_ml += report.requested_ml;
         self.expanded_ml += report.expanded_uncertainty_ml;
     }
 
     /// The total in words. Doses of one pump err alike, so their uncertainties add up at most.
-    fn line(&self, pump: &str, dry_run: bool) -> String {
-        let Self { doses, volume_ml, asked_ml, expanded_ml } = self;
+    fn line(&self, pump: &str, count: u64, asked_ml: f64, dry_run: bool) -> String {
+        let Self { doses, volume_ml, expanded_ml } = self;
+        let of_all = if *doses == count { String::new() } else { format!(" of {count}") };
         let verb = if dry_run { "planned" } else { "delivered" };
         format!(
-            "{pump}: {doses} doses, {volume_ml:.3} mL {verb} in all, {expanded_ml:.3} mL more or less at most; \
+            "{pump}: {doses}{of_all} doses, {volume_ml:.3} mL {verb} in all, {expanded_ml:.3} mL more or less at most; \
              {asked_ml:.3} mL asked\n"
         )
     }

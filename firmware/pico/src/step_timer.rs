@@ -119,7 +119,7 @@ pub(crate) struct SharedAxes(());
 impl SharedAxes {
     /// Makes the axes, and gives them to the interrupt. The timer is taken, so it happens once.
     pub(crate) fn new(_: StepTimer) -> Self {
-        // SAFETY: the interrupts are off, and find what they need from here on. Each place is written before it is used.
+        // SAFETY: the interrupts are off, and find what they need from here on. Each place is written before its use.
         unsafe {
             let places = (*EACH_AXIS.0.get()).assume_init_mut();
             AxisPins::ALL.into_iter().zip(places.iter_mut()).for_each(|(pins, place)| make(pins, place));

@@ -237,8 +237,8 @@ impl PumpState {
 
     /// Returns the state once the rotor stands after `made_least` to `made_most` net steps of `intent`.
     ///
-    /// The tube wears by the most steps that may have been made in either direction. Nobody knows when the motion ended,
-    /// so that it lasted as long as its plan.
+    /// The tube wears by the most steps that may have been made in either direction. Nobody knows when the motion
+    /// ended, so that it lasted as long as its plan.
     pub(crate) fn after(self, intent: &Intent, made_least: i64, made_most: i64, pump: &Pump) -> Self {
         self.after_until(u64::MAX, intent, made_least, made_most, pump)
     }

@@ -9,8 +9,8 @@ use super::{SafetyLimit, SafetyLimits, Stand};
 /// Volume by which a sum may exceed its limit, in mL: the rounding of sums.
 const ROUNDING_ML: f64 = 1e-9;
 
-/// Motion that counts as of its begin, in s: a dose that comes every 24 hours then fits. A longer one counts in parts of
-/// `PART_S` at most, or in `MOST_PARTS`.
+/// Motion that counts as of its begin, in s: a dose that comes every 24 hours then fits. A longer one counts in parts
+/// of `PART_S` at most, or in `MOST_PARTS`.
 const SHORT_S: u64 = 60;
 const PART_S: u64 = 3600;
 const MOST_PARTS: u64 = 1000;
