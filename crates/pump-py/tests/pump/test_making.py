@@ -178,7 +178,7 @@ def test_a_bought_head_needs_its_volume_and_its_rollers_alone() -> None:
 
 def test_a_bought_head_that_cannot_be_is_refused_and_one_that_hardly_is_warned_of() -> None:
     # pi/4 1.6 mm² times 10 m are 20.1 mL.
-    with pytest.raises(ValueError, match="0.00337 to 20.1 for this bore"):
+    with pytest.raises(ValueError, match=r"0\.00337 to 20\.1 for this bore"):
         pm.Pump.from_ml_per_rev("acid", ml_per_rev=500.0, rollers=4, tube_bore_mm=1.6)
     with pytest.warns(UserWarning, match="40 rollers are more than heads have"):
         pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.5, rollers=40)
