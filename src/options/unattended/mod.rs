@@ -22,7 +22,7 @@ pub(crate) struct UnattendedOptions {
         (UnfinishedPolicy::Accept, "Accept it as it is"),
     ]))]
     unfinished: Option<UnfinishedPolicy>,
-    /// Nobody is there: obey the pump file's [safety] home, also at a terminal
+    /// Nobody is there: obey `home` of the pump file's safety limits, also at a terminal
     #[arg(
         long_help = "Nobody is there: if the rollers' angle was disturbed since it was found, do as the pump file's \
         [safety] home says. Without a terminal at standard input this is so in any case."
