@@ -15,6 +15,7 @@ mod scale;
 mod search;
 mod settings;
 
+#[cfg(feature = "node")]
 pub(super) use ask::ask_boards;
 pub use ask::{ask_ports, serial_ports};
 pub use axis::Grbl;
