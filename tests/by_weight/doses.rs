@@ -1,7 +1,7 @@
 //! Claims about doses that arrive.
 
 use crate::balance::{Speech, Truth};
-use crate::rig::{Rig, each, number, truth};
+use crate::rig::{Rig, each, heard, number, truth};
 
 /// Volume of a drop from the pump file's nozzle of 1.6 mm, mL: the law of Tate with the correction of Harkins and Brown
 /// (see `falling_drop_ml`), as `dose pumps check` says it.
@@ -61,21 +61,27 @@ fn a_board_doses_until_its_balance_shows_the_mass_whatever_the_pump_displaces() 
 
 #[test]
 fn a_person_reads_what_was_asked_for_and_what_the_balance_shows() {
-    let rig = Rig::new(Speech::MtSics, truth());
-    let ended = rig.types(&rig.by_weight(&["4g", "--rate", "1.5mL/s"]));
-    assert_eq!(ended.code, Some(0), "{ended:?}");
-    let mass = format!("by weight: {:.3} g of 4.000 g in ", rig.landed_g());
-    // The last digit of two readings may differ.
-    let close = &mass[.."by weight: 4.0".len()];
-    assert!(ended.out.contains(close) && ended.out.contains(" g of 4.000 g in "), "{mass}: {}", ended.out);
-    assert!(ended.out.contains("4 g asked by a balance in air"), "{}", ended.out);
-    assert!(ended.out.contains("the model's first value"), "{}", ended.out);
-    let status = rig.types(&["status"]).out;
-    assert!(
-        status.contains("last dose by weight: 4.0") && status.contains(" g of 4.000 g asked for"),
-        "{status}"
-    );
-    assert!(status.contains("carries nothing to the next dose"), "{status}");
+    heard(|| {
+        let rig = Rig::new(Speech::MtSics, truth());
+        let ended = rig.types(&rig.by_weight(&["4g", "--rate", "1.5mL/s"]));
+        assert_eq!(ended.code, Some(0), "{ended:?}");
+        let mass = format!("by weight: {:.3} g of 4.000 g in ", rig.landed_g());
+        // The last digit of two readings may differ.
+        let close = &mass[.."by weight: 4.0".len()];
+        assert!(
+            ended.out.contains(close) && ended.out.contains(" g of 4.000 g in "),
+            "{mass}: {}",
+            ended.out
+        );
+        assert!(ended.out.contains("4 g asked by a balance in air"), "{}", ended.out);
+        assert!(ended.out.contains("the model's first value"), "{}", ended.out);
+        let status = rig.types(&["status"]).out;
+        assert!(
+            status.contains("last dose by weight: 4.0") && status.contains(" g of 4.000 g asked for"),
+            "{status}"
+        );
+        assert!(status.contains("carries nothing to the next dose"), "{status}");
+    });
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::balance::{Defect, Speech, Truth};
-use crate::rig::{Rig, each, failing, number, truth};
+use crate::rig::{Rig, each, failing, heard, number, truth};
 
 /// Largest speed at which the board may be stopped in a dose of 1.5 mL/s, from which its ramp takes that long, s.
 const RAMP_S: f64 = 1.0;
@@ -81,11 +81,13 @@ fn a_balance_that_cannot_be_read_at_the_start_moves_nothing() {
 
 #[test]
 fn a_dose_too_small_for_its_balance_is_refused() {
-    let rig = Rig::new(Speech::MtSics, Truth { decimals: 0, ..truth() });
-    let ended = rig.types(&rig.by_weight(&["0.9g"]));
-    assert_eq!(ended.code, Some(2), "{ended:?}");
-    assert!(ended.err.contains("more than its balance can tell"), "{}", ended.err);
-    assert_eq!(rig.steps(), 0);
+    heard(|| {
+        let rig = Rig::new(Speech::MtSics, Truth { decimals: 0, ..truth() });
+        let ended = rig.types(&rig.by_weight(&["0.9g"]));
+        assert_eq!(ended.code, Some(2), "{ended:?}");
+        assert!(ended.err.contains("more than its balance can tell"), "{}", ended.err);
+        assert_eq!(rig.steps(), 0);
+    });
 }
 
 #[test]
@@ -114,15 +116,20 @@ fn a_mass_that_is_never_reached_ends_at_the_ceiling() {
 
 #[test]
 fn ctrl_c_while_the_balance_is_read_first_moves_nothing() {
-    let rig = Rig::new(Speech::MtSics, failing(Defect::Restless, 0.0));
-    let begun = Instant::now();
-    let child = rig.begins(&rig.by_weight(&["5g"]), 0);
-    std::thread::sleep(Duration::from_millis(2500));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(130), "{said}");
-    assert!(begun.elapsed() < Duration::from_secs(10) && said.contains("before anything moved"), "{said}");
-    assert_eq!(rig.steps(), 0);
-    assert!(rig.json(&["status"])["unfinished"].is_null());
+    heard(|| {
+        let rig = Rig::new(Speech::MtSics, failing(Defect::Restless, 0.0));
+        let begun = Instant::now();
+        let child = rig.begins(&rig.by_weight(&["5g"]), 0);
+        std::thread::sleep(Duration::from_millis(2500));
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{said}");
+        assert!(
+            begun.elapsed() < Duration::from_secs(10) && said.contains("before anything moved"),
+            "{said}"
+        );
+        assert_eq!(rig.steps(), 0);
+        assert!(rig.json(&["status"])["unfinished"].is_null());
+    });
 }

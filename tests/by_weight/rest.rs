@@ -3,7 +3,7 @@
 use std::process::{Child, Command};
 
 use crate::balance::{Defect, Speech};
-use crate::rig::{Rig, each, failing, number, truth};
+use crate::rig::{Rig, each, failing, heard, number, truth};
 
 /// Volume of a drop, mL, and digits of two readings, g: nothing comes nearer than a drop falls.
 const NEAR_G: f64 = 0.045;
@@ -56,24 +56,28 @@ fn a_dose_that_was_cut_off_is_finished_by_its_balance() {
 
 #[test]
 fn a_fault_of_the_balance_that_is_mended_leaves_a_dose_to_be_finished_by_weight() {
-    let rig = Rig::new(Speech::MtSics, failing(Defect::Overload, 1.5));
-    assert_eq!(rig.types(&rig.by_weight(&["6g", "--rate", "1.5mL/s"])).code, Some(1));
-    let text = rig.types(&["status"]).out;
-    assert!(text.contains("`dose resume --until-scale` goes on"), "{text}");
-    rig.balance.vessel().truth.defect = Defect::None;
-    let ended = rig.types(&resume_by_weight(&rig));
-    assert_eq!(ended.code, Some(0), "{ended:?}");
-    assert!(ended.out.contains(" of an earlier command"), "{}", ended.out);
-    assert!((rig.landed_g() - 6.0).abs() <= NEAR_G, "{}", rig.landed_g());
+    heard(|| {
+        let rig = Rig::new(Speech::MtSics, failing(Defect::Overload, 1.5));
+        assert_eq!(rig.types(&rig.by_weight(&["6g", "--rate", "1.5mL/s"])).code, Some(1));
+        let text = rig.types(&["status"]).out;
+        assert!(text.contains("`dose resume --until-scale` goes on"), "{text}");
+        rig.balance.vessel().truth.defect = Defect::None;
+        let ended = rig.types(&resume_by_weight(&rig));
+        assert_eq!(ended.code, Some(0), "{ended:?}");
+        assert!(ended.out.contains(" of an earlier command"), "{}", ended.out);
+        assert!((rig.landed_g() - 6.0).abs() <= NEAR_G, "{}", rig.landed_g());
+    });
 }
 
 #[test]
 fn a_dose_from_an_unknown_angle_is_finished_by_its_balance() {
-    let rig = Rig::from_unknown_angle(Speech::MtSics, truth());
-    let first = rig.by_weight(&["8g", "--rate", "1.5mL/s"]);
-    ends(rig.begins(&first, 1_500), "KILL");
-    let found = rig.json(&resume_by_weight(&rig));
-    assert!((rig.landed_g() - 8.0).abs() <= NEAR_G, "{}: {found}", rig.landed_g());
+    heard(|| {
+        let rig = Rig::from_unknown_angle(Speech::MtSics, truth());
+        let first = rig.by_weight(&["8g", "--rate", "1.5mL/s"]);
+        ends(rig.begins(&first, 1_500), "KILL");
+        let found = rig.json(&resume_by_weight(&rig));
+        assert!((rig.landed_g() - 8.0).abs() <= NEAR_G, "{}: {found}", rig.landed_g());
+    });
 }
 
 #[test]
@@ -99,39 +103,49 @@ fn a_reading_that_the_pump_cannot_have_brought_about_moves_nothing() {
 
 #[test]
 fn a_balance_that_shows_all_that_was_asked_for_ends_the_dose_without_a_step() {
-    let rig = Rig::new(Speech::MtSics, truth());
-    ends(rig.begins(&rig.by_weight(&["3g", "--rate", "1.5mL/s"]), 1_200), "INT");
-    let (steps, landed_g) = (rig.steps(), rig.landed_g());
-    // Somebody adds what is missing, within the pump's uncertainty or not: a full vessel is refused, as any other.
-    rig.balance.vessel().truth.vessel_g = 50.0 + (3.0 - landed_g);
-    let ended = rig.types(&resume_by_weight(&rig));
-    assert_eq!((ended.code, rig.steps()), (Some(4), steps), "{ended:?}");
+    heard(|| {
+        let rig = Rig::new(Speech::MtSics, truth());
+        ends(rig.begins(&rig.by_weight(&["3g", "--rate", "1.5mL/s"]), 1_200), "INT");
+        let (steps, landed_g) = (rig.steps(), rig.landed_g());
+        // Somebody adds what is missing, within the pump's uncertainty or not: a full vessel is refused, as any other.
+        rig.balance.vessel().truth.vessel_g = 50.0 + (3.0 - landed_g);
+        let ended = rig.types(&resume_by_weight(&rig));
+        assert_eq!((ended.code, rig.steps()), (Some(4), steps), "{ended:?}");
+    });
 }
 
 #[test]
 fn a_dose_by_volume_has_no_rest_by_weight() {
-    let rig = Rig::new(Speech::MtSics, truth());
-    ends(rig.begins(&["8mL", "--rate", "1.5mL/s"], 3_000), "INT");
-    let ended = rig.types(&resume_by_weight(&rig));
-    assert_eq!(ended.code, Some(4), "{ended:?}");
-    assert!(ended.err.contains("asked for by volume"), "{}", ended.err);
-    // Without a word about a balance none is opened.
-    let ended = rig.types(&["resume", "--scale-command", "echo 1 g"]);
-    assert!(ended.code == Some(2) && ended.err.contains("--until-scale"), "{ended:?}");
-    let ended = rig.types(&rig.by_weight(&["resume", "--smooth"]));
-    assert!(ended.code == Some(4) && ended.err.contains("by volume"), "{ended:?}");
+    heard(|| {
+        let rig = Rig::new(Speech::MtSics, truth());
+        ends(rig.begins(&["8mL", "--rate", "1.5mL/s"], 3_000), "INT");
+        let ended = rig.types(&resume_by_weight(&rig));
+        assert_eq!(ended.code, Some(4), "{ended:?}");
+        assert!(ended.err.contains("asked for by volume"), "{}", ended.err);
+        // Without a word about a balance none is opened.
+        let ended = rig.types(&["resume", "--scale-command", "echo 1 g"]);
+        assert!(ended.code == Some(2) && ended.err.contains("--until-scale"), "{ended:?}");
+        let ended = rig.types(&rig.by_weight(&["resume", "--smooth"]));
+        assert!(ended.code == Some(4) && ended.err.contains("by volume"), "{ended:?}");
+    });
 }
 
 #[test]
 fn a_dose_that_reached_its_ceiling_goes_on_by_weight_only_with_a_higher_one() {
-    // Of the pump's volume a part is lost on the way, where the file is sure to 6 %.
-    let rig = Rig::new(Speech::MtSics, crate::balance::Truth { factor: 0.92, ..truth() });
-    let ended = rig.types(&rig.by_weight(&["4g", "--rate", "1.5mL/s", "--max-volume", "4.05mL"]));
-    assert!(ended.code == Some(1) && ended.err.contains("home --unknown"), "{ended:?}");
-    let steps = rig.steps();
-    let ended = rig.types(&resume_by_weight(&rig));
-    assert_eq!((ended.code, rig.steps()), (Some(4), steps), "{ended:?}");
-    assert!(ended.err.contains("4.05 mL is the most") && ended.err.contains("--max-volume"), "{}", ended.err);
-    let found = rig.json(&rig.by_weight(&["resume", "--max-volume", "5mL"]));
-    assert!((rig.landed_g() - 4.0).abs() <= NEAR_G, "{}: {found}", rig.landed_g());
+    heard(|| {
+        // Of the pump's volume a part is lost on the way, where the file is sure to 6 %.
+        let rig = Rig::new(Speech::MtSics, crate::balance::Truth { factor: 0.92, ..truth() });
+        let ended = rig.types(&rig.by_weight(&["4g", "--rate", "1.5mL/s", "--max-volume", "4.05mL"]));
+        assert!(ended.code == Some(1) && ended.err.contains("home --unknown"), "{ended:?}");
+        let steps = rig.steps();
+        let ended = rig.types(&resume_by_weight(&rig));
+        assert_eq!((ended.code, rig.steps()), (Some(4), steps), "{ended:?}");
+        assert!(
+            ended.err.contains("4.05 mL is the most") && ended.err.contains("--max-volume"),
+            "{}",
+            ended.err
+        );
+        let found = rig.json(&rig.by_weight(&["resume", "--max-volume", "5mL"]));
+        assert!((rig.landed_g() - 4.0).abs() <= NEAR_G, "{}: {found}", rig.landed_g());
+    });
 }

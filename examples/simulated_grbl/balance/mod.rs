@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{JoinHandle, sleep};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rustix::pty::OpenptFlags;
 
@@ -24,6 +24,7 @@ const TICK: Duration = Duration::from_millis(3);
 pub(crate) struct SimulatedBalance {
     path: PathBuf,
     vessel: Arc<Mutex<Vessel>>,
+    pauses: Arc<Mutex<Duration>>,
     ends: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -46,13 +47,13 @@ impl SimulatedBalance {
         attributes.make_raw();
         rustix::termios::tcsetattr(&held, rustix::termios::OptionalActions::Now, &attributes)?;
         rustix::io::ioctl_fionbio(&line, true)?;
-        let (vessel, ends) = (Arc::new(Mutex::new(vessel)), Arc::default());
-        let (shared, ended) = (Arc::clone(&vessel), Arc::clone(&ends));
+        let (vessel, pauses, ends) = (Arc::new(Mutex::new(vessel)), Arc::default(), Arc::default());
+        let (shared, paused, ended) = (Arc::clone(&vessel), Arc::clone(&pauses), Arc::clone(&ends));
         let thread = std::thread::spawn(move || {
             let _held = held;
-            talk(&mut File::from(line), speech, &shared, &ended, steps);
+            talk(&mut File::from(line), speech, &shared, &paused, &ended, steps);
         });
-        Ok(Self { path, vessel, ends, thread: Some(thread) })
+        Ok(Self { path, vessel, pauses, ends, thread: Some(thread) })
     }
 
     /// Returns the device that the balance is connected to.
@@ -63,6 +64,11 @@ impl SimulatedBalance {
     /// Returns the vessel, which the balance waits for meanwhile.
     pub(crate) fn vessel(&self) -> MutexGuard<'_, Vessel> {
         lock(&self.vessel)
+    }
+
+    /// Returns the longest time for which the balance was silent because nobody ran its thread.
+    pub(crate) fn longest_pause(&self) -> Duration {
+        *lock(&self.pauses)
     }
 }
 
@@ -75,13 +81,21 @@ impl Drop for SimulatedBalance {
     }
 }
 
-fn lock(vessel: &Mutex<Vessel>) -> MutexGuard<'_, Vessel> {
-    vessel.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Answers questions until `ends` is set.
-fn talk(line: &mut File, speech: Speech, vessel: &Mutex<Vessel>, ends: &AtomicBool, steps: impl Fn() -> i64) {
+fn talk(
+    line: &mut File,
+    speech: Speech,
+    vessel: &Mutex<Vessel>,
+    pauses: &Mutex<Duration>,
+    ends: &AtomicBool,
+    steps: impl Fn() -> i64,
+) {
     let mut asked = Vec::new();
+    let mut looked = Instant::now();
     while !ends.load(Ordering::Relaxed) {
         let (reading, defect) = {
             let mut vessel = lock(vessel);
@@ -97,5 +111,8 @@ fn talk(line: &mut File, speech: Speech, vessel: &Mutex<Vessel>, ends: &AtomicBo
             let _ = line.write_all(speech.answer(&question, &reading, defect).as_bytes());
         }
         sleep(TICK);
+        let (now, mut longest) = (Instant::now(), lock(pauses));
+        *longest = longest.max(now - looked);
+        looked = now;
     }
 }
