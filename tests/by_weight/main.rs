@@ -1,7 +1,11 @@
 //! Doses by weight through the command: a simulated board with a true pump behind it, and a simulated balance under its
 //! vessel, each at a pseudo-terminal of its own.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test may panic, and says which runs are void"
+)]
 #![cfg(unix)]
 
 mod angles;
