@@ -133,7 +133,7 @@ fn a_dose_by_volume_has_no_rest_by_weight() {
 #[test]
 fn a_dose_that_reached_its_ceiling_goes_on_by_weight_only_with_a_higher_one() {
     heard(|| {
-        // Of the pump's volume a part is lost on the way, where the file is sure to 6 %.
+        // A part of the pump's volume is lost on the way, where the file is sure to 6 %.
         let rig = Rig::new(Speech::MtSics, crate::balance::Truth { factor: 0.92, ..truth() });
         let ended = rig.types(&rig.by_weight(&["4g", "--rate", "1.5mL/s", "--max-volume", "4.05mL"]));
         assert!(ended.code == Some(1) && ended.err.contains("home --unknown"), "{ended:?}");
