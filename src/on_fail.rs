@@ -1,9 +1,11 @@
 //! The command of the shell that is run once a dose has failed: it tells a person.
 
 use std::io::{self, Write};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+
+use pump_bench::shell::{end_with_its_group, shell_command};
 
 use crate::failure::Failure;
 use crate::terminal::warn;
@@ -43,7 +45,7 @@ impl OnFail {
         let (least_ml, most_ml) = failure
             .delivered_ml()
             .map_or((String::new(), String::new()), |(least, most)| (least.to_string(), most.to_string()));
-        let mut child = shell(&self.command)
+        let mut child = shell_command(&self.command)
             .env("DOSE_FAIL_PUMP", &self.pump)
             .env("DOSE_FAIL_CODE", failure.exit_code().to_string())
             .env("DOSE_FAIL_KIND", failure.kind_word())
@@ -64,26 +66,7 @@ impl OnFail {
             }
             sleep(LOOK);
         }
-        end(&mut child);
+        end_with_its_group(&mut child);
         Ok(None)
     }
-}
-
-/// The shell with a command, in a group of its own, so that what it starts can be ended with it.
-fn shell(command: &str) -> Command {
-    let (shell, flag) = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
-    let mut shell = Command::new(shell);
-    shell.args([flag, command]);
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(&mut shell, 0);
-    shell
-}
-
-/// Ends a command and what it has started: they are this process's own.
-fn end(child: &mut Child) {
-    if cfg!(unix) {
-        let group = format!("-{}", child.id());
-        let _ = Command::new("kill").args(["-s", "KILL", "--", &group]).stderr(Stdio::null()).status();
-    }
-    let _ = child.kill().and_then(|()| child.wait().map(drop));
 }

@@ -15,6 +15,7 @@ mod cut_off;
 mod doses;
 mod faults;
 mod ports;
+mod programs;
 mod rest;
 mod rig;
 #[allow(dead_code, reason = "the board of other tests, with more to look at")]

@@ -155,6 +155,12 @@ impl Rig {
     }
 }
 
+/// Interrupts a command as Ctrl-C does, and returns its end.
+pub(crate) fn interrupted(child: Child) -> Ended {
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    child.wait_with_output().unwrap().into()
+}
+
 pub(crate) fn number(report: &Value, key: &str) -> f64 {
     report[key].as_f64().unwrap_or_else(|| panic!("{key} in {report}"))
 }

@@ -132,7 +132,7 @@ fn guided_runs_are_weighed_one_by_one_and_the_last_can_be_repeated() {
         "calibrate",
         "run",
         "--speeds",
-        "15rpm,60rpm",
+        "10rpm,60rpm",
         "--runs",
         "2",
         "--pitches",
@@ -156,7 +156,7 @@ fn guided_runs_are_weighed_one_by_one_and_the_last_can_be_repeated() {
     assert_eq!(runs[3]["reading"]["volume_ml"], 21.6);
     assert_eq!(
         (&runs[0]["speed_rpm"], &runs[0]["temperature_degc"]),
-        (&Value::from(15.0), &Value::from(21.0))
+        (&Value::from(10.0), &Value::from(21.0))
     );
     // The trial and 4 + 2 runs of a revolution moved the rotor and are on record; nothing is owed or unfinished.
     let record = user.record().unwrap();
@@ -170,7 +170,7 @@ fn guided_runs_are_weighed_one_by_one_and_the_last_can_be_repeated() {
 #[test]
 fn readings_of_a_guided_calibration_stay_on_record_and_it_can_be_continued() {
     let user = User::new();
-    let arguments = ["calibrate", "run", "--speeds", "15rpm,60rpm", "--runs", "2", "--pitches", "1"];
+    let arguments = ["calibrate", "run", "--speeds", "10rpm,60rpm", "--runs", "2", "--pitches", "1"];
     let go_on = ["calibrate", "run", "--continue"];
     // The person leaves after one reading, and the answers end after another.
     let left = answers(&user, &arguments, "7.1mL\n7.11mL\nquit\n");

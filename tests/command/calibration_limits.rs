@@ -57,14 +57,22 @@ fn what_is_refused_as_a_dose_is_refused_as_a_weighed_run() {
 }
 
 #[test]
-fn runs_that_leave_out_the_default_rate_say_so_before_they_start_and_in_the_result() {
+fn the_default_rate_is_among_the_speeds_of_guided_runs_and_a_table_without_it_says_so() {
     let user = User::new();
     let warning = "the default rate of 5 mL/s takes 14.072 r/min, and the runs cover 20 to 60 r/min: doses that \
                    name no other rate will be refused";
     let guided = ["calibrate", "run", "--speeds", "20rpm,60rpm", "--runs", "1", "--pitches", "1"];
     let begun = user.types(&guided);
-    let said = begun.err.find(warning).unwrap_or_else(|| panic!("{}", begun.err));
+    let added = "--speeds leaves out the default rate of 5 mL/s, 14.0723 r/min: runs at 11.7269 r/min come besides\n\
+                 3 runs of 1 pitches";
+    let said = begun.err.find(added).unwrap_or_else(|| panic!("{}", begun.err));
     assert!(said < begun.err.find("moving").unwrap(), "{}", begun.err);
+    // A fast one comes besides slow ones, and one speed alone is used at every speed.
+    for (speeds, runs) in [("5rpm,10rpm", "3 runs of"), ("60rpm,20rpm", "3 runs of"), ("60rpm", "1 runs of")]
+    {
+        let dry = user.types(&["calibrate", "run", "--speeds", speeds, "--runs", "1", "--anew", "--dry-run"]);
+        assert!(dry.code == 0 && dry.err.contains(runs), "{speeds}: {}", dry.err);
+    }
     let covering = ["calibrate", "run", "--speeds", "10rpm,60rpm", "--runs", "1", "--pitches", "1", "--anew"];
     assert!(!user.types(&covering).err.contains("default rate"));
 

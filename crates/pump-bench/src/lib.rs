@@ -78,6 +78,7 @@ pub mod safety;
 #[cfg(test)]
 mod sampling;
 pub mod setup;
+pub mod shell;
 pub mod simulation;
 pub mod sizing;
 pub mod units;

@@ -1,8 +1,5 @@
 //! Guided runs: a run to try, then several at each of several speeds, each of them weighed.
 
-use std::iter;
-
-use libm::{ceil, round};
 use pump_bench::calibration::{
     CalibrationError, CalibrationRun, PlannedRuns, Reading, RunLog, UnfinishedRuns, Weighing,
     default_rate_left_out, now_utc,
@@ -11,143 +8,16 @@ use pump_bench::record::Purpose;
 use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
-use pump_model::units::{degrees, rad_s, rpm};
+use pump_model::units::{degrees, rad_s};
 
 use super::answers::Answer;
+use super::course::{GuidedCourse, short};
 use super::scale::Scale;
 use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{noted, say, warn, warn_of_fluid};
-
-/// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
-const LEAST_ML: f64 = 50.0;
-
-/// Most pitches of a run.
-pub(super) const MOST_PITCHES: u32 = 100_000;
-
-/// Runs at each speed.
-const RUNS: u32 = 3;
-
-/// Largest part of a run by which whole steps may miss its whole pitches.
-const WHOLE_STEPS: f64 = 1e-4;
-
-/// Slowest of the default speeds, over that of the default rate: doses a little slower than usual are covered too.
-const SLOWEST: f64 = 0.5;
-
-/// The course of the runs, as far as it is given.
-pub(super) struct GuidedCourse {
-    /// Speeds of the runs, rad/s; empty for the usual ones.
-    pub(super) speeds_rad_s: Vec<f64>,
-    /// Runs at each speed.
-    pub(super) each: Option<u32>,
-    /// Whole pitches of each run.
-    pub(super) pitches: Option<u32>,
-    /// Volume of each run, mL, in place of its pitches: the nearest whole pitches.
-    pub(super) volume_ml: Option<f64>,
-    /// True if the runs are planned and told, and none is made.
-    pub(super) dry_run: bool,
-    /// True if the course goes on with the readings on record.
-    pub(super) goes_on: bool,
-    /// True if readings on record are given up.
-    pub(super) anew: bool,
-    /// Temperature of the fluid, °C.
-    pub(super) temperature_degc: Option<f64>,
-    /// True if a program reads the result.
-    pub(super) json: bool,
-}
-
-impl GuidedCourse {
-    /// True if the course says nothing of the runs, so that it fits whatever is on record.
-    fn is_open(&self) -> bool {
-        self.speeds_rad_s.is_empty()
-            && self.each.is_none()
-            && self.pitches.is_none()
-            && self.volume_ml.is_none()
-    }
-
-    /// The runs in their order. `range_rad_s` are the slowest and the fastest speed that the device allows.
-    fn planned(&self, bench: &Bench, range_rad_s: (f64, f64)) -> PlannedRuns {
-        let speeds_rad_s = if self.speeds_rad_s.is_empty() {
-            default_speeds_rad_s(bench, range_rad_s)
-        } else {
-            self.speeds_rad_s.clone()
-        };
-        let each = self.each.unwrap_or(RUNS) as usize;
-        let model = bench.model();
-        PlannedRuns {
-            speeds_rpm: speeds_rad_s.into_iter().flat_map(|rad_s| iter::repeat_n(rpm(rad_s), each)).collect(),
-            pitches: self.pitches.unwrap_or_else(|| match self.volume_ml {
-                Some(volume_ml) => nearest_pitches(bench, volume_ml),
-                None => default_pitches(bench),
-            }),
-            revolution_ml: model.revolution_ml(),
-            fluid: bench.file().fluid.name.clone(),
-            temperature_degc: bench.file().fluid.temperature_degc,
-        }
-    }
-
-    /// Returns the runs on record that the course goes on with, or `None` if it begins. Readings on record are
-    /// neither used nor given up without a word.
-    fn on_record(
-        &self,
-        bench: &Bench,
-        log: &RunLog,
-        range_rad_s: (f64, f64),
-    ) -> Result<Option<UnfinishedRuns>, Failure> {
-        let found = if self.anew { None } else { log.unfinished(&bench.calibrations())? };
-        match found {
-            None if self.goes_on => Err(Failure::refused(
-                "no guided calibration is unfinished: there is nothing to go on with; leave out --continue",
-            )),
-            None => Ok(None),
-            Some(found) if self.goes_on => {
-                self.check_goes_on(bench, &found, range_rad_s).map(|()| Some(found))
-            }
-            Some(found) => Err(Failure::refused(format!(
-                "a guided calibration with {} of {} readings is on record; go on with it (`dose calibrate run \
-                 --continue`), or give its readings up (`dose calibrate run --anew`)",
-                found.runs.len(),
-                found.planned.speeds_rpm.len()
-            ))),
-        }
-    }
-
-    /// Refuses to go on with runs that are not those of this course, or of another pump or fluid.
-    fn check_goes_on(
-        &self,
-        bench: &Bench,
-        on_record: &UnfinishedRuns,
-        range_rad_s: (f64, f64),
-    ) -> Result<(), Failure> {
-        let UnfinishedRuns { planned, runs, .. } = on_record;
-        let (count, all) = (runs.len(), planned.speeds_rpm.len());
-        let wanted = self.planned(bench, range_rad_s);
-        let refused = |of: String, now: String| {
-            Err(Failure::refused(format!(
-                "{count} of {all} readings of a guided calibration are on record for {of}, and now it is {now}; \
-                 go back to that, or give the readings up with --anew"
-            )))
-        };
-        let revolution =
-            |planned: &PlannedRuns| format!("{:.4} mL of model volume per revolution", planned.revolution_ml);
-        let fluid = |planned: &PlannedRuns| format!("{} at {} °C", planned.fluid, planned.temperature_degc);
-        if wanted.revolution_ml != planned.revolution_ml {
-            return refused(revolution(planned), revolution(&wanted));
-        }
-        if (&wanted.fluid, wanted.temperature_degc) != (&planned.fluid, planned.temperature_degc) {
-            return refused(fluid(planned), fluid(&wanted));
-        }
-        if !self.is_open() && wanted != *planned {
-            return Err(Failure::refused(format!(
-                "the guided calibration with {count} of {all} readings on record has other runs than these; go on \
-                 with it without --speeds, --runs, --pitches and --volume, or give its readings up with --anew"
-            )));
-        }
-        Ok(())
-    }
-}
 
 /// Runs that were weighed.
 pub(super) struct Weighed {
@@ -196,6 +66,7 @@ pub(super) fn runs(bench: &Bench, course: &GuidedCourse, scale: Scale) -> Result
     for speed_rpm in &speeds_rpm {
         run_s.push((*speed_rpm, guide.prepare(*speed_rpm)?.plan.profile().duration_s()));
     }
+    say(&course.added(bench, range_rad_s));
     say(&introduction(bench, &planned, runs.len(), &run_s));
     warn(default_rate_left_out(bench.file(), bench.model(), &planned.speeds_rpm).as_slice());
     if course.dry_run {
@@ -249,39 +120,6 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64
 /// A time for a person: seconds up to two minutes, then minutes.
 fn lasting(time_s: f64) -> String {
     if time_s < 120.0 { format!("{time_s:.0} s") } else { format!("{:.0} min", time_s / 60.0) }
-}
-
-/// Three speeds: half of the default rate's, that of the default rate, and the fastest of the range.
-fn default_speeds_rad_s(bench: &Bench, (least_rad_s, fastest_rad_s): (f64, f64)) -> Vec<f64> {
-    let usual_rad_s = pump_ctl::plan::speed_for_flow(bench.model(), bench.file().pump.default_rate_ml_s);
-    let in_range = |rad_s: f64| rad_s.max(least_rad_s).min(fastest_rad_s);
-    let mut speeds_rad_s = vec![in_range(SLOWEST * usual_rad_s), in_range(usual_rad_s), fastest_rad_s];
-    speeds_rad_s.dedup();
-    speeds_rad_s
-}
-
-/// The whole pitches whose volume is nearest to `volume_ml`, one at least.
-fn nearest_pitches(bench: &Bench, volume_ml: f64) -> u32 {
-    round(volume_ml / bench.model().outlet_curve().pitch_ml()).clamp(1.0, f64::from(MOST_PITCHES)) as u32
-}
-
-/// The fewest pitches of [`LEAST_ML`] or more that are whole motor steps, or nearly so. Such a run has the same
-/// volume from any angle.
-fn default_pitches(bench: &Bench) -> u32 {
-    let pitch_steps = bench.model().pitch_rad() / bench.file().limits().motor.step_rad();
-    let fewest = ceil(LEAST_ML / bench.model().outlet_curve().pitch_ml()) as u32;
-    // A head of up to 12 rollers has one among these.
-    let mut counts = fewest..fewest + 12;
-    let is_whole = |count: &u32| {
-        let steps = f64::from(*count) * pitch_steps;
-        (steps - round(steps)).abs() <= WHOLE_STEPS * steps
-    };
-    counts.find(is_whole).unwrap_or(fewest)
-}
-
-/// A number with four decimals at most.
-fn short(value: f64) -> String {
-    format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 impl Guide<'_, '_> {

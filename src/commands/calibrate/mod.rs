@@ -1,6 +1,7 @@
 //! `dose calibrate`: what the pump really delivers.
 
 mod answers;
+mod course;
 mod guided;
 mod last;
 mod list;

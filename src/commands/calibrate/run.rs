@@ -8,7 +8,8 @@ use pump_bench::calibration::{Calibration, CalibrationRun, Fit, RunLog, Source, 
 use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
 use pump_bench::units;
 
-use super::guided::{self, GuidedCourse, Weighed, kept};
+use super::course::{GuidedCourse, MOST_PITCHES};
+use super::guided::{self, Weighed, kept};
 use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
 use super::scale::Scale;
 use crate::advice;
@@ -42,7 +43,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100), conflicts_with = "from")]
     runs: Option<u32>,
     /// Whole pitches of each guided run [default: 50 mL or more]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(guided::MOST_PITCHES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PITCHES)))]
     #[arg(conflicts_with = "from")]
     pitches: Option<u32>,
     /// Volume of each guided run, as 20mL: the nearest whole pitches

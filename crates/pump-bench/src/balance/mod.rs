@@ -1,7 +1,8 @@
 //! Balances that say what they show: over a serial port, or by a program that prints it.
 //!
-//! A balance is read once it says that it stands still. Every wait has a deadline and hears the user's stop.
+//! A balance is read once it says that it stands still, or once its readings agree where it has no word for that. Every wait has a deadline and hears the user's stop.
 
+mod agreement;
 mod error;
 mod own_port;
 mod program;
@@ -13,6 +14,7 @@ mod words;
 use std::fmt::Debug;
 use std::time::Duration;
 
+pub use agreement::agreeing;
 pub use error::BalanceError;
 pub use own_port::refuse_port_of_board;
 pub use program::ProgramBalance;

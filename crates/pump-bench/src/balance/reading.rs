@@ -13,9 +13,14 @@ pub struct BalanceReading {
 }
 
 impl BalanceReading {
+    /// Returns the mass with the digits of the balance, as it would print it.
+    pub fn shown(&self) -> String {
+        let decimals = (-libm::log10(self.step_g)).clamp(0.0, 9.0).round() as usize;
+        format!("{:.decimals$} g", self.mass_g)
+    }
+
     /// Returns the standard uncertainty of the difference of two readings with this last digit, in g. Each is unsure
-    /// by a
-    /// step over the square root of 12 (GUM, F.2.2.1).
+    /// by a step over the square root of 12 (GUM, F.2.2.1).
     pub fn difference_standard_g(&self) -> f64 {
         self.step_g * libm::sqrt(2.0 / 12.0)
     }

@@ -5,6 +5,7 @@
 mod doses;
 mod faults;
 mod plant;
+mod shares;
 
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use pump_bench::balance::{
     Balance as DoseBalance, BalanceError, BalanceReading, ProgramBalance, Protocol, SerialBalance,
-    SerialLine, printed_reading,
+    SerialLine, agreeing, printed_reading,
 };
 use pump_bench::drives::StopRequest;
 use pump_bench::units;
@@ -159,7 +159,7 @@ impl Balance {
             return Err(error);
         }
         match read {
-            Some(Some(read)) => read.map(|reading| shown(&reading)).map_err(|error| errors::balance(&error)),
+            Some(Some(read)) => read.map(|reading| reading.shown()).map_err(|error| errors::balance(&error)),
             Some(None) => Err(closed()),
             None => Err(PumpError::new_err("a dose or another thread reads this balance; wait for it")),
         }
@@ -223,12 +223,6 @@ fn wait_of(wait: Option<&Bound<'_, PyAny>>) -> PyResult<Duration> {
     Ok(Duration::from_secs_f64(wait_s.min(MOST_WAIT_S)))
 }
 
-/// Returns a reading as balances print it, with the digits that this one has.
-fn shown(reading: &BalanceReading) -> String {
-    let decimals = (-reading.step_g.log10()).round().clamp(0.0, 9.0) as usize;
-    format!("{:.decimals$} g", reading.mass_g)
-}
-
 /// Balance that a Python function reads.
 struct FunctionBalance {
     read: Py<PyAny>,
@@ -242,7 +236,11 @@ impl Debug for FunctionBalance {
 }
 
 impl DoseBalance for FunctionBalance {
-    fn read_still(&mut self, _: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+    fn read_still(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+        agreeing(longest, stop, || self.read_now(longest, stop))
+    }
+
+    fn read_now(&mut self, _: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
         if stop.is_made() {
             return Err(BalanceError::Stopped);
         }

@@ -116,13 +116,16 @@ impl SerialBalance {
         while waited < longest {
             self.ask()?;
             let asked = waited;
+            let mut looked = Instant::now();
             while waited - asked < ANSWER && waited < longest {
                 if stop.is_made() {
                     return Err(BalanceError::Stopped);
                 }
-                let began = Instant::now();
                 let line = self.line()?;
-                waited += began.elapsed().min(LOOK);
+                // The time between two lines counts too: a balance may send lines without end.
+                let now = Instant::now();
+                waited += (now - looked).min(LOOK);
+                looked = now;
                 let Some(line) = line else { continue };
                 if line.trim().is_empty() {
                     continue;

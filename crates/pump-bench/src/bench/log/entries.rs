@@ -23,7 +23,18 @@ impl Session<'_> {
             expanded_uncertainty_ml: self.uncertainty_ml(motion, motion.plan.steps().unsigned_abs()),
             calibration: prepared
                 .and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
+            earlier_ml: if motion.terms.by_weight { self.earlier_ml() } else { 0.0 },
         })
+    }
+
+    /// Returns the volume of the unfinished dose by weight, in mL, that the log has from earlier commands.
+    fn earlier_ml(&self) -> f64 {
+        let Some(dose) = self.stands().unfinished else { return 0.0 };
+        match dose.intent.told {
+            // An earlier stretch of this command, whose entry is still to come.
+            Some(told) if told.number > self.log.doses => told.earlier_ml,
+            _ => dose.booked_ml(self.bench.model()),
+        }
     }
 
     /// Keeps the entry of a motion that the drive has ended, for the rest that follows. `made` is the number of steps
@@ -76,9 +87,11 @@ impl Session<'_> {
         let reading_ml = delivered.difference_standard_g(None, file) * prepared.z_ml_g;
         let shares = weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml);
         let sign = if volume_ml < 0.0 { -1 } else { 1 };
+        // The parts of earlier commands have entries of their own, with what the model says of them.
+        let earlier_ml =
+            self.stands().unfinished.and_then(|dose| dose.intent.told).map_or(0.0, |told| told.earlier_ml);
         self.log.ended = self.entry_by_weight(began, LogEnd::Weighed).map(|entry| LogEntry {
-            // The part of an earlier command has an entry of its own.
-            delivered_ml: volume_ml - delivered.before_ml,
+            delivered_ml: volume_ml - earlier_ml,
             delivered_range_ml: None,
             expanded_uncertainty_ml: shares.ok().map(|(_, expanded_ml)| expanded_ml),
             steps: Some(delivered.made as i64 * sign),
@@ -100,7 +113,8 @@ impl Session<'_> {
     fn entry_by_weight(&self, began: Stamp, end: LogEnd) -> Option<LogEntry> {
         let dose = self.stands().unfinished.filter(|dose| dose.intent.terms.by_weight)?;
         let entry = LogEntry::of(&dose, self.bench.model(), end, self.stands().tube(), self.log.doses + 1);
-        Some(LogEntry { time: began, requested_ml: dose.intent.whole_requested_ml(), ..entry })
+        let earlier_ml = dose.intent.told.map_or(0.0, |told| told.earlier_ml);
+        Some(LogEntry { time: began, requested_ml: dose.intent.whole_requested_ml() - earlier_ml, ..entry })
     }
 
     /// Returns the dose that ends with a rest in `state`: that of this session, or one that an earlier process left

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::{Asked, LogEnd, Stamp};
 use crate::record::{Purpose, Unfinished};
 
-/// One dose in the log: a motion that delivers, or all stretches of a dose by weight.
+/// One dose in the log: a motion that delivers, or all stretches that one command makes of a dose by weight.
 ///
-/// The rest of a dose that was stopped and resumed, and the retraction after a dose, have entries of their own. So the
-/// volumes of all entries add up. A turn of the rotor to a mark has none.
+/// The rest of a dose that was stopped and resumed, and the retraction after a dose, have entries of their own. Each
+/// tells its own share, so the volumes of all entries add up. A turn of the rotor to a mark has none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LogEntry {
@@ -58,9 +58,11 @@ impl LogEntry {
         let Unfinished { intent, made_least, made_most, .. } = *part;
         let told = intent.told;
         let is_exact = made_least == made_most;
-        // A dose by weight is one entry, so its earlier stretches count.
+        let earlier_ml = told.map_or(0.0, |told| told.earlier_ml);
+        // The stretches that one command makes of a dose by weight are one entry.
         let (delivered_ml, (least_ml, most_ml)) = if intent.terms.by_weight {
-            (part.booked_ml(pump), part.delivered_ml(pump))
+            let (least_ml, most_ml) = part.delivered_ml(pump);
+            (part.booked_ml(pump) - earlier_ml, (least_ml - earlier_ml, most_ml - earlier_ml))
         } else {
             let booked_ml = |made| intent.booked_ml(pump, made, made);
             (part.motion_booked_ml(pump), (booked_ml(made_least), booked_ml(made_most)))
@@ -79,7 +81,7 @@ impl LogEntry {
             carry_ml: 0.0,
             end,
             cause: None,
-            resumed: intent.whole.is_some() && !intent.terms.by_weight,
+            resumed: if intent.terms.by_weight { earlier_ml != 0.0 } else { intent.whole.is_some() },
             tube,
             calibration: told.and_then(|told| told.calibration),
             steps: is_exact.then_some(made_least * intent.steps.signum()),

@@ -21,4 +21,11 @@ pub(crate) struct Told {
     /// Number of the calibration that the plan was made with. `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) calibration: Option<u32>,
+    /// Volume of a dose by weight, in mL, that the entries of earlier commands have. An entry tells its own share.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) earlier_ml: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
