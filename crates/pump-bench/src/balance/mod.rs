@@ -1,6 +1,7 @@
 //! Balances that say what they show: over a serial port, or by a program that prints it.
 //!
-//! A balance is read once it says that it stands still, or once its readings agree where it has no word for that. Every wait has a deadline and hears the user's stop.
+//! A balance is read once it says that it stands still, or once its readings agree where it has no word for that. Every
+//! wait has a deadline and hears the user's stop.
 
 mod agreement;
 mod error;
