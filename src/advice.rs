@@ -77,6 +77,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with `dose \
              home --mark`"
         }
+        Remedy::SayExactAngle => {
+            "`dose home --sensor` finds the angle, and `dose home --set ANGLE --tolerance 0deg` says it"
+        }
         Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
         Remedy::HomeBySensorOrMark => "say `dose home`",
         Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
@@ -131,6 +134,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::EndAtLowFlow => "`--finish low-flow` ends it there",
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
         Remedy::LeaveSmoothOut => "leave --smooth out, or resume with --rate or --speed",
+        Remedy::FlowByNode => "run at a --rate, or drive the motor by a board with the driver `node`",
         Remedy::LeaveRampsOut => {
             "leave --ramps out; `dose home --configure` sets the board's acceleration to the best for the \
              pump's default rate"

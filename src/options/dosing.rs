@@ -1,5 +1,7 @@
 //! The options of every command that plans a motion of a given volume: dose, prime and purge.
 
+use std::path::Path;
+
 use clap::Args;
 use pump_bench::calibration::Weighing;
 use pump_bench::record::Purpose;
@@ -66,9 +68,14 @@ pub(crate) struct DosingOptions {
 impl DosingOptions {
     /// Refuses files that exclude each other, and those that must not be replaced.
     pub(crate) fn check_files(&self) -> Result<(), Failure> {
+        self.check_files_beside(None)
+    }
+
+    /// Refuses files as [`Self::check_files`] does, and those that would replace the file `read`.
+    pub(crate) fn check_files_beside(&self, read: Option<&Path>) -> Result<(), Failure> {
         let BenchOptions { pump, record, .. } = &self.bench;
         let state_dir = Some(record.folder(&pump.config()?)?);
-        Files { outputs: &self.files(), inputs: &[pump.path()?.as_deref()], state_dir }.check()?;
+        Files { outputs: &self.files(), inputs: &[pump.path()?.as_deref(), read], state_dir }.check()?;
         if self.trace.dt.is_some() && self.trace.trace.is_none() {
             return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
         }
@@ -76,7 +83,7 @@ impl DosingOptions {
     }
 
     /// The files of one dose, each with its option.
-    pub(crate) fn files(&self) -> [(&'static str, Option<&std::path::Path>); 3] {
+    pub(crate) fn files(&self) -> [(&'static str, Option<&Path>); 3] {
         [
             ("--steps", self.steps.steps.as_deref()),
             ("--trace", self.trace.trace.as_deref()),

@@ -86,7 +86,7 @@ pub mod words;
 
 pub use bench::{
     Accepted, AngleSet, Bench, Cleared, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
-    PreparedByWeight, Rehearsal, Session, ToleranceBy,
+    PreparedByWeight, PreparedProfile, Rehearsal, Session, ToleranceBy,
 };
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};

@@ -199,7 +199,8 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &DosingOptions) ->
     outputs.put()
 }
 
-fn refuse_rows(rows: f64, what: &str, instead: &str) -> Result<(), Failure> {
+/// Refuses a file of too many rows.
+pub(super) fn refuse_rows(rows: f64, what: &str, instead: &str) -> Result<(), Failure> {
     if rows <= MAX_ROWS {
         Ok(())
     } else {

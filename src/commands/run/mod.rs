@@ -1,6 +1,10 @@
-//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it.
+//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it; or by a
+//! flow over time.
 
 mod end;
+mod profile;
+
+use std::path::PathBuf;
 
 use clap::Args;
 use pump_bench::dosing::RunEnd;
@@ -14,6 +18,11 @@ use crate::options::volume::asked;
 
 pub(super) use end::{ForOption, deliver_for};
 
+/// Help of `--profile`.
+const PROFILE_HELP: &str = "Follow a flow over time: CSV with the columns time_s,flow_ml_s, linear between rows; two \
+                            rows of one time are a step. The flow is that at the rollers. What the motor cannot meet \
+                            is refused with its first instant.";
+
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
@@ -21,6 +30,10 @@ pub(crate) struct RunArgs {
     /// Stop after this volume, as 1L; negative runs in reverse
     #[arg(long, value_name = "VOLUME", help_heading = "Amount and speed", conflicts_with = "for")]
     volume: Option<String>,
+    /// Follow a flow over time: CSV with time_s,flow_ml_s
+    #[arg(long, value_name = "FILE", help_heading = "Amount and speed", long_help = PROFILE_HELP)]
+    #[arg(conflicts_with_all = ["for", "volume"])]
+    profile: Option<PathBuf>,
     #[command(flatten)]
     options: DosingOptions,
 }
@@ -32,6 +45,9 @@ impl RunArgs {
     }
 
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.profile {
+            return profile::run(path, &self.options);
+        }
         match (&self.time.time, &self.volume) {
             (Some(time), _) => deliver_for(Purpose::Run, time, &self.options),
             (None, Some(volume)) => {

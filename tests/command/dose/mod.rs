@@ -7,6 +7,7 @@ mod finish;
 mod fluids;
 mod limits;
 mod nozzle;
+mod profiles;
 mod reports;
 mod retraction;
 #[cfg(unix)]

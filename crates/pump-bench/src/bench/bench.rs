@@ -356,7 +356,12 @@ impl Bench {
     }
 
     /// Returns the place from which a dose is planned, if `state` is on record and `stored` is in use.
-    fn stands_for(&self, state: Option<PumpState>, request: &DoseRequest, stored: Option<&Stored>) -> Stands {
+    pub(super) fn stands_for(
+        &self,
+        state: Option<PumpState>,
+        request: &DoseRequest,
+        stored: Option<&Stored>,
+    ) -> Stands {
         let state = state.unwrap_or(self.fresh());
         let (start, source) = match request.start_angle_rad {
             Some(angle_rad) => (Phase::within(angle_rad, request.start_half_width_rad), PhaseSource::Given),
@@ -450,7 +455,7 @@ impl Bench {
     }
 
     /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.
-    fn tube_life(&self, state: Option<PumpState>, prepared: &Prepared) -> Option<TubeLife> {
+    pub(super) fn tube_life(&self, state: Option<PumpState>, prepared: &Prepared) -> Option<TubeLife> {
         Some(TubeLife {
             life_ml: self.file.tube.life_ml?,
             pumped_ml: state.map_or(0.0, |state| state.wear.volume_ml),

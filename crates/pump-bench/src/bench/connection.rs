@@ -4,7 +4,7 @@ mod confirmation;
 
 use std::time::{Duration, Instant};
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::PlannedMotion;
 use pump_model::units::{degrees, rpm};
 
 use super::device::Device;
@@ -164,9 +164,12 @@ impl<'a> Session<'a> {
 
     /// Refuses a plan that the device cannot run, and one for a rotor that has moved since. The state in which the
     /// device was met is on record.
-    pub(super) fn check(&mut self, plan: &Plan) -> Result<(), DoseError> {
+    pub(super) fn check(&mut self, plan: PlannedMotion<'_>) -> Result<(), DoseError> {
         let Some(mut device) = self.device.take() else { return Ok(()) };
-        let checked = device.drive.check(plan);
+        let checked = match plan {
+            PlannedMotion::Dose(plan) => device.drive.check(plan),
+            PlannedMotion::Flow(flow) => device.drive.check_flow(flow),
+        };
         let has_moved =
             self.stands().count.zip(device.drive.count()).is_some_and(|(before, now)| before != now);
         if checked.is_ok() && !has_moved {

@@ -63,7 +63,7 @@ impl Session<'_> {
             return Err(DoseError::Stale { planned_deg, stands_deg });
         }
         let motion = RecordedMotion {
-            plan,
+            plan: plan.into(),
             announced: None,
             prepared: Some(prepared),
             model: &prepared.model,
@@ -113,7 +113,7 @@ impl Session<'_> {
     ) -> Result<(), DoseError> {
         let plan = &retraction.plan;
         let motion = RecordedMotion {
-            plan,
+            plan: plan.into(),
             announced: None,
             prepared: None,
             model: &prepared.model,

@@ -50,13 +50,15 @@ impl<'a> Session<'a> {
         let plan = motion.plan;
         let whole = made == plan.steps().unsigned_abs();
         // A run until it is stopped is complete once somebody stopped it.
-        let is_ended = halt.is_none() && motion.terms.until_stopped;
+        let is_complete = halt.is_none() && motion.terms.until_stopped;
+        // A flow over time cannot go on later, so a stop is its end.
+        let is_ended = is_complete || (halt.is_none() && motion.terms.profile);
         let after =
             after_steps(before, self.log.clock.now().unix_s, &intent, made, is_ended, self.bench.model());
         let state = self.with_device(&mut device, after, Some(pace.pauses));
         let why = match &halt {
             Some(_) => Why::Fault,
-            None if whole || is_ended || beyond.is_some() => Why::Done,
+            None if whole || is_complete || beyond.is_some() => Why::Done,
             None => Why::Stopped,
         };
         self.log_end(motion, &intent, made, measured_s, halt.as_ref());

@@ -251,7 +251,7 @@ impl Session<'_> {
         let (model, correction) = (self.bench.model(), Correction::NONE);
         let purpose = Purpose::Jog;
         let motion = RecordedMotion {
-            plan,
+            plan: plan.into(),
             announced: None,
             prepared: None,
             model,

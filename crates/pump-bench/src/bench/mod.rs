@@ -2,6 +2,7 @@
 
 mod announced_steps;
 mod bench;
+mod by_profile;
 mod by_weight;
 mod connection;
 mod delivery;
@@ -20,6 +21,7 @@ mod stretches;
 
 pub use bench::Bench;
 pub(crate) use bench::headline;
+pub use by_profile::PreparedProfile;
 pub use by_weight::{DeliveredByWeight, OrderByWeight, PreparedByWeight, ToleranceBy};
 pub use delivery::Delivered;
 pub use homing::AngleSet;

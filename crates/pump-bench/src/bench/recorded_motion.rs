@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{Plan, PlannedMotion};
 use pump_model::Pump;
 
 use super::announced_steps::{AnnouncedSteps, Halt, Pace};
@@ -26,7 +26,7 @@ const WATCH_WITHIN: Duration = Duration::from_millis(20);
 
 /// Motion to make and to record.
 pub(super) struct RecordedMotion<'p> {
-    pub(super) plan: &'p Plan,
+    pub(super) plan: PlannedMotion<'p>,
     /// Plan that the journal announces, of which `plan` makes the first steps. `None` if it is `plan` itself.
     pub(super) announced: Option<&'p Plan>,
     /// Dose that the motion makes, or makes a stretch of. `None` for a retraction and a turn to a mark.
@@ -95,7 +95,7 @@ impl<'a> Session<'a> {
         self.check(motion.plan)?;
         // A retraction leaves the vessel, and the stretches of a dose by weight were allowed as a whole.
         if motion.purpose != Purpose::Retract && !motion.terms.by_weight {
-            self.keep_safe(motion.plan.planned_ml())?;
+            self.keep_safe(motion.plan.planned_ml(motion.model))?;
         }
         let mut before = self.stands();
         if motion.given {
@@ -128,9 +128,16 @@ impl<'a> Session<'a> {
     /// Writes the intent of a motion.
     fn announce(&mut self, motion: &RecordedMotion<'_>, before: &PumpState) -> Result<Intent, DoseError> {
         let RecordedMotion { plan, correction, purpose, carry_out_ml, .. } = *motion;
-        let announced = motion.announced.unwrap_or(plan);
         let now = self.log.clock.now();
-        let mut intent = Intent::of(announced, correction, purpose, carry_out_ml, now.unix_s);
+        let mut intent = match (motion.announced, plan) {
+            (Some(announced), PlannedMotion::Dose(_)) | (None, PlannedMotion::Dose(announced)) => {
+                Intent::of(announced, correction, purpose, carry_out_ml, now.unix_s)
+            }
+            (_, PlannedMotion::Flow(flow)) => {
+                let planned_ml = plan.planned_ml(motion.model);
+                Intent::of_flow(flow, planned_ml, correction, carry_out_ml, now.unix_s)
+            }
+        };
         intent.told = self.told(motion, now);
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
@@ -197,10 +204,11 @@ fn drive(
         if looks && watch(made).is_break() { Leave::Stop } else { announced.leave(made, about_to) }
     };
     drive.displaces(motion.correction);
-    let ended = if motion.seeks {
-        drive.seek(motion.plan, &mut gate)
-    } else {
-        drive.run(motion.plan, &mut gate).map(|made| IndexSearch { made, beyond: None })
+    let made_all = |made| IndexSearch { made, beyond: None };
+    let ended = match motion.plan {
+        PlannedMotion::Dose(plan) if motion.seeks => drive.seek(plan, &mut gate),
+        PlannedMotion::Dose(plan) => drive.run(plan, &mut gate).map(made_all),
+        PlannedMotion::Flow(flow) => drive.run_flow(flow, &mut gate).map(made_all),
     };
     let AnnouncedSteps { pace, halt, .. } = announced;
     let took_s = pace.began.map_or(0.0, |began| began.elapsed().as_secs_f64());

@@ -100,6 +100,10 @@ impl Bench {
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
         let (intent, model) = (&dose.intent, self.model());
+        if intent.terms.profile {
+            let (least_ml, most_ml) = dose.delivered_ml(model);
+            return Err(DoseError::NoRestOfProfile { least_ml, most_ml });
+        }
         let request = request.for_rest(&intent.terms);
         let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
         let (requested_ml, booked_ml) = (intent.whole_requested_ml(), dose.booked_ml(model));

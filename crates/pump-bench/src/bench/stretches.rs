@@ -1,7 +1,7 @@
 //! The stretches of a motion that the journal announces ahead of the motor.
 
 use libm::ceil;
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::PlannedMotion;
 use pump_model::Pump;
 
 /// Time of a motor's motion that is announced ahead of it, in s.
@@ -32,7 +32,7 @@ pub(super) struct Stretch {
 /// AnnouncedStretches of a plan.
 #[derive(Debug)]
 pub(super) struct AnnouncedStretches<'a> {
-    plan: &'a Plan,
+    plan: PlannedMotion<'a>,
     /// True if the motion takes its time. A simulated motion takes none.
     pub(super) real: bool,
     /// Most steps that give [`STRETCH_ML`].
@@ -43,10 +43,10 @@ pub(super) struct AnnouncedStretches<'a> {
 
 impl<'a> AnnouncedStretches<'a> {
     /// Divides `plan` into stretches, for a motor in real time or for a simulation.
-    pub(super) fn new(plan: &'a Plan, model: &Pump, real: bool) -> Self {
+    pub(super) fn new(plan: PlannedMotion<'a>, model: &Pump, real: bool) -> Self {
         let (_, most_ml_rad) = model.outlet_curve().flow_range_ml_rad();
-        let peak_rad_s = plan.profile().peak_rad_s();
-        let stop_rad = peak_rad_s * peak_rad_s / (2.0 * plan.profile().acceleration_rad_s2());
+        let peak_rad_s = plan.peak_rad_s();
+        let stop_rad = peak_rad_s * peak_rad_s / (2.0 * plan.acceleration_rad_s2());
         Self {
             plan,
             real,
@@ -91,6 +91,6 @@ impl<'a> AnnouncedStretches<'a> {
     }
 
     fn time_s(&self, step: u64) -> f64 {
-        self.plan.profile().time_of(step as f64 * self.plan.step_rad())
+        self.plan.time_of(step)
     }
 }

@@ -5,7 +5,7 @@ mod weight_fault;
 
 use std::path::PathBuf;
 
-use pump_ctl::plan::PlanError;
+use pump_ctl::plan::{FlowError, PlanError};
 use pump_model::Shown;
 use thiserror::Error;
 
@@ -20,6 +20,8 @@ use crate::record::JournalError;
 use crate::record::Stamp;
 use crate::safety::Stand;
 
+use super::flow_profile::ProfileError;
+
 pub use no_rest_by_weight::NoRestByWeight;
 pub use weight_fault::WeightFault;
 
@@ -33,6 +35,12 @@ pub enum DoseError {
     /// The dose cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// The table of a flow over time cannot be used. Nothing has moved.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
+    /// The flow over time cannot be met. Nothing has moved.
+    #[error("this flow over time cannot be met")]
+    Flow(#[source] FlowError),
     /// The folder of the journal cannot be used. Nothing has moved.
     #[error(transparent)]
     Folder(#[from] FolderError),
@@ -215,6 +223,18 @@ pub enum DoseError {
         /// Smallest volume that the dose may have delivered, in mL.
         least_ml: f64,
         /// Largest volume that the dose may have delivered, in mL.
+        most_ml: f64,
+    },
+    /// The unfinished run followed a flow over time, whose times have passed.
+    #[error(
+        "the unfinished run followed a flow over time, and was cut off after {}; its times have passed, so no rest can \
+         be made",
+        between(*least_ml, *most_ml)
+    )]
+    NoRestOfProfile {
+        /// Smallest volume that the run may have delivered, in mL.
+        least_ml: f64,
+        /// Largest volume that the run may have delivered, in mL.
         most_ml: f64,
     },
     /// The device finished the dose after the process that ran it had ended.

@@ -4,6 +4,7 @@
 mod coverage;
 mod displaced_pumps;
 mod error;
+mod flow_profile;
 mod planner;
 mod prepared;
 mod request;
@@ -19,6 +20,7 @@ mod warnings;
 
 pub(crate) use displaced_pumps::DisplacedPumps;
 pub use error::{DoseError, NoRestByWeight, WeightFault};
+pub use flow_profile::{FlowProfile, ProfileError};
 pub use prepared::Prepared;
 pub(crate) use prepared::{cruise_of, settle_of_s};
 pub use request::{DoseRequest, RunEnd};

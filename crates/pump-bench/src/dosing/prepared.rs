@@ -126,6 +126,41 @@ impl Prepared {
         PlanningBasis { file, model, stored, request, stands }.prepare()
     }
 
+    /// Plans the volume of a flow over time, at a constant flow and within the motor's limits alone. Pressures, torque
+    /// and warnings of limits are those of the flow over time itself.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Self::calibrated`].
+    pub(crate) fn for_flow(
+        file: &PumpFile,
+        model: &Pump,
+        stored: Option<&Stored>,
+        request: DoseRequest,
+        stands: Stands,
+    ) -> Result<Self, DoseError> {
+        let basis = PlanningBasis { file, model, stored, request, stands };
+        file.check_pressure_limits(request.pressures)?;
+        let (asked, limits) = basis.asked();
+        let motor = Limits::new(limits.motor);
+        let pump = SpeedDependentPump::new(*model, file.displacement_law().map_err(PlanError::from)?);
+        let planner = Planner { file, pump: &pump, stored, limits: &motor };
+        let found = planner.plan(stands.start, &asked)?;
+        let displaced = DisplacedPumps::only(found.model);
+        let prepared = basis.predicted(found, &displaced, limits)?;
+        let unweighed = prepared.applied.as_ref().and_then(|applied| applied.unweighed_speed.as_deref());
+        let budget = || {
+            prepared.budget(
+                file,
+                &Swept::whole(&prepared.model, &prepared.plan),
+                prepared.back_flow.backflow_ml,
+            )
+        };
+        let of_speed = unweighed.and_then(|text| warnings::unweighed_speed(text, &budget()));
+        let warnings = file.resistance_warning().into_iter().chain(of_speed).collect();
+        Ok(Self { warnings, ..prepared })
+    }
+
     /// Returns the uncertainty budget of `part`, the part of the dose that was made or the whole. `file` is that of the
     /// dose's pump, and `backflow_ml` flows back at the end of the part.
     pub(crate) fn budget(&self, file: &PumpFile, part: &Swept, backflow_ml: f64) -> Budget {

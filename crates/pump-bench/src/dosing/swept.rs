@@ -1,6 +1,6 @@
 //! The turn whose volume an uncertainty budget is of.
 
-use pump_ctl::plan::{Phase, Plan};
+use pump_ctl::plan::{FlowMotion, Phase, Plan, PlannedMotion};
 use pump_model::Pump;
 
 /// The turn whose volume an uncertainty budget is of: a plan, or the part of it that was made.
@@ -30,6 +30,20 @@ impl Swept {
             range_ml: (plan.least_ml(), plan.most_ml()),
             end_step_ml: plan.end_step_ml(pump),
             carry_in_ml: plan.carry_in_ml(),
+        }
+    }
+
+    /// Returns the turn of the first `made` steps of a flow over time, whose start angle is known.
+    pub(crate) fn flow(pump: &Pump, flow: &FlowMotion<'_>, made: u64) -> Self {
+        let volume_ml = PlannedMotion::Flow(flow).delivered_ml(pump, made);
+        let end_rad = flow.angle_after(made);
+        Self {
+            start: flow.start(),
+            end_rad,
+            volume_ml,
+            range_ml: (volume_ml, volume_ml),
+            end_step_ml: pump.outlet_curve().flow_ml_rad(end_rad).abs() * flow.step_rad(),
+            carry_in_ml: 0.0,
         }
     }
 

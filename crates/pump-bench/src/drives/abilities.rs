@@ -16,6 +16,8 @@ pub struct Abilities {
     pub step_times: bool,
     /// True if the speed may follow the rollers' angle.
     pub angle_dependent_speed: bool,
+    /// True if the drive runs a flow over time ([`Drive::run_flow`](super::Drive::run_flow)).
+    pub flow_over_time: bool,
     /// True if the drive finds an index mark by a sensor.
     pub index: bool,
     /// True if the drive reads the device's own step count.
@@ -29,7 +31,8 @@ impl Abilities {
     pub(super) const GRBL: Self = Self::new().with_index(true).with_readback(true).with_release(true);
 
     /// Abilities of a node: a board that makes each step at the plan's time.
-    pub(super) const NODE: Self = Self::GRBL.with_step_times(true).with_angle_dependent_speed(true);
+    pub(super) const NODE: Self =
+        Self::GRBL.with_step_times(true).with_angle_dependent_speed(true).with_flow_over_time(true);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.
@@ -37,6 +40,7 @@ impl Abilities {
         Self {
             step_times: false,
             angle_dependent_speed: false,
+            flow_over_time: false,
             index: false,
             readback: false,
             release: false,
@@ -53,6 +57,12 @@ impl Abilities {
     #[must_use]
     pub const fn with_angle_dependent_speed(self, angle_dependent_speed: bool) -> Self {
         Self { angle_dependent_speed, ..self }
+    }
+
+    /// Returns the abilities with or without flows over time.
+    #[must_use]
+    pub const fn with_flow_over_time(self, flow_over_time: bool) -> Self {
+        Self { flow_over_time, ..self }
     }
 
     /// Returns the abilities with or without an index sensor.

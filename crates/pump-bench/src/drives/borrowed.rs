@@ -1,6 +1,6 @@
 //! A borrowed drive: whoever lends it to a session has it back afterwards.
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{FlowMotion, Plan};
 
 use super::abilities::Abilities;
 use super::drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Watch};
@@ -58,6 +58,14 @@ impl<T: Drive + ?Sized> Drive for &mut T {
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         T::run(self, plan, gate)
+    }
+
+    fn check_flow(&mut self, flow: &FlowMotion<'_>) -> Result<(), DriveError> {
+        T::check_flow(self, flow)
+    }
+
+    fn run_flow(&mut self, flow: &FlowMotion<'_>, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        T::run_flow(self, flow, gate)
     }
 
     fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{FlowMotion, Plan};
 use pump_model::integrator::IntegrationError;
 use thiserror::Error;
 
@@ -235,6 +235,25 @@ pub trait Drive: Debug + Send {
     /// [`DriveFault`] if the drive failed with the motor under way.
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault>;
 
+    /// Checks that the device can run a flow over time, as [`Self::check`] does for a plan.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the drive runs no flow over time, or the device has moved or been reset since.
+    fn check_flow(&mut self, _flow: &FlowMotion<'_>) -> Result<(), DriveError> {
+        Err(DriveError::no_flow(self.id()))
+    }
+
+    /// Makes each step of a flow over time at its time, and asks `gate` before them, as [`Self::run`] does. It is
+    /// called only if [`Abilities::flow_over_time`] says that the drive can.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveFault`] if the drive runs no flow over time, or failed with the motor under way.
+    fn run_flow(&mut self, _flow: &FlowMotion<'_>, _gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        Err(DriveFault::at(0, DriveError::no_flow(self.id())))
+    }
+
     /// Makes steps of `plan` until the index mark is found or `gate` says [`Leave::Stop`], then stops and holds.
     ///
     /// # Errors
@@ -408,6 +427,12 @@ impl DriveError {
             ability: "way to let go of the motor",
             instead: Remedy::SwitchOff,
         }
+    }
+
+    /// Returns the refusal of a drive that runs no flow over time.
+    pub(crate) fn no_flow(driver: &str) -> Self {
+        let ability = "way to follow a flow over time: it keeps no step times of a program";
+        Self::Unable { driver: driver.to_owned(), ability, instead: Remedy::FlowByNode }
     }
 
     /// Returns the refusal of a drive without an index sensor.

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use pump_ctl::plan::{Plan, Step};
+use pump_ctl::plan::{FlowMotion, Plan, PlannedMotion, Step};
 use pump_model::circuit::{Circuit, Linear, Lumped, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
@@ -86,17 +86,61 @@ impl<'a> Sim<'a> {
     pub fn make(&mut self, plan: &Plan) -> Result<(), IntegrationError> {
         let started_s = self.solver.time_s();
         for step in plan.each_step() {
-            self.step(plan, &step, started_s)?;
+            self.step(plan.into(), &step, started_s)?;
         }
         Ok(())
     }
 
     /// Lets the line flow on until `step` is due, then makes it.
-    fn step(&mut self, plan: &Plan, step: &Step, started_s: f64) -> Result<(), IntegrationError> {
+    fn step(
+        &mut self,
+        motion: PlannedMotion<'_>,
+        step: &Step,
+        started_s: f64,
+    ) -> Result<(), IntegrationError> {
         self.wait_until(started_s + step.time_s)?;
-        let before_rad = plan.angle_after(step.number - 1);
+        let before_rad = motion.angle_after(step.number - 1);
         self.push(self.pump.outlet(), self.correction.volume_ml(&self.pulsed, before_rad, step.angle_rad));
         Ok(())
+    }
+
+    /// Makes the `steps` of a motion with leave of `gate`. Returns the number of steps made.
+    fn travel(
+        &mut self,
+        motion: PlannedMotion<'_>,
+        steps: impl Iterator<Item = Step>,
+        gate: &mut Gate<'_>,
+    ) -> Result<u64, DriveFault> {
+        let started_s = self.solver.time_s();
+        self.begun_ml = self.received_ml();
+        self.moved_s = 0.0;
+        let mut made = 0;
+        let failed = |made: u64, error: IntegrationError| DriveFault {
+            made_least: made as i64,
+            made_most: made as i64 + 1,
+            lost: false,
+            error: error.into(),
+        };
+        for step in steps {
+            // No time passes while the gate waits.
+            let leave = loop {
+                match gate(made, step.number) {
+                    Leave::Wait => {}
+                    leave => break leave,
+                }
+            };
+            if leave == Leave::Stop {
+                let Some(stop) = motion.stop(self.pump, made) else { break };
+                let most = made + stop.steps().unsigned_abs();
+                self.make(&stop)
+                    .map_err(|error| DriveFault { made_most: most as i64, ..failed(made, error) })?;
+                self.moved_s = self.solver.time_s() - started_s;
+                return Ok(made + stop.steps().unsigned_abs());
+            }
+            self.step(motion, &step, started_s).map_err(|error| failed(made, error))?;
+            (made, self.moved_s) = (step.number, step.time_s);
+        }
+        Ok(made)
     }
 
     /// Waits for `time_s` with the rotor at rest.
@@ -170,8 +214,11 @@ impl<'a> Sim<'a> {
 }
 
 /// Abilities of the simulated drive.
-pub(super) const ABILITIES: Abilities =
-    Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false, release: true };
+pub(super) const ABILITIES: Abilities = Abilities::new()
+    .with_step_times(true)
+    .with_angle_dependent_speed(true)
+    .with_flow_over_time(true)
+    .with_release(true);
 
 impl Drive for Sim<'_> {
     fn id(&self) -> &str {
@@ -192,36 +239,15 @@ impl Drive for Sim<'_> {
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        let started_s = self.solver.time_s();
-        self.begun_ml = self.received_ml();
-        self.moved_s = 0.0;
-        let mut made = 0;
-        let failed = |made: u64, error: IntegrationError| DriveFault {
-            made_least: made as i64,
-            made_most: made as i64 + 1,
-            lost: false,
-            error: error.into(),
-        };
-        for step in plan.each_step() {
-            // No time passes while the gate waits.
-            let leave = loop {
-                match gate(made, step.number) {
-                    Leave::Wait => {}
-                    leave => break leave,
-                }
-            };
-            if leave == Leave::Stop {
-                let Some(stop) = plan.stop(self.pump, made) else { break };
-                let most = made + stop.steps().unsigned_abs();
-                self.make(&stop)
-                    .map_err(|error| DriveFault { made_most: most as i64, ..failed(made, error) })?;
-                self.moved_s = self.solver.time_s() - started_s;
-                return Ok(made + stop.steps().unsigned_abs());
-            }
-            self.step(plan, &step, started_s).map_err(|error| failed(made, error))?;
-            (made, self.moved_s) = (step.number, step.time_s);
-        }
-        Ok(made)
+        self.travel(plan.into(), plan.each_step(), gate)
+    }
+
+    fn check_flow(&mut self, _flow: &FlowMotion<'_>) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    fn run_flow(&mut self, flow: &FlowMotion<'_>, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        self.travel(flow.into(), flow.each_step(), gate)
     }
 
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{FlowMotion, Plan};
 
 use crate::simulation::Sample;
 
@@ -27,6 +27,18 @@ pub fn write_steps(to: &mut dyn Write, plan: &Plan, retraction: Option<(f64, &Pl
             let (number, time_s) = (before + step.number, start_s + step.time_s);
             writeln!(to, "{number},{time_s},{},{}", step.direction.sign(), step.angle_rad)?;
         }
+    }
+    Ok(())
+}
+
+/// Writes every step of a flow over time, with numbers in full precision.
+///
+/// # Errors
+/// Returns the [`io::Error`] of the writer.
+pub fn write_flow_steps(to: &mut dyn Write, flow: &FlowMotion<'_>) -> io::Result<()> {
+    writeln!(to, "{STEPS_HEADER}")?;
+    for step in flow.each_step() {
+        writeln!(to, "{},{},{},{}", step.number, step.time_s, step.direction.sign(), step.angle_rad)?;
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ mod plot_error;
 mod rust_source;
 
 pub(crate) use csv::TRACE_HEADER;
-pub use csv::{write_samples, write_steps};
+pub use csv::{write_flow_steps, write_samples, write_steps};
 pub use fitted::{Axes, Fitted};
 #[cfg(feature = "plot")]
 pub use pictures::{

@@ -74,6 +74,8 @@ pub enum Remedy {
     TurnAndSayAngle,
     /// Say where the rollers stand, or turn them to their mark.
     SayAngleOrMark,
+    /// Find the angle of the rollers by a sensor, or say it without a tolerance.
+    SayExactAngle,
     /// Say where the rollers stand.
     SetAngle,
     /// Find the angle of the rollers by a sensor or a mark.
@@ -138,6 +140,8 @@ pub enum Remedy {
     SuckBackLess,
     /// Dose without a smooth flow, or make the rest at a given speed.
     LeaveSmoothOut,
+    /// Run at a rate, or drive the motor by a board that keeps the times of its steps.
+    FlowByNode,
     /// Dose with the board's own ramps, and configure the board for them.
     LeaveRampsOut,
     /// Switch the device's power off.
@@ -208,6 +212,7 @@ impl Remedy {
         Self::FindAngleDropCarry,
         Self::TurnAndSayAngle,
         Self::SayAngleOrMark,
+        Self::SayExactAngle,
         Self::SetAngle,
         Self::HomeBySensorOrMark,
         Self::SayUnknownAngle,
@@ -240,6 +245,7 @@ impl Remedy {
         Self::EndAtLowFlow,
         Self::SuckBackLess,
         Self::LeaveSmoothOut,
+        Self::FlowByNode,
         Self::LeaveRampsOut,
         Self::SwitchOff,
         Self::CheckCable,

@@ -1,6 +1,6 @@
 //! The intent of a motion: its plan, as the journal announces it before the rotor turns.
 
-use pump_ctl::plan::{Phase, Plan, Turned};
+use pump_ctl::plan::{FlowMotion, Phase, Plan, Turned};
 use pump_model::Pump;
 use serde::{Deserialize, Serialize};
 
@@ -133,6 +133,39 @@ impl Intent {
             whole.least_ml += least_ml;
             whole.most_ml += most_ml;
             whole.turned = Turned::at(start);
+        }
+    }
+
+    /// Describes a flow over time as an intent, whose steps give `planned_ml`. It has no terms yet.
+    pub(crate) fn of_flow(
+        flow: &FlowMotion<'_>,
+        planned_ml: f64,
+        correction: Correction,
+        carry_out_ml: f64,
+        unix_s: u64,
+    ) -> Self {
+        let start = flow.start();
+        let turn_rad = flow.steps().unsigned_abs() as f64 * flow.step_rad();
+        Self {
+            unix_s,
+            purpose: Purpose::Run,
+            requested_ml: flow.volume_ml(),
+            carry_in_ml: 0.0,
+            carry_in_half_width_ml: 0.0,
+            planned_ml,
+            carry_out_ml,
+            start_angle_rad: start.angle_rad(),
+            half_width_rad: start.half_width_rad(),
+            turned: None,
+            steps: flow.steps(),
+            step_rad: flow.step_rad(),
+            motion_s: flow.duration_s(),
+            speed_rad_s: turn_rad / flow.duration_s(),
+            retract_ml: None,
+            whole: None,
+            terms: DoseTerms::default(),
+            correction,
+            told: None,
         }
     }
 

@@ -355,6 +355,7 @@ mod tests {
             by_weight: false,
             weighing: None,
             until_stopped: false,
+            profile: false,
             ramps: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,

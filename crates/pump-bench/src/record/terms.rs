@@ -35,6 +35,9 @@ pub(crate) struct DoseTerms {
     /// makes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) until_stopped: bool,
+    /// True for a flow over time by a profile, of which no rest can be made.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) profile: bool,
     /// Ramps that were asked for. `None` took those of the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) ramps: Option<Ramps>,

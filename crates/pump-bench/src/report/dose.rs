@@ -1,5 +1,6 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
+mod by_profile;
 mod by_weight;
 mod run;
 
@@ -9,7 +10,7 @@ use pump_model::units::{degrees, radians, rpm};
 use serde::Serialize;
 
 pub use self::by_weight::ByWeightReport;
-pub use self::run::{RunReport, Until};
+pub use self::run::{ProfileReport, RunReport, Until};
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
 use crate::calibration::{Applied, Made, Weighing};

@@ -32,6 +32,7 @@ impl DoseError {
             | Self::UnfinishedRun { .. }
             | Self::NoRest { .. }
             | Self::NoRestByWeight(_)
+            | Self::NoRestOfProfile { .. }
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
             Self::Stands { .. } => Ending::Stands,
@@ -46,6 +47,8 @@ impl DoseError {
             | Self::NotRecorded { .. } => Ending::Moved,
             Self::PumpFile(_)
             | Self::Plan(_)
+            | Self::Profile(_)
+            | Self::Flow(_)
             | Self::Journal(_)
             | Self::Calibration(_)
             | Self::Displacement(_)

@@ -25,7 +25,7 @@ pub use crate::notice::Remedy;
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
 pub use config::{ShownConfig, ShownPump};
-pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, RunReport, Until};
+pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, ProfileReport, RunReport, Until};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, with_sources};
 pub use log::{LOG_CSV_HEADER, LogTotal, LogTotals, log_csv, log_json, log_text};

@@ -5,6 +5,7 @@
 mod boards;
 mod doses;
 mod faults;
+mod flows;
 mod meeting;
 mod onlooker;
 mod rig;

@@ -7,7 +7,7 @@ use pump_bench::built_in;
 use pump_bench::drives::{Drive, DriveError, Leave, Node, NodeError, Opening};
 use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
-use pump_ctl::step::TickRate;
+use pump_ctl::step::{Segment, TickRate};
 
 use crate::world::{SharedWorld, TICK_HZ};
 
@@ -58,10 +58,14 @@ pub(crate) fn go(_made: u64, _about_to: u64) -> Leave {
 
 /// Returns the times of the plan's steps after its begin, in ticks.
 pub(crate) fn times(plan: &Plan) -> Vec<f64> {
-    let tick_rate = TickRate::from_hz(TICK_HZ).unwrap();
+    times_of(plan.segments(TickRate::from_hz(TICK_HZ).unwrap()))
+}
+
+/// Returns the times of the steps of segments after their begin, in ticks.
+pub(crate) fn times_of(segments: impl Iterator<Item = Segment>) -> Vec<f64> {
     let mut at = 0.0;
     let mut times = Vec::new();
-    for segment in plan.segments(tick_rate) {
+    for segment in segments {
         for step in 1..=segment.steps() {
             let ticks = segment.interval_before(step);
             at += ticks.whole as f64 + f64::from(ticks.frac) / 4_294_967_296.0;
@@ -73,9 +77,13 @@ pub(crate) fn times(plan: &Plan) -> Vec<f64> {
 
 /// Returns the largest distance of a rise from the plan's time, in ticks, after the begin from which it is smallest.
 pub(crate) fn worst(rises: &[u64], plan: &Plan) -> f64 {
-    let times = times(plan);
+    worst_of(rises, &times(plan))
+}
+
+/// Returns the largest distance of a rise from its time, in ticks, after the begin from which it is smallest.
+pub(crate) fn worst_of(rises: &[u64], times: &[f64]) -> f64 {
     assert_eq!(rises.len(), times.len());
-    let late = rises.iter().zip(&times).map(|(rise, time)| *rise as f64 - time);
+    let late = rises.iter().zip(times).map(|(rise, time)| *rise as f64 - time);
     let (least, most) =
         late.fold((f64::MAX, f64::MIN), |(least, most), late| (late.min(least), late.max(most)));
     (most - least) / 2.0

@@ -19,6 +19,7 @@ mod limits;
 mod line_states;
 mod moves;
 mod plan;
+mod planned_motion;
 mod prediction;
 mod profile;
 mod ramps;
@@ -30,13 +31,16 @@ mod target;
 mod volumes;
 mod words;
 
-pub use flow::{FlowError, FlowPlan, FlowRow, FlowStretch};
+pub use flow::{
+    FlowError, FlowKnot, FlowLegs, FlowMotion, FlowPace, FlowPlan, FlowRow, FlowSegments, FlowStretch,
+};
 pub use handover::Handover;
 pub use limits::{
     Limits, Lowest, Margin, Margins, Motor, PressureLimits, TORQUE_POINTS, Torque, TorqueCurve,
 };
 pub use moves::Doser;
 pub use plan::Plan;
+pub use planned_motion::{MotionSegments, PlannedMotion};
 pub use prediction::Prediction;
 pub use profile::{Legs, Profile};
 pub use ripple::Ripples;

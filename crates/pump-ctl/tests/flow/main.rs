@@ -5,6 +5,7 @@
 #[path = "../reversing/heads.rs"]
 #[allow(dead_code, reason = "the heads of another test")]
 mod heads;
+mod motions;
 mod profiles;
 mod refused;
 

@@ -137,18 +137,37 @@ class ByWeight(Record):
 
 
 @dataclass(frozen=True)
+class Profile(Record):
+    """A flow over time that a run followed.
+
+    `volume_ml` is its volume at the rollers and `time_s` its time from the first row to the last.
+    `largest_departure_ml` is the largest distance of the volume at the rollers from the profile's at any
+    moment: that of a motor step.
+    """
+
+    name: str
+    volume_ml: float
+    time_s: float
+    largest_departure_ml: float
+
+
+@dataclass(frozen=True)
 class Run(Record):
     """The end and the mean flow of a run of continuous flow, or of a prime or purge for a time.
 
-    `until` is the event that was to end it: "volume", "time" or "stop". `asked_s` is the requested time (s).
-    `mean_flow_ml_s` is the delivered volume over the time of its motion (mL/s). `was_stopped` is True if it
-    was stopped before the end of its plan. Both are None for a run that was only planned.
+    `until` is the event that was to end it: "volume", "time", "stop" or "profile". `asked_s` is the requested
+    time (s). `mean_flow_ml_s` is the delivered volume over the time of its motion (mL/s). `was_stopped` is
+    True if it was stopped before the end of its plan. Both are None for a run that was only planned.
+    `profile` is the flow over time that it followed, and None of any other run.
     """
+
+    _records: ClassVar[dict[str, type[Record]]] = {"profile": Profile}
 
     until: str
     asked_s: float | None
     mean_flow_ml_s: float | None
     was_stopped: bool | None
+    profile: Profile | None = None
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,9 @@ pub(crate) struct Bench {
 }
 
 /// A dose that was run: the command's JSON, and the note for an interrupted caller.
-struct Ran {
-    json: String,
-    note: String,
+pub(super) struct Ran {
+    pub(super) json: String,
+    pub(super) note: String,
 }
 
 #[pymethods]
@@ -239,7 +239,7 @@ pub(super) fn deliver(
 }
 
 /// Returns the note on an interrupted caller's exception: the volume that was delivered.
-fn note(delivered: &Delivered) -> String {
+pub(super) fn note(delivered: &Delivered) -> String {
     let volume_ml = delivered.volume_ml;
     if !delivered.completed && !delivered.unfinished {
         format!("{volume_ml:.4} mL were delivered and are on record; the run is complete")

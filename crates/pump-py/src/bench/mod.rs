@@ -2,6 +2,7 @@
 
 mod balance;
 mod bench;
+mod by_profile;
 mod by_weight;
 mod calibration;
 mod homing;

@@ -60,6 +60,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "say where the rollers stand with bench.home_set(angle_rad), or turn them to a mark and call \
              bench.home_mark()"
         }
+        Remedy::SayExactAngle => {
+            "Bench.home_sensor() finds the angle, and Bench.home_set() with a tolerance of 0deg says it"
+        }
         Remedy::SetAngle => "say where they stand with bench.home_set(angle_rad)",
         Remedy::HomeBySensorOrMark => "call bench.home_sensor() or bench.home_mark()",
         Remedy::SayUnknownAngle => "if nobody knows the angle, call bench.home_set(None)",
@@ -121,6 +124,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::EndAtLowFlow => "finish=\"low-flow\" ends it there",
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
         Remedy::LeaveSmoothOut => "leave smooth out, or resume with rate or speed",
+        Remedy::FlowByNode => "run at a rate, or drive the motor by a board with the driver `node`",
         Remedy::LeaveRampsOut => {
             "leave ramps out; Bench.open() with configure=True sets the board's acceleration to the best for \
              the pump's default rate"

@@ -142,9 +142,9 @@ fn numbers(error: &DoseError) -> Vec<(&'static str, f64)> {
             known.push(("requested_ml", *requested_ml));
             known
         }
-        DoseError::UnfinishedRun { least_ml, most_ml } | DoseError::Drive { least_ml, most_ml, .. } => {
-            bounds(*least_ml, *most_ml)
-        }
+        DoseError::UnfinishedRun { least_ml, most_ml }
+        | DoseError::NoRestOfProfile { least_ml, most_ml }
+        | DoseError::Drive { least_ml, most_ml, .. } => bounds(*least_ml, *most_ml),
         DoseError::ByWeight { turned_ml, weighed_g, .. } => {
             let mut known = vec![("turned_ml", *turned_ml)];
             known.extend(weighed_g.map(|mass_g| ("weighed_g", mass_g)));
@@ -174,10 +174,11 @@ fn class(error: DoseError) -> PyErr {
         | DoseError::UnfinishedRun { .. }
         | DoseError::BeyondRequest { .. }
         | DoseError::AngleIsKnown
+        | DoseError::NoRestOfProfile { .. }
         | DoseError::NoRestByWeight(_) => UnfinishedError::new_err(message),
         DoseError::Balance(_) | DoseError::ByWeight { .. } => BalanceError::new_err(message),
         DoseError::Stands { .. } => SafetyError::new_err(message),
-        DoseError::NotCleared { .. } => value(message),
+        DoseError::NotCleared { .. } | DoseError::Profile(_) => value(message),
         DoseError::Drive { .. }
         | DoseError::Folder(FolderError::Busy { .. })
         | DoseError::Connection(_)
@@ -186,6 +187,7 @@ fn class(error: DoseError) -> PyErr {
         DoseError::SuckBack { source: CtlPlanError::OutOfRange { .. }, .. } => PyValueError::new_err(message),
         DoseError::Displacement(_)
         | DoseError::NotByWeight { .. }
+        | DoseError::Flow(_)
         | DoseError::NoRun { .. }
         | DoseError::Disturbed { .. }
         | DoseError::TubeWorn { .. }

@@ -2,9 +2,12 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import pumpmodel as pm
+
+ROWS = [(0, 0), (5, 2), (11, 2), (11, 1.9), (12, 0)]
 
 
 def test_a_run_has_its_rate_and_its_time_and_leaves_the_carry(tmp_path: Path) -> None:
@@ -55,3 +58,39 @@ def test_ends_that_no_run_has_are_refused(tmp_path: Path) -> None:
         with pytest.raises(pm.PlanError, match="cannot be done within"):
             bench.run(duration="1ms")
         assert not bench.status().recorded
+
+
+def test_a_profile_is_followed_from_an_array_and_from_a_file(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        planned = bench.run(profile=np.array(ROWS), dry_run=True)
+        assert planned.delivered_ml is None
+        run = bench.run(profile=ROWS)
+        assert run.delivered_ml == pytest.approx(17.95, abs=0.003)
+        assert run.run is not None
+        assert (run.run.until, run.run.was_stopped) == ("profile", False)
+        assert run.run.profile is not None
+        assert run.run.profile.volume_ml == pytest.approx(17.95)
+        assert run.run.profile.largest_departure_ml < 0.003
+        assert pm.Dose.from_dict(run.to_dict()) == run
+        file = tmp_path / "flow.csv"
+        file.write_text("time_s,flow_ml_s\n" + "".join(f"{t},{q}\n" for t, q in ROWS))
+        back = bench.run(profile=file, reverse=True)
+        assert back.delivered_ml == pytest.approx(-17.95, abs=0.003)
+        assert back.run is not None
+        assert back.run.profile is not None
+        assert back.run.profile.name == "flow.csv"
+
+
+def test_a_profile_that_cannot_be_met_is_refused_with_its_instant(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        with pytest.raises(pm.PlanError, match="in row 1, the flow steps from 0 to 5 mL/s"):
+            bench.run(profile=[(0, 5), (10, 5)])
+        with pytest.raises(pm.PlanError, match="row 2 has the flow NaN mL/s"):
+            bench.run(profile=[(0, 0), (10, float("nan"))])
+        with pytest.raises(ValueError, match="shape"):
+            bench.run(profile=[0, 1, 2])
+        with pytest.raises(ValueError, match="duration, volume and profile"):
+            bench.run(profile=ROWS, volume="1L")
+        with pytest.raises(pm.PlanError, match="neither a rate nor ramps"):
+            bench.run(profile=ROWS, rate="1mL/s")
+        assert bench.status().wear.volume_ml == 0

@@ -242,7 +242,7 @@ impl Session<'_> {
     ) -> Result<StretchEnd, DoseError> {
         let Stretch { part, announced } = stretch;
         let motion = RecordedMotion {
-            plan: &part.plan,
+            plan: (&part.plan).into(),
             announced: Some(&announced.plan),
             prepared: Some(announced),
             model: &announced.model,

@@ -1,5 +1,7 @@
 //! The entries that a session gives to the log.
 
+use pump_ctl::plan::PlannedMotion;
+
 use crate::bench::announced_steps::Halt;
 use crate::bench::recorded_motion::RecordedMotion;
 use crate::bench::session::Session;
@@ -160,6 +162,12 @@ impl Session<'_> {
     fn uncertainty_ml(&self, motion: &RecordedMotion<'_>, made: u64) -> Option<f64> {
         let prepared = motion.prepared.filter(|_| !motion.terms.by_weight)?;
         let (model, plan) = (&prepared.model, &prepared.plan);
+        if let PlannedMotion::Flow(flow) = motion.plan {
+            let part = Swept::flow(model, flow, made);
+            let backflow_ml = prepared.backflow_in_ml(motion.plan, made);
+            let backflow_ml = backflow_ml.unwrap_or(prepared.back_flow.backflow_ml);
+            return Some(prepared.budget(self.bench.file(), &part, backflow_ml).expanded_ml());
+        }
         let is_whole = made == plan.steps().unsigned_abs();
         let part = if is_whole { Swept::whole(model, plan) } else { Swept::part(model, plan, made) };
         let backflow_ml = prepared.backflow_of_ml(made).unwrap_or(prepared.back_flow.backflow_ml);

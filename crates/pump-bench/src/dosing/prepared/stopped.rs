@@ -1,6 +1,6 @@
 //! The back flow and the settling of a dose that was stopped on its way.
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{Plan, PlannedMotion};
 use pump_model::Pump;
 
 use super::Prepared;
@@ -9,23 +9,35 @@ impl Prepared {
     /// Returns the back flow of the first `made` steps, in mL: that of the plan, or of the stop that made these
     /// steps the last. `None` if the line does not come to rest within an hour.
     pub(crate) fn backflow_of_ml(&self, made: u64) -> Option<f64> {
-        if is_whole(&self.plan, made) {
+        self.backflow_in_ml((&self.plan).into(), made)
+    }
+
+    /// Returns the back flow of the first `made` steps of the motion that the dose is made by, in mL, as
+    /// [`Self::backflow_of_ml`] does.
+    pub(crate) fn backflow_in_ml(&self, motion: PlannedMotion<'_>, made: u64) -> Option<f64> {
+        if is_whole(motion, made) {
             return Some(self.back_flow.backflow_ml);
         }
         let backflow_ml = |stop: Plan| Some(stop.back_flow(&self.model).ok()?.backflow_ml);
-        stop_after(&self.plan, &self.model, made).map_or(Some(0.0), backflow_ml)
+        stop_after(motion, &self.model, made).map_or(Some(0.0), backflow_ml)
     }
 
     /// Returns the time from the last of the first `made` steps until the line has settled, in s, as [`settle_of_s`].
     pub(crate) fn settle_of_s(&self, made: u64) -> f64 {
-        settle_of_s(&self.plan, &self.model, self.prediction.settle_s, made)
+        self.settle_in_s((&self.plan).into(), made)
+    }
+
+    /// Returns the time from the last of the first `made` steps of the motion that the dose is made by until the line
+    /// has settled, in s, as [`settle_of_s`].
+    pub(crate) fn settle_in_s(&self, motion: PlannedMotion<'_>, made: u64) -> f64 {
+        settle_of_s(motion, &self.model, self.prediction.settle_s, made)
     }
 }
 
 /// Returns the time from the last of the first `made` steps of `plan` until the line has settled, in s: `whole_s`, that
 /// of the plan, or that of the stop that made these steps the last. It is infinite if the line does not come to rest
 /// within an hour.
-pub(crate) fn settle_of_s(plan: &Plan, model: &Pump, whole_s: f64, made: u64) -> f64 {
+pub(crate) fn settle_of_s(plan: PlannedMotion<'_>, model: &Pump, whole_s: f64, made: u64) -> f64 {
     if is_whole(plan, made) {
         return whole_s;
     }
@@ -34,13 +46,13 @@ pub(crate) fn settle_of_s(plan: &Plan, model: &Pump, whole_s: f64, made: u64) ->
 }
 
 /// Returns true if these steps are all of the plan.
-fn is_whole(plan: &Plan, made: u64) -> bool {
+fn is_whole(plan: PlannedMotion<'_>, made: u64) -> bool {
     made >= plan.steps().unsigned_abs()
 }
 
 /// Returns the stop, the motor's fastest, that ends with the first `made` steps. `None` if the motor stands there.
-fn stop_after(plan: &Plan, model: &Pump, made: u64) -> Option<Plan> {
-    let ends_at = |asked: u64| asked + plan.stop(model, asked).map_or(0, |stop| stop.steps().unsigned_abs());
+fn stop_after(plan: PlannedMotion<'_>, model: &Pump, made: u64) -> Option<Plan> {
+    let ends_at = |asked: u64| asked + plan.stopping_steps(asked);
     // A later stop ends later. Bisection finds the first that ends with the steps that were made.
     let (mut early, mut late) = (0, made);
     while early < late {

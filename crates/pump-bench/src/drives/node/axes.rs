@@ -114,10 +114,13 @@ impl NodeAxes {
             let is_free = runs.iter().take(n).all(|other| other.place != run.place);
             let missing = NodeError::Place { place: run.place, axes: self.nodes.len() };
             let node = self.nodes.get_mut(run.place).filter(|_| is_free).ok_or(missing)?;
-            tasks.push(node.task(run.plan, sharers)?);
+            tasks.push(node.task(run.plan.into(), sharers)?);
         }
-        let leads: Vec<SentLead<'_>> =
-            runs.iter().zip(&tasks).map(|(run, task)| SentLead::new(run.plan, task.brake_steps)).collect();
+        let leads: Vec<SentLead<'_>> = runs
+            .iter()
+            .zip(&tasks)
+            .map(|(run, task)| SentLead::new(run.plan.into(), task.brake_steps))
+            .collect();
         let frees: Vec<Lead> = runs.iter().map(|_| Lead::free()).collect();
         let mut nodes: Vec<Option<&mut Node>> = self.nodes.iter_mut().map(Some).collect();
         let mut motions = Vec::new();
@@ -125,7 +128,7 @@ impl NodeAxes {
             let node = nodes.get_mut(run.place).and_then(Option::take);
             if let Some(node) = node {
                 node.be_deaf(true);
-                motions.extend(node.motion(run.plan, *task, (lead, free), false));
+                motions.extend(node.motion(run.plan.into(), *task, (lead, free), false));
             }
         }
         let mut gates: Vec<&mut Gate<'_>> = runs.iter_mut().map(|run| &mut *run.gate).collect();
@@ -134,7 +137,7 @@ impl NodeAxes {
         let made = runs.iter().map(|run| {
             let outcome = outcomes.next().unwrap_or(Err(Fault::at_rest(NodeError::Reset)));
             match self.nodes.get_mut(run.place) {
-                Some(node) => node.after(run.plan, outcome).map(|made| made.steps),
+                Some(node) => node.after(run.plan.into(), outcome).map(|made| made.steps),
                 None => outcome.map(|made| made.steps).map_err(Fault::of_drive),
             }
         });

@@ -214,6 +214,12 @@ pub enum NodeError {
     /// A step came too late.
     #[error("the board stopped because a step came when the next one was due already; dose slower")]
     Late,
+    /// A flow over time came to rest on its way, because its steps did not reach the board in time.
+    #[error(
+        "the board ran out of steps of the flow over time, and came to rest; this computer or the line was late, and \
+         a flow that has paused cannot go on"
+    )]
+    FlowPaused,
     /// The motor's driver reported a fault.
     #[error("the motor's driver reported a fault; check its temperature, its supply and the motor's cable")]
     Driver,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pump_ctl::plan::{Motor, Plan};
+use pump_ctl::plan::{FlowMotion, Motor, Plan, PlannedMotion};
 use pump_ctl::step::Brake;
 use pump_link::message::FaultCounts;
 
@@ -136,7 +136,7 @@ impl Node {
     }
 
     /// Returns the task of `plan` for a board whose line so many axes share, or refuses it before anything moves.
-    pub(super) fn task(&mut self, plan: &Plan, sharers: u32) -> Result<Task, NodeError> {
+    pub(super) fn task(&mut self, plan: PlannedMotion<'_>, sharers: u32) -> Result<Task, NodeError> {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
         if status.angle_lost || !status.energised {
@@ -152,7 +152,7 @@ impl Node {
     /// Returns the motion that makes the steps of `plan`, for a board that was met.
     pub(super) fn motion<'a>(
         &'a mut self,
-        plan: &'a Plan,
+        plan: PlannedMotion<'a>,
         task: Task,
         leads: (&'a SentLead<'a>, &'a Lead),
         seeks: bool,
@@ -163,7 +163,12 @@ impl Node {
     }
 
     /// Makes the steps of `plan`. Returns the number of steps made, with the step at which the index was found.
-    fn travel(&mut self, plan: &Plan, gate: &mut Gate<'_>, seeks: bool) -> Result<Made, DriveFault> {
+    fn travel(
+        &mut self,
+        plan: PlannedMotion<'_>,
+        gate: &mut Gate<'_>,
+        seeks: bool,
+    ) -> Result<Made, DriveFault> {
         // From here on the gate hears the user.
         self.be_deaf(true);
         let made = self.task(plan, 1).map_err(Fault::at_rest).and_then(|task| {
@@ -176,8 +181,21 @@ impl Node {
         self.after(plan, made)
     }
 
+    /// Checks that the board can make a motion, and that it is where it was left.
+    fn check_motion(&mut self, motion: PlannedMotion<'_>) -> Result<(), DriveError> {
+        let checked = self.task(motion, 1);
+        if checked.is_err() {
+            self.part();
+        }
+        Ok(checked.map(drop)?)
+    }
+
     /// Notes where a motion has led.
-    pub(super) fn after(&mut self, plan: &Plan, made: Result<Made, Fault>) -> Result<Made, DriveFault> {
+    pub(super) fn after(
+        &mut self,
+        plan: PlannedMotion<'_>,
+        made: Result<Made, Fault>,
+    ) -> Result<Made, DriveFault> {
         self.be_deaf(false);
         let known = match &made {
             Ok(made) => Some(made.steps as i64),
@@ -223,22 +241,26 @@ impl Drive for Node {
     }
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
-        let checked = self.task(plan, 1);
-        if checked.is_err() {
-            self.part();
-        }
-        Ok(checked.map(drop)?)
+        self.check_motion(plan.into())
+    }
+
+    fn check_flow(&mut self, flow: &FlowMotion<'_>) -> Result<(), DriveError> {
+        self.check_motion(flow.into())
+    }
+
+    fn run_flow(&mut self, flow: &FlowMotion<'_>, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        self.travel(flow.into(), gate, false).map(|made| made.steps)
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        self.travel(plan, gate, false).map(|made| made.steps)
+        self.travel(plan.into(), gate, false).map(|made| made.steps)
     }
 
     fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
         if !self.terms.has_index {
             return Err(DriveFault::at(0, DriveError::no_index(self.id())));
         }
-        let Made { steps, index_at } = self.travel(plan, gate, true)?;
+        let Made { steps, index_at } = self.travel(plan.into(), gate, true)?;
         Ok(IndexSearch { made: steps, beyond: index_at.map(|at| steps.saturating_sub(at)) })
     }
 

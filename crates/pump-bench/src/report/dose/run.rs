@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 
-use crate::bench::Delivered;
+use crate::bench::{Delivered, PreparedProfile};
 use crate::dosing::{Prepared, RunEnd};
 use crate::numbers::significant;
-use crate::record::Purpose;
+use crate::record::{Asked, Purpose};
 
 /// A run of continuous flow, or a prime or purge for a time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct RunReport {
-    /// Event that was to end it: `volume`, `time` or `stop`.
+    /// Event that was to end it: `volume`, `time`, `stop` or `profile`.
     pub until: Until,
     /// Time that was asked for, s; null if no time was to end it.
     pub asked_s: Option<f64>,
@@ -19,6 +19,23 @@ pub struct RunReport {
     pub mean_flow_ml_s: Option<f64>,
     /// True if somebody stopped it before the end of its plan; null on a dry run.
     pub was_stopped: Option<bool>,
+    /// Flow over time that it followed; absent for other runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<ProfileReport>,
+}
+
+/// Flow over time that a run followed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ProfileReport {
+    /// Name of the profile, as the file's.
+    pub name: Asked,
+    /// Volume of the profile at the rollers, mL.
+    pub volume_ml: f64,
+    /// Time of the profile from its first row to its last, s.
+    pub time_s: f64,
+    /// Largest distance of the volume at the rollers from the profile's at any moment, mL: that of a motor step.
+    pub largest_departure_ml: f64,
 }
 
 /// Event that ends a run.
@@ -32,6 +49,8 @@ pub enum Until {
     Time,
     /// Somebody stops it.
     Stop,
+    /// The last row of a flow over time is reached.
+    Profile,
 }
 
 impl RunReport {
@@ -49,7 +68,26 @@ impl RunReport {
             asked_s,
             mean_flow_ml_s: delivered.and_then(mean),
             was_stopped: delivered.map(|delivered| !delivered.completed),
+            profile: None,
         })
+    }
+
+    /// Reports a run that followed a flow over time.
+    pub(super) fn of_profile(prepared: &PreparedProfile, delivered: Option<&Delivered>) -> Self {
+        let flow = prepared.motion();
+        let mean = |end: &Delivered| (end.measured_s > 0.0).then(|| end.volume_ml.abs() / end.measured_s);
+        Self {
+            until: Until::Profile,
+            asked_s: None,
+            mean_flow_ml_s: delivered.and_then(mean),
+            was_stopped: delivered.map(|delivered| !delivered.completed),
+            profile: Some(ProfileReport {
+                name: prepared.name,
+                volume_ml: flow.volume_ml(),
+                time_s: flow.duration_s(),
+                largest_departure_ml: prepared.largest_departure_ml(),
+            }),
+        }
     }
 
     /// Returns true if the run goes on until somebody stops it.
@@ -64,6 +102,15 @@ impl RunReport {
 
     /// Returns the line of the run for people. It took `moved_s`.
     pub(in crate::report) fn line(&self, moved_s: f64) -> String {
+        if let Some(profile) = &self.profile {
+            let [ml, within] =
+                [profile.volume_ml, 1e3 * profile.largest_departure_ml].map(|x| significant(x, 4));
+            return format!(
+                "profile {}: {ml} mL in {} s at the rollers, within {within} µL at every moment\n",
+                profile.name.as_str(),
+                significant(profile.time_s, 6),
+            );
+        }
         let Some(flow_ml_s) = self.mean_flow_ml_s else { return String::new() };
         let [ml_s, ml_min] = [flow_ml_s, 60.0 * flow_ml_s].map(|flow| significant(flow, 4));
         format!("run: {ml_s} mL/s ({ml_min} mL/min) on average over {moved_s:.3} s\n")

@@ -16,6 +16,8 @@ impl Explain for DoseError {
         match self {
             Self::PumpFile(error) => error.facts(),
             Self::Plan(error) => error.facts(),
+            Self::Profile(error) => error.facts(),
+            Self::Flow(error) => error.facts(),
             Self::Folder(error) => error.facts(),
             Self::Journal(error) => error.facts(),
             Self::Calibration(error) => error.facts(),
@@ -32,7 +34,9 @@ impl Explain for DoseError {
             | Self::BeyondRequest { requested_ml, .. } => {
                 of(ErrorKind::Unfinished).value(format!("{} mL", Shown(*requested_ml)))
             }
-            Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) => of(ErrorKind::Unfinished),
+            Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) | Self::NoRestOfProfile { .. } => {
+                of(ErrorKind::Unfinished)
+            }
             Self::Stands { stand, .. } => of(ErrorKind::Safety)
                 .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),

@@ -9,6 +9,7 @@ use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
 use crate::calibration::CalibrationError;
 use crate::config::ConfigError;
+use crate::dosing::ProfileError;
 use crate::export::PlotError;
 use crate::files::{FileError, TableError};
 use crate::notice::Remedy;
@@ -120,6 +121,21 @@ impl Explain for FluidError {
                 .value(format!("{} °C", Shown(*asked_degc)))
                 .allowed(format!("{known_degc} °C, within 2 °C")),
             Self::Model(error) => error.facts(),
+        }
+    }
+}
+
+impl Explain for ProfileError {
+    fn facts(&self) -> ErrorFacts {
+        let of = ErrorFacts::of(ErrorKind::Table);
+        match self {
+            Self::TooLong { rows, most } => {
+                of.value(format!("{rows} rows")).allowed(format!("{most} rows at most"))
+            }
+            Self::Unequal { flows, times } => {
+                of.value(format!("{flows} flows")).allowed(format!("{times} flows"))
+            }
+            Self::Table(_) | Self::Column { .. } | Self::Row { .. } => of,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The facts of errors of the model, the planner and the fits.
 
-use pump_ctl::plan::PlanError;
+use pump_ctl::plan::{FlowError, PlanError};
 use pump_model::identification::IdentificationError;
 use pump_model::{IntegrationError, ModelError, Shown};
 
@@ -16,6 +16,48 @@ impl Explain for ModelError {
                 ErrorFacts::of(ErrorKind::Range).value(Shown(*value)).allowed(allowed)
             }
             _ => ErrorFacts::of(ErrorKind::Model),
+        }
+    }
+}
+
+impl Explain for FlowError {
+    fn facts(&self) -> ErrorFacts {
+        let limit = || ErrorFacts::of(ErrorKind::Limit);
+        let range = || ErrorFacts::of(ErrorKind::Range);
+        match self {
+            Self::Plan(error) => error.facts(),
+            Self::Reverses { .. } => ErrorFacts::of(ErrorKind::Plan),
+            Self::UnsureAngle { half_width_deg, step_deg } => ErrorFacts::of(ErrorKind::Angle)
+                .value(format!("{half_width_deg:.4} deg"))
+                .allowed(format!("{step_deg:.4} deg at most")),
+            Self::Time { time_s, .. } => range()
+                .value(format!("{} s", Shown(*time_s)))
+                .allowed("0 s first, then times that do not go back"),
+            Self::TimeGoesBack { time_s, before_s, .. } => range()
+                .value(format!("{} s", Shown(*time_s)))
+                .allowed(format!("{} s or more", Shown(*before_s))),
+            Self::Flow { flow_ml_s, .. } | Self::TurnsBack { flow_ml_s, .. } => {
+                range().value(format!("{} mL/s", Shown(*flow_ml_s)))
+            }
+            Self::Nothing { rows } => range().value(format!("{rows} rows")),
+            Self::TooFast { needed_rpm, limit_rpm, .. } => limit()
+                .value(format!("{needed_rpm:.2} r/min"))
+                .allowed(format!("{limit_rpm:.2} r/min at most")),
+            Self::TooSteep { needed_rad_s2, limit_rad_s2, .. } => limit()
+                .value(format!("{needed_rad_s2:.1} rad/s2"))
+                .allowed(format!("{limit_rad_s2:.1} rad/s2 at most")),
+            Self::Step { off_steps, .. } => {
+                limit().value(format!("{off_steps:.1} steps")).allowed("1 step at most")
+            }
+            Self::TooManySteps { .. } => limit().allowed("1e9 steps at most"),
+            Self::Pressure { reached_kpa, limit_kpa, is_most, .. } => {
+                let bound = if *is_most { "at most" } else { "at least" };
+                limit().value(format!("{reached_kpa:.2} kPa")).allowed(format!("{limit_kpa:.2} kPa {bound}"))
+            }
+            Self::Torque { needed_n_m, limit_n_m, .. } => {
+                limit().value(format!("{needed_n_m:.3} N m")).allowed(format!("{limit_n_m:.3} N m at most"))
+            }
+            _ => limit(),
         }
     }
 }

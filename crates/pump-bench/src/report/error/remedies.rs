@@ -2,7 +2,7 @@
 
 use std::io;
 
-use pump_ctl::plan::{Nearest, PlanError};
+use pump_ctl::plan::{FlowError, Nearest, PlanError};
 
 use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
@@ -34,7 +34,8 @@ impl DoseError {
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
             Self::TubeWorn { .. } => vec![Remedy::ReplaceTube],
-            Self::NoRest { .. } => vec![Remedy::Accept],
+            Self::NoRest { .. } | Self::NoRestOfProfile { .. } => vec![Remedy::Accept],
+            Self::Flow(FlowError::UnsureAngle { .. }) => vec![Remedy::SayExactAngle],
             Self::ByWeight { fault, from_stated_angle, .. } => by_weight(fault, *from_stated_angle),
             Self::NoRestByWeight(NoRestByWeight::ByVolume) => vec![Remedy::FinishOrLeave],
             Self::NoRestByWeight(NoRestByWeight::NoTare) => vec![Remedy::FinishByVolumeInstead],
@@ -56,6 +57,8 @@ impl DoseError {
             Self::SuckBack { source, .. } if breaks_at_rest(source) => Vec::new(),
             Self::SuckBack { .. } => vec![Remedy::SuckBackLess],
             Self::Plan(_)
+            | Self::Profile(_)
+            | Self::Flow(_)
             | Self::Displacement(_)
             | Self::Stale { .. }
             | Self::TooSlow { .. }

@@ -1,9 +1,9 @@
 //! The refusal of a flow over time.
 
-use pump_model::Shown;
+use pump_model::{Port, Shown};
 use thiserror::Error;
 
-use crate::plan::words::PlanError;
+use crate::plan::words::{PlanError, SetBy};
 
 /// The refusal of a flow over time, with the first row or instant that cannot be met. Rows count from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -138,5 +138,42 @@ pub enum FlowError {
         row: u64,
         /// Time of the row, s.
         time_s: f64,
+    },
+    /// A pressure would break its limit.
+    #[error(
+        "at {time_s:.4} s, in the stretch to row {row}, the pressure at the {port} would reach {reached_kpa:.2} kPa; \
+         allowed: {} {limit_kpa:.2} kPa{set_by}",
+        if *is_most { "at most" } else { "at least" }
+    )]
+    Pressure {
+        /// Number of the row at the end of the stretch.
+        row: u64,
+        /// First instant at which the limit cannot be kept, s.
+        time_s: f64,
+        /// Port at which the pressure is reached.
+        port: Port,
+        /// Pressure with the change by the motor's steps, kPa absolute.
+        reached_kpa: f64,
+        /// Limit, kPa absolute.
+        limit_kpa: f64,
+        /// True if the limit is the largest pressure that is allowed.
+        is_most: bool,
+        /// Origin of the limit.
+        set_by: SetBy,
+    },
+    /// The flow would take more torque than the motor has.
+    #[error(
+        "at {time_s:.4} s, in the stretch to row {row}, the flow would take {needed_n_m:.3} N m; the motor has \
+         {limit_n_m:.3} N m at that speed"
+    )]
+    Torque {
+        /// Number of the row at the end of the stretch.
+        row: u64,
+        /// First instant at which the motor has too little torque, s.
+        time_s: f64,
+        /// Torque that is needed, N m.
+        needed_n_m: f64,
+        /// Torque that the motor has, N m.
+        limit_n_m: f64,
     },
 }

@@ -4,7 +4,7 @@ use pump_model::units::{degrees, rpm};
 use pump_model::{FlowCurve, Pump};
 
 use super::error::FlowError;
-use super::row::FlowRow;
+use super::row::{FlowKnot, FlowRow};
 use super::stretch::FlowStretch;
 use crate::plan::limits::Motor;
 use crate::plan::target::MAX_STEPS;
@@ -34,7 +34,7 @@ use crate::step::Direction;
 ///         assert!(step.time_s <= 10.0);
 ///     }
 /// }
-/// plan.end()?;
+/// assert!(plan.end()?.peak_rad_s < motor.max_speed_rad_s);
 /// assert!((plan.volume_ml() - 20.0).abs() < 1e-12);
 /// # Ok::<(), pump_ctl::plan::FlowError>(())
 /// ```
@@ -52,6 +52,20 @@ pub struct FlowPlan<'p> {
     /// Volume since the start, mL, without its sign.
     volume_ml: f64,
     made: u64,
+    pace: FlowPace,
+    /// Time of the last step made, s.
+    stepped_s: f64,
+}
+
+/// Speeds of a flow over time, for the stop and the pressures of its motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct FlowPace {
+    /// Fastest speed of the pump head, rad/s.
+    pub peak_rad_s: f64,
+    /// Longest time between two motor steps, or from the start to the first, s.
+    pub longest_interval_s: f64,
 }
 
 impl<'p> FlowPlan<'p> {
@@ -84,6 +98,8 @@ impl<'p> FlowPlan<'p> {
             direction: None,
             volume_ml: 0.0,
             made: 0,
+            pace: FlowPace::default(),
+            stepped_s: 0.0,
         })
     }
 
@@ -129,8 +145,9 @@ impl<'p> FlowPlan<'p> {
             return Err(FlowError::TooManySteps { row: number, time_s });
         }
         stretch.ends = self.made.max(ends as u64);
+        let (mut pace, mut stepped_s) = (self.pace, self.stepped_s);
         if is_stretch {
-            self.check(number, &stretch)?;
+            self.check(number, &stretch, &mut pace, &mut stepped_s)?;
         } else {
             self.check_step(number, before.flow_ml_s, row)?;
         }
@@ -141,21 +158,28 @@ impl<'p> FlowPlan<'p> {
         }
         self.volume_ml += stretch.volume_ml();
         self.made = stretch.ends;
+        (self.pace, self.stepped_s) = (pace, stepped_s);
         Ok(is_stretch.then_some(stretch))
     }
 
-    /// Ends the plan after its last row, from whose flow the rotor stops.
+    /// Ends the plan after its last row, from whose flow the rotor stops. Returns the speeds of the whole.
     ///
     /// # Errors
     ///
     /// [`FlowError::Nothing`] if nothing flows, and [`FlowError::Step`] if the last flow is too large to stop from.
-    pub fn end(&self) -> Result<(), FlowError> {
+    pub fn end(&self) -> Result<FlowPace, FlowError> {
         match self.last {
-            Some(last) if self.volume_ml > 0.0 => {
-                self.check_step(self.rows, last.flow_ml_s, FlowRow { flow_ml_s: 0.0, ..last })
+            Some(last) if self.made > 0 => {
+                self.check_step(self.rows, last.flow_ml_s, FlowRow { flow_ml_s: 0.0, ..last })?;
+                Ok(self.pace)
             }
             _ => Err(FlowError::Nothing { rows: self.rows }),
         }
+    }
+
+    /// Returns the place that the last row has in the plan. `None` before the first row.
+    pub fn knot(&self) -> Option<FlowKnot> {
+        Some(FlowKnot { row: self.last?, volume_ml: self.volume_ml, steps: self.made })
     }
 
     /// Returns the volume of the rows so far at the rollers, mL, negative in reverse.
@@ -174,10 +198,17 @@ impl<'p> FlowPlan<'p> {
     }
 
     /// Refuses a stretch at the first step that the motor cannot make in time.
-    fn check(&self, row: u64, stretch: &FlowStretch<'_>) -> Result<(), FlowError> {
+    fn check(
+        &self,
+        row: u64,
+        stretch: &FlowStretch<'_>,
+        pace: &mut FlowPace,
+        stepped_s: &mut f64,
+    ) -> Result<(), FlowError> {
         let limit_rad_s = self.motor.max_speed_rad_s;
         let limit_rad_s2 = self.motor.max_acceleration_rad_s2;
-        let check = |time_s: f64, speed_rad_s: f64| {
+        let mut check = |time_s: f64, speed_rad_s: f64| {
+            pace.peak_rad_s = pace.peak_rad_s.max(speed_rad_s);
             if speed_rad_s <= limit_rad_s {
                 return Ok(());
             }
@@ -185,7 +216,10 @@ impl<'p> FlowPlan<'p> {
         };
         let (mut time_s, mut speed_rad_s) = (stretch.from.time_s, stretch.first_speed_rad_s());
         check(time_s, speed_rad_s)?;
+        let mut longest_s = pace.longest_interval_s;
         for step in stretch.clone() {
+            longest_s = longest_s.max(step.time_s - *stepped_s);
+            *stepped_s = step.time_s;
             let next_rad_s = stretch.speed_rad_s(step.time_s, step.angle_rad);
             check(step.time_s, next_rad_s)?;
             let interval_s = step.time_s - time_s;
@@ -195,6 +229,7 @@ impl<'p> FlowPlan<'p> {
             }
             (time_s, speed_rad_s) = (step.time_s, next_rad_s);
         }
+        pace.longest_interval_s = longest_s;
         Ok(())
     }
 

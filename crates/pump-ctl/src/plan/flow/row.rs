@@ -17,3 +17,16 @@ impl FlowRow {
         Self { time_s, flow_ml_s }
     }
 }
+
+/// Row of a flow over time with its place in the plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct FlowKnot {
+    /// Time and flow.
+    pub row: FlowRow,
+    /// Volume since the start, mL, without its sign.
+    pub volume_ml: f64,
+    /// Motor steps since the start, without their sign.
+    pub steps: u64,
+}

@@ -77,6 +77,25 @@ impl FlowStretch<'_> {
         let after_s = if sum > 0.0 { 2.0 * volume_ml / sum } else { 0.0 };
         self.from.time_s + after_s.max(0.0).min(length_s)
     }
+
+    /// Returns the angle at which the volume since the start of the plan is `volume_ml`, rad.
+    pub(super) fn angle_at_volume(&self, volume_ml: f64) -> f64 {
+        self.curve.angle_rad(self.start_ml + f64::from(self.direction.sign()) * volume_ml)
+    }
+
+    /// Returns the time at which the rollers reach an angle of the stretch, s.
+    pub(super) fn time_at_angle(&self, angle_rad: f64) -> f64 {
+        let sign = f64::from(self.direction.sign());
+        let volume_ml = sign * (self.curve.volume_ml(angle_rad) - self.start_ml) - self.before_ml;
+        self.time_of(volume_ml.max(0.0))
+    }
+
+    /// Returns step `number` of the plan, which is one of this stretch.
+    pub(super) fn step(&self, number: u64) -> Step {
+        let sign = f64::from(self.direction.sign());
+        let angle_rad = self.start_rad + sign * (number as f64 * self.step_rad);
+        Step { number, time_s: self.time_at_angle(angle_rad), direction: self.direction, angle_rad }
+    }
 }
 
 impl Iterator for FlowStretch<'_> {
@@ -87,14 +106,6 @@ impl Iterator for FlowStretch<'_> {
             return None;
         }
         self.made += 1;
-        let sign = f64::from(self.direction.sign());
-        let angle_rad = self.start_rad + sign * (self.made as f64 * self.step_rad);
-        let volume_ml = sign * (self.curve.volume_ml(angle_rad) - self.start_ml) - self.before_ml;
-        Some(Step {
-            number: self.made,
-            time_s: self.time_of(volume_ml.max(0.0)),
-            direction: self.direction,
-            angle_rad,
-        })
+        Some(self.step(self.made))
     }
 }

@@ -17,7 +17,7 @@ pub struct Margin {
 impl Margin {
     /// Makes the margin of a pressure that is `rest` while the rotor stands. `sign` is 1 for a limit from
     /// above and -1 for a limit from below.
-    pub(super) fn of_pressure(reached: f64, limit: f64, rest: f64, sign: f64) -> Self {
+    pub(in crate::plan) fn of_pressure(reached: f64, limit: f64, rest: f64, sign: f64) -> Self {
         let room = sign * (limit - rest);
         let used = if room > 0.0 {
             sign * (reached - rest) / room
@@ -30,7 +30,7 @@ impl Margin {
     }
 
     /// Makes the margin of a torque, which is not negative.
-    pub(super) fn of_torque(needed_n_m: f64, limit_n_m: f64) -> Self {
+    pub(in crate::plan) fn of_torque(needed_n_m: f64, limit_n_m: f64) -> Self {
         let used = if needed_n_m > 0.0 { needed_n_m / limit_n_m } else { 0.0 };
         Self { reached: needed_n_m, limit: limit_n_m, used }
     }

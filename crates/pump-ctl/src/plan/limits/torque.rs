@@ -73,7 +73,7 @@ impl Torque {
     ///
     /// tau = (P_out - P_atm) q_out - (P_in - P_atm) q_in + J alpha + tau_occlusion, where q is the flow per
     /// radian. In reverse the fluid's part has the other sign, since an equal flow per radian runs back.
-    pub(super) fn needed_n_m(
+    pub(in crate::plan) fn needed_n_m(
         &self,
         [inlet, outlet]: [(f64, f64); 2],
         acceleration_rad_s2: f64,

@@ -18,7 +18,7 @@ impl Plan {
     }
 
     /// Returns the fewest steps that the rotor needs to stop once `made` steps are made.
-    pub(super) fn stopping_steps(&self, made: u64, acceleration_rad_s2: f64) -> i64 {
+    pub(in crate::plan) fn stopping_steps(&self, made: u64, acceleration_rad_s2: f64) -> i64 {
         let speed_rad_s = self.speed_after(made);
         let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * acceleration_rad_s2);
         // A dose that is stopped on its last ramp needs just the steps that are left, up to rounding.

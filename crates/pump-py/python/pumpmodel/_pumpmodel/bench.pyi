@@ -12,6 +12,8 @@ from .pump import Pump
 _Progress: TypeAlias = Callable[[int, int], object]
 _Told: TypeAlias = tuple[str, list[str]]
 _Found: TypeAlias = tuple[float, float]
+# Name, file, or times and flows.
+_FlowProfile: TypeAlias = tuple[str, str | os.PathLike[str] | None, list[float], list[float]]
 
 @final
 class Balance:
@@ -73,6 +75,10 @@ class _Bench:
     def prepare(self, purpose: str, asked: dict[str, Any]) -> str: ...
     def connect(self) -> None: ...
     def dose(self, purpose: str, asked: dict[str, Any], progress: _Progress | None) -> str: ...
+    def prepare_profile(self, asked: dict[str, Any], profile: _FlowProfile) -> str: ...
+    def run_profile(
+        self, asked: dict[str, Any], profile: _FlowProfile, progress: _Progress | None
+    ) -> str: ...
     def prepare_by_weight(self, asked: dict[str, Any], by_weight: dict[str, Any]) -> str: ...
     def dose_by_weight(
         self, asked: dict[str, Any], by_weight: dict[str, Any], progress: _Progress | None

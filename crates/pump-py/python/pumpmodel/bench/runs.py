@@ -1,6 +1,10 @@
 """Continuous flow of a bench: for a time, for a volume, or until it is stopped."""
 
+import os
 from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from pumpmodel._pumpmodel import Limits
 from pumpmodel.bench.doses import BenchDoses, Progress
@@ -19,6 +23,7 @@ class BenchRuns(BenchDoses):
         speed: str | None = None,
         duration: str | None = None,
         volume: str | None = None,
+        profile: str | os.PathLike[str] | ArrayLike | None = None,
         reverse: bool = False,
         smooth: bool = False,
         ramps: Ramps | None = None,
@@ -28,9 +33,10 @@ class BenchRuns(BenchDoses):
         dry_run: bool = False,
         progress: Progress | None = None,
     ) -> Dose:
-        """Pump at a rate for a time, for a volume, or until `stop`. The carry between doses stays as it is.
+        """Pump at a rate for a time, for a volume, or until `stop`, or follow a flow over time. The carry between
+        doses stays as it is.
 
-        Without `duration` and `volume` the run goes on until `stop` is called in another thread, which
+        Without `duration`, `volume` and `profile` the run goes on until `stop` is called in another thread, which
         completes it. It keeps real time on a simulated motor too. Any other simulated run takes no time.
 
         Parameters
@@ -44,6 +50,10 @@ class BenchRuns(BenchDoses):
             Time from the first step to the last, ramps included, as "2h" or "30s".
         volume : str, optional
             Volume after which the run ends, as "1L". Give at most one of `duration` and `volume`.
+        profile : path or array_like, optional
+            Flow over time at the rollers: a CSV file with the columns time_s and flow_ml_s, or an array of rows
+            of time (s) and flow (mL/s). It is linear between rows, and two rows of one time are a step. The
+            steps keep within a motor step of it. Give no rate, speed or end beside it.
         reverse : bool
             Run in reverse.
         smooth : bool
@@ -74,9 +84,10 @@ class BenchRuns(BenchDoses):
         TypeError
             If a quantity is a bare number.
         ValueError
-            If a text is not the expected quantity, or both `duration` and `volume` are given.
+            If a text is not the expected quantity, if more than one of `duration`, `volume` and `profile` is
+            given, or if the profile is no table of times and flows.
         PlanError
-            If the pump cannot make the run.
+            If the pump cannot make the run. The message names the first instant of a profile that it cannot meet.
         UnfinishedError
             If an earlier dose or run is unfinished.
         DriveError
@@ -91,8 +102,8 @@ class BenchRuns(BenchDoses):
         ...     print(f"{run.delivered_ml:.0f} mL, {run.run.mean_flow_ml_s:.2f} mL/s")
         598 mL, 9.97 mL/s
         """
-        if duration is not None and volume is not None:
-            raise ValueError("duration and volume both end the run; give one of them, or neither")
+        if sum(end is not None for end in (duration, volume, profile)) > 1:
+            raise ValueError("duration, volume and profile each end the run; give one of them, or none")
         request: dict[str, Any] = asked(
             volume,
             rate,
@@ -109,4 +120,21 @@ class BenchRuns(BenchDoses):
             until_stopped=duration is None and volume is None,
             reverse=reverse,
         )
+        if profile is not None:
+            flow = _flow(profile)
+            if dry_run:
+                return Dose._from_json(self._core.prepare_profile(request, flow))
+            return Dose._from_json(self._core.run_profile(request, flow, progress))
         return self._run("run", request, dry_run, progress)
+
+
+def _flow(
+    profile: str | os.PathLike[str] | ArrayLike,
+) -> tuple[str, str | os.PathLike[str] | None, list[float], list[float]]:
+    """Return the name of a profile, and its file or its times and flows."""
+    if isinstance(profile, str | os.PathLike):
+        return os.path.basename(os.fspath(profile)), profile, [], []
+    rows = np.asarray(profile, dtype=float)
+    if rows.ndim != 2 or rows.shape[1] != 2:
+        raise ValueError(f"profile has the shape {rows.shape}; allowed: rows of a time (s) and a flow (mL/s)")
+    return "profile", None, rows[:, 0].tolist(), rows[:, 1].tolist()

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::PlannedMotion;
 
 use crate::drives::wire::AskClock;
 use crate::drives::{Gate, Leave};
@@ -26,7 +26,7 @@ const PARTS: u64 = 8;
 /// Leave for the steps of a motion.
 #[derive(Debug)]
 pub(in crate::drives::node) struct SentLead<'p> {
-    plan: &'p Plan,
+    plan: PlannedMotion<'p>,
     /// Last step that has leave. It never falls.
     left: AtomicU64,
     /// Steps made, as the board told last.
@@ -41,7 +41,7 @@ pub(in crate::drives::node) struct SentLead<'p> {
 
 impl<'p> SentLead<'p> {
     /// Begins with no step that has leave.
-    pub(in crate::drives::node) fn new(plan: &'p Plan, brake_steps: u64) -> Self {
+    pub(in crate::drives::node) fn new(plan: PlannedMotion<'p>, brake_steps: u64) -> Self {
         Self {
             plan,
             left: AtomicU64::new(0),
@@ -73,7 +73,11 @@ impl<'p> SentLead<'p> {
         let made = self.made.load(Ordering::Acquire);
         let goal = self.within(made, SENT_AHEAD_S).saturating_add(BEYOND).min(self.all());
         let part = (goal.saturating_sub(made) / PARTS).max(1);
-        let is_worth = goal == self.all() || goal >= sent.max(made) + part;
+        let is_worth = match self.plan {
+            PlannedMotion::Dose(_) => goal >= sent.max(made) + part,
+            PlannedMotion::Flow(_) => self.is_later(goal, sent.max(made), SENT_AHEAD_S),
+        };
+        let is_worth = goal == self.all() || is_worth;
         if is_worth { goal.min(self.reach()).max(sent) } else { sent }
     }
 
@@ -107,8 +111,18 @@ impl<'p> SentLead<'p> {
             let (made, left) = (self.made.load(Ordering::Acquire), self.left());
             let goal = self.goal(made);
             let part = (goal.saturating_sub(made) / PARTS).max(1);
-            let wants = left < goal && (goal == self.all() || goal - left >= part || self.reach() <= made);
-            let about_to = if wants { (left.max(made) + part).min(goal) } else { left };
+            let is_due = match self.plan {
+                PlannedMotion::Dose(_) => goal.saturating_sub(left) >= part,
+                PlannedMotion::Flow(_) => {
+                    self.is_later(goal.saturating_sub(self.brake_steps), self.reach(), LEAVE_AHEAD_S)
+                }
+            };
+            let wants = left < goal && (goal == self.all() || is_due || self.reach() <= made);
+            let about_to = match self.plan {
+                _ if !wants => left,
+                PlannedMotion::Dose(_) => (left.max(made) + part).min(goal),
+                PlannedMotion::Flow(_) => goal,
+            };
             match gate(made, about_to) {
                 Leave::Go => {
                     self.left.fetch_max(about_to, Ordering::AcqRel);
@@ -122,6 +136,12 @@ impl<'p> SentLead<'p> {
         }
     }
 
+    /// Returns true if step `goal` of a flow is due later than step `from` by a part of `ahead_s` or more. A few steps
+    /// before a pause are worth as much as many in a fast flow: without them the motor would rest too early.
+    fn is_later(&self, goal: u64, from: u64, ahead_s: f64) -> bool {
+        goal > from && self.plan.time_of(goal) - self.plan.time_of(from) >= ahead_s / PARTS as f64
+    }
+
     /// Returns the last step to have leave for once `made` are made.
     fn goal(&self, made: u64) -> u64 {
         let ahead = self.within(made, LEAVE_AHEAD_S).saturating_add(BEYOND);
@@ -130,8 +150,13 @@ impl<'p> SentLead<'p> {
 
     /// Returns the last step that the plan makes within `time_s` after the first `made`.
     fn within(&self, made: u64, time_s: f64) -> u64 {
-        let time_of = |step: u64| self.plan.profile().time_of(step as f64 * self.plan.step_rad());
-        let latest_s = time_of(made) + time_s;
+        let time_of = |step: u64| self.plan.time_of(step);
+        let from_s = match self.plan {
+            PlannedMotion::Dose(_) => time_of(made),
+            // A flow may pause and go on at once, so that the steps after its pause are sent before.
+            PlannedMotion::Flow(_) => time_of((made + 1).min(self.all())),
+        };
+        let latest_s = from_s + time_s;
         let (mut within, mut beyond) = (made, self.all() + 1);
         while beyond - within > 1 {
             let middle = within + (beyond - within) / 2;

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::PlannedMotion;
 use pump_link::message::{Answer, AxisState, AxisStatus, End, MAX_PACKED, MoveOrder, Refusal, Request};
 
 use super::lead::SentLead;
@@ -36,7 +36,7 @@ const UNDER_WAY: u32 = 40;
 /// Motion by the board.
 pub(in crate::drives::node) struct Motion<'a> {
     pub(in crate::drives::node) board: &'a mut Board,
-    plan: &'a Plan,
+    plan: PlannedMotion<'a>,
     task: Task,
     free: &'a Lead,
     pub(super) lead: &'a SentLead<'a>,
@@ -68,7 +68,7 @@ impl<'a> Motion<'a> {
     /// for all steps.
     pub(in crate::drives::node) fn new(
         board: &'a mut Board,
-        plan: &'a Plan,
+        plan: PlannedMotion<'a>,
         task: Task,
         (lead, free): (&'a SentLead<'a>, &'a Lead),
         start: i64,
@@ -100,6 +100,9 @@ impl<'a> Motion<'a> {
             if self.made >= self.plan.steps().unsigned_abs() || self.lead.stops() {
                 return Some(Ok(Made { steps: self.made, index_at: self.index_at }));
             }
+            if self.is_too_late() {
+                return Some(Err(self.exactly(NodeError::FlowPaused)));
+            }
             return self.board.link.pass(wait).err().map(|error| Err(self.exactly(error)));
         };
         let turned = match &mut self.search {
@@ -118,7 +121,7 @@ impl<'a> Motion<'a> {
     /// Prepares the next move from rest, if there is leave for one.
     fn next_move(&mut self) -> Option<MoveFeed<'a>> {
         let all = self.plan.steps().unsigned_abs();
-        if self.made >= all || self.lead.stops() {
+        if self.made >= all || self.lead.stops() || self.is_too_late() {
             return None;
         }
         self.limit = self.lead.sendable(self.limit.max(self.made));
@@ -136,6 +139,11 @@ impl<'a> Motion<'a> {
         let steps = Steps::new(self.plan, board.tick_rate, self.free, self.made);
         let hz = board.tick_rate.hz();
         Some(MoveFeed::new(board.move_number, order, steps, self.made, self.task.brake_steps, hz))
+    }
+
+    /// Returns true for a flow over time that came to rest on its way: its times have passed.
+    fn is_too_late(&self) -> bool {
+        self.made > 0 && matches!(self.plan, PlannedMotion::Flow(_))
     }
 
     /// Ends a move from rest to rest. Returns the end of the motion if it is one.

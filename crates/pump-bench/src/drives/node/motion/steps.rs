@@ -2,7 +2,7 @@
 
 use std::iter;
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::PlannedMotion;
 use pump_ctl::step::{Segment, TickRate, Ticks};
 
 use crate::drives::stepped::{Lead, steps_from};
@@ -21,12 +21,13 @@ pub(super) struct Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    /// Returns the segments of `plan` after the first `made` steps, from rest. `lead` has leave for all steps.
-    pub(super) fn new(plan: &'a Plan, tick_rate: TickRate, lead: &'a Lead, made: u64) -> Self {
-        let segments: Box<dyn Iterator<Item = Segment> + Send + 'a> = if made == 0 {
-            Box::new(plan.segments(tick_rate))
-        } else {
-            Box::new(gathered(steps_from(plan, tick_rate, lead, made)))
+    /// Returns the segments of `plan` after the first `made` steps, from rest. `lead` has leave for all steps. A flow
+    /// over time that has begun has none, since its times have passed.
+    pub(super) fn new(plan: PlannedMotion<'a>, tick_rate: TickRate, lead: &'a Lead, made: u64) -> Self {
+        let segments: Box<dyn Iterator<Item = Segment> + Send + 'a> = match plan {
+            plan if made == 0 => Box::new(plan.segments(tick_rate)),
+            PlannedMotion::Dose(plan) => Box::new(gathered(steps_from(plan, tick_rate, lead, made))),
+            PlannedMotion::Flow(_) => Box::new(iter::empty()),
         };
         Self { segments, rest: None }
     }

@@ -1,6 +1,6 @@
 //! The task of a plan for the board, and the check that the board and the link can do it.
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::PlannedMotion;
 use pump_ctl::step::{Brake, Segment, TickRate, Ticks};
 use pump_link::message::{Identity, MAX_PACKED};
 use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
@@ -33,13 +33,13 @@ pub(in crate::drives::node) struct Task {
 impl Task {
     /// Returns the task of `plan` on a line of `baud` that so many axes share, or refuses it before anything moves.
     pub(in crate::drives::node) fn new(
-        plan: &Plan,
+        plan: PlannedMotion<'_>,
         brake: &Brake,
         board: &Identity,
         (baud, sharers): (u32, u32),
     ) -> Result<Self, NodeError> {
         let (tick_rate, baud) = (brake.tick_rate(), baud / sharers.max(1));
-        let steps_s = plan.profile().peak_rad_s() / plan.step_rad();
+        let steps_s = plan.peak_rad_s() / plan.step_rad();
         if steps_s > f64::from(board.max_step_hz) {
             return Err(NodeError::Fast { steps_s, most_s: board.max_step_hz });
         }
@@ -61,7 +61,7 @@ impl Task {
 }
 
 /// Checks that the segments of `plan` reach a queue of `Q` segments in time.
-fn demand<const Q: usize>(plan: &Plan, tick_rate: TickRate, baud: u32) -> Result<(), NodeError> {
+fn demand<const Q: usize>(plan: PlannedMotion<'_>, tick_rate: TickRate, baud: u32) -> Result<(), NodeError> {
     let allowed = (f64::from(baud / BITS) * SHARE) as u32;
     let mut demand = Demand::<Q>::new(tick_rate.hz(), allowed);
     let (mut rounder, mut codec) = (Rounder::default(), Codec::new(Grain::Fine));

@@ -59,6 +59,7 @@ const INTENT: Entry = Entry::Intent(Intent {
     whole: None,
     terms: DoseTerms {
         until_stopped: false,
+        profile: false,
         cruise_rad_s: None,
         flow_ml_s: None,
         fastest: false,

@@ -1,0 +1,188 @@
+//! A flow over time before it moves.
+
+use pump_ctl::plan::{Cruise, FlowKnot, FlowMotion, FlowPace, FlowPlan, Motor, Phase, PlannedMotion};
+use pump_model::Pump;
+
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
+use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared};
+use crate::drives::DriveError;
+use crate::pump_file::PumpFile;
+use crate::record::{Asked, PumpState};
+
+/// Rows between two looks whether the user asked to stop.
+const ROWS_A_LOOK: usize = 64;
+
+/// Flow over time that is planned and may run.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct PreparedProfile {
+    /// Plan of the volume at the flow at which most of it passes, with the predictions of the flow over time.
+    pub whole: Prepared,
+    /// Name of the profile.
+    pub(crate) name: Asked,
+    knots: Vec<FlowKnot>,
+    pace: FlowPace,
+    motor: Motor,
+}
+
+impl PreparedProfile {
+    /// Returns the name of the profile.
+    pub fn name(&self) -> &str {
+        self.name.as_str()
+    }
+
+    /// Returns the motion.
+    pub fn motion(&self) -> FlowMotion<'_> {
+        FlowMotion::new(&self.whole.model, self.motor, self.whole.plan.start(), &self.knots, self.pace)
+    }
+
+    /// Returns the volume of the planned steps once the line has settled, in mL.
+    pub fn planned_ml(&self) -> f64 {
+        let motion = self.motion();
+        PlannedMotion::Flow(&motion).planned_ml(&self.whole.model)
+    }
+
+    /// Returns the volume of the first `count` steps once the line has settled, in mL.
+    pub fn delivered_ml(&self, count: u64) -> f64 {
+        let motion = self.motion();
+        PlannedMotion::Flow(&motion).delivered_ml(&self.whole.model, count)
+    }
+
+    /// Returns the largest distance of the volume at the rollers from the profile's at any moment, in mL: that of a
+    /// motor step where the flow per radian is largest.
+    pub fn largest_departure_ml(&self) -> f64 {
+        self.whole.model.outlet_curve().largest_flow_ml_rad() * self.motor.step_rad()
+    }
+}
+
+impl Session<'_> {
+    /// Plans a run that follows a flow over time, from the recorded angle and within the limits of the device, and
+    /// predicts it. Moves nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Flow`] with the first row or instant that cannot be met. Other [`DoseError`]s if a dose is
+    /// unfinished or the device cannot be used.
+    pub fn prepare_profile(
+        &mut self,
+        request: DoseRequest,
+        profile: &FlowProfile,
+    ) -> Result<PreparedProfile, DoseError> {
+        self.check_stand()?;
+        if self.cut_off.is_none() {
+            self.finished()?;
+        }
+        self.check_confirmed()?;
+        self.connect()?;
+        let mut prepared = self.bench.plan_profile(self.file(), self.state, request, profile)?;
+        self.keep_safe(prepared.planned_ml())?;
+        prepared.whole = self.checked(prepared.whole)?;
+        Ok(prepared)
+    }
+}
+
+impl Bench {
+    /// Plans a run that follows a flow over time, from the record. Moves and writes nothing, and does not ask the
+    /// device.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Session::prepare_profile`].
+    pub fn prepare_profile(
+        &self,
+        request: DoseRequest,
+        profile: &FlowProfile,
+    ) -> Result<PreparedProfile, DoseError> {
+        let state = self.state_to_plan_from()?;
+        let mut prepared = self.plan_profile(self.file(), state, request, profile)?;
+        self.would_be_safe(state.as_ref(), prepared.planned_ml())?;
+        prepared.whole.warnings.extend(self.device_not_asked());
+        prepared.whole.warnings.extend(self.confirmation_missing(state.as_ref()));
+        Ok(prepared)
+    }
+
+    /// Plans a run that follows a flow over time as if `state` were on record. `file` is the pump file as the device
+    /// allows it.
+    fn plan_profile(
+        &self,
+        file: &PumpFile,
+        state: Option<PumpState>,
+        request: DoseRequest,
+        profile: &FlowProfile,
+    ) -> Result<PreparedProfile, DoseError> {
+        self.refuse_unfinished(state)?;
+        if !self.identity().abilities.flow_over_time {
+            return Err(DoseError::Connection(DriveError::no_flow(self.drive_id())));
+        }
+        if request.cruise.is_some()
+            || request.smooth
+            || request.ramps.is_some()
+            || request.retract_ml.is_some()
+        {
+            return Err(DoseError::NoRun { why: "by a profile has neither a rate nor ramps of its own" });
+        }
+        profile.check().map_err(DoseError::Flow)?;
+        let request = DoseRequest { volume_ml: profile.volume_ml(), asked: Some(profile.asked()), ..request };
+        let limits = file.limits_with(request.pressures);
+        let whole = match self.plan_for_flow(file, state, request, profile.main_flow_ml_s()) {
+            // A flow that cannot be met is refused with its first instant.
+            Err(refused @ (DoseError::Plan(_) | DoseError::Calibration(_))) => {
+                let start = self.stands_for(state, &request, None).start;
+                self.stepped(self.model(), limits.motor, start, profile)?;
+                return Err(refused);
+            }
+            whole => whole?,
+        };
+        let (knots, pace) = self.stepped(&whole.model, limits.motor, whole.plan.start(), profile)?;
+        let motor = limits.motor;
+        let mut prepared = PreparedProfile { whole, name: profile.asked(), knots, pace, motor };
+        let motion = prepared.motion();
+        let (prediction, margins) =
+            motion.predict(&prepared.whole.model, &limits).map_err(DoseError::Flow)?;
+        let back_flow = motion.back_flow(&prepared.whole.model)?;
+        let whole = &mut prepared.whole;
+        (whole.prediction, whole.margins, whole.back_flow) = (prediction, margins, back_flow);
+        self.tube_life(state, whole).map_or(Ok(()), |tube| tube.check())?;
+        let of_tube = self.tube_life(state, whole).and_then(|tube| tube.warning());
+        whole.warnings.extend(of_tube);
+        Ok(prepared)
+    }
+
+    /// Plans the volume of a flow over time at the constant flow at which most of it passes.
+    fn plan_for_flow(
+        &self,
+        file: &PumpFile,
+        state: Option<PumpState>,
+        request: DoseRequest,
+        ml_s: f64,
+    ) -> Result<Prepared, DoseError> {
+        let stored = self.calibrations().active()?;
+        let stands = self.stands_for(state, &request, stored.as_ref());
+        let request = DoseRequest { cruise: Some(Cruise::Flow { ml_s }), ..request };
+        Prepared::for_flow(file, self.model(), stored.as_ref(), request, stands)
+    }
+
+    /// Returns the knots of a profile's steps, or refuses the first instant that cannot be met.
+    fn stepped(
+        &self,
+        model: &Pump,
+        motor: Motor,
+        start: Phase,
+        profile: &FlowProfile,
+    ) -> Result<(Vec<FlowKnot>, FlowPace), DoseError> {
+        let mut plan = FlowPlan::new(model, motor, start).map_err(DoseError::Flow)?;
+        let mut knots = Vec::with_capacity(profile.rows().len());
+        for rows in profile.rows().chunks(ROWS_A_LOOK) {
+            if self.opening().stop.is_made() {
+                return Err(DoseError::Connection(DriveError::Interrupted));
+            }
+            for row in rows {
+                plan.take(*row).map_err(DoseError::Flow)?;
+                knots.extend(plan.knot());
+            }
+        }
+        let pace = plan.end().map_err(DoseError::Flow)?;
+        Ok((knots, pace))
+    }
+}
