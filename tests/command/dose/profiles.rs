@@ -101,8 +101,7 @@ fn at_a_thousand_instants_the_steps_file_is_within_a_step_of_the_rows() {
 fn what_cannot_be_met_is_refused_with_its_first_instant_and_nothing_moves() {
     for (rows, words) in [
         ("0,0\n10,100\n", "rad/s2 where the rollers stand then; the pump's limit is 500.0 rad/s2"),
-        ("0,0\n0.01,5\n10,5\n10,0\n", "in row 4, the flow steps from 5 to 0 mL/s"),
-        ("0,5\n10,5\n", "in row 1, the flow steps from 0 to 5 mL/s"),
+        ("0,10\n10,10\n", "at 0.0000 s, in row 1, the flow steps from 0 to 10 mL/s"),
         ("0,0\n5,2\n4,2\n", "row 3 has the time 4 s after 5 s; times do not go back"),
         ("-1,0\n5,2\n", "row 1 has the time -1 s; allowed: 0 in the first row"),
         ("2,0\n5,2\n", "row 1 has the time 2 s"),

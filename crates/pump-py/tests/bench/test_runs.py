@@ -83,8 +83,8 @@ def test_a_profile_is_followed_from_an_array_and_from_a_file(tmp_path: Path) -> 
 
 def test_a_profile_that_cannot_be_met_is_refused_with_its_instant(tmp_path: Path) -> None:
     with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
-        with pytest.raises(pm.PlanError, match="in row 1, the flow steps from 0 to 5 mL/s"):
-            bench.run(profile=[(0, 5), (10, 5)])
+        with pytest.raises(pm.PlanError, match="in row 1, the flow steps from 0 to 10 mL/s"):
+            bench.run(profile=[(0, 10), (10, 10)])
         with pytest.raises(pm.PlanError, match="row 2 has the flow NaN mL/s"):
             bench.run(profile=[(0, 0), (10, float("nan"))])
         with pytest.raises(ValueError, match="shape"):
