@@ -124,6 +124,8 @@ impl Cli {
             Some(Command::Prime(args)) => args.on_fail(),
             Some(Command::Purge(args)) => args.on_fail(),
             Some(Command::Run(args)) => args.on_fail(),
+            Some(Command::Resume(args)) => args.on_fail(),
+            Some(Command::Calibrate(args)) => args.on_fail(),
             Some(_) => None,
         }
     }

@@ -78,12 +78,24 @@ pub(super) fn run(
     };
     let printed = batch.print_total();
     let Batch { count, done, skipped, done_ml, .. } = batch;
+    let missed = if skipped > 0 { Err(missed(skipped, count)) } else { Ok(()) };
     let skipped = if skipped > 0 { format!(" and {skipped} skipped") } else { String::new() };
-    ended.and(printed).map_err(|failure| {
+    ended.and(printed).and(missed).map_err(|failure| {
         let failure = failure.delivered(done_ml);
         let failure = if done > 0 && !options.dry_run { failure.after_motion() } else { failure };
         failure.with(&format!("; {done} of {count} doses of the batch were {verb}{skipped}"))
     })
+}
+
+/// The failure of a batch that has skipped doses: a script must not take it for whole.
+fn missed(skipped: u64, count: u64) -> Failure {
+    let were = if skipped == 1 { "dose was" } else { "doses were" };
+    Failure::failed(
+        ErrorKind::Missed,
+        format!(
+            "{skipped} of {count} {were} not made: the time had passed; --missed now makes such a dose at once"
+        ),
+    )
 }
 
 /// Warns of a motor that is let go between the doses.
@@ -263,7 +275,7 @@ impl Batch<'_> {
             format!("doses {first} to {last} of {count} were skipped: their times had passed")
         };
         if !self.said.json {
-            return tell(&format!("{message} (--missed now makes them at once)\n\n"));
+            return tell(&format!("{message}\n\n"));
         }
         warn(std::slice::from_ref(&message));
         self.untold.push(message);

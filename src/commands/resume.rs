@@ -7,6 +7,7 @@ use super::by_weight;
 use super::delivery::{Said, deliver, report};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::on_fail::OnFail;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::bench::BenchOptions;
 use crate::options::finish::FinishOption;
@@ -14,6 +15,7 @@ use crate::options::fluid::FluidOptions;
 use crate::options::limits::PressureOptions;
 use crate::options::report::{FormatOption, VerboseOption};
 use crate::options::speed::{CruiseOptions, RampsOption};
+use crate::options::unattended::{OnFailOption, has_no_terminal};
 use crate::terminal::{noted, say, tell, warn};
 
 #[derive(Debug, Args)]
@@ -42,12 +44,19 @@ pub(crate) struct ResumeArgs {
     #[arg(long, help_heading = "Motor")]
     dry_run: bool,
     #[command(flatten)]
+    on_fail: OnFailOption,
+    #[command(flatten)]
     format: FormatOption,
     #[command(flatten)]
     verbose: VerboseOption,
 }
 
 impl ResumeArgs {
+    /// The command to run if this one fails; none for a dry run.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        if self.dry_run { None } else { self.on_fail.or_configured(&self.bench.pump, has_no_terminal()) }
+    }
+
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.by_weight.check(&self.balance)?;
         let mut file = self.bench.pump.file()?;

@@ -26,6 +26,8 @@ enum Speech {
     Garbage,
     Silent,
     NeverStill,
+    /// It sends lines that answer no question, without end.
+    Flood,
 }
 
 /// A balance at a pseudo-terminal. It shows the volume that the record of the pump counts, times [`KAPPA`].
@@ -54,6 +56,9 @@ impl SimulatedBalance {
             let (mut said, mut moves) = (Vec::new(), 1);
             let deadline = Instant::now() + Duration::from_secs(600);
             while !stop.load(Ordering::Relaxed) && Instant::now() < deadline {
+                if speech == Speech::Flood {
+                    let _ = line.write_all(&b"I4 A \"0123456789\"\r\n\r\n".repeat(50));
+                }
                 let mut buffer = [0; 64];
                 let count = line.read(&mut buffer).unwrap_or(0);
                 said.extend_from_slice(&buffer[..count]);
@@ -88,7 +93,7 @@ fn answer(question: &[u8], speech: Speech, mass_g: f64, is_still: bool) -> Strin
             format!("+{mass_g:>10.2} {}\r\n", if is_still { "g  " } else { "   " })
         }
         (Speech::Garbage, _) => "S S  \u{fffd}\u{7}12,3,4 oz\r\n".to_owned(),
-        (Speech::Silent, _) => String::new(),
+        (Speech::Silent | Speech::Flood, _) => String::new(),
         _ => "ES\r\n".to_owned(),
     }
 }
@@ -157,6 +162,10 @@ fn a_balance_that_cannot_be_read_moves_nothing() {
     assert!(said.contains("/dev/no-balance"), "{said}");
     let said = user.is_refused(&[&run[..], &["--scale-command", "echo twelve"]].concat());
     assert!(said.contains("twelve"), "{said}");
+    // One that never ends to talk is not listened to for ever.
+    let balance = SimulatedBalance::start(journal(&user), Speech::Flood);
+    let said = user.is_refused(&[&run[..], &["--scale-port", &balance.path, "--scale-wait", "2s"]].concat());
+    assert!(said.contains("within 2 s") && said.contains("I4 A"), "{said}");
     let journal = fs::read_to_string(journal(&user)).unwrap_or_default();
     assert!(!journal.contains("intent"), "{journal}");
 }

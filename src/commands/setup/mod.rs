@@ -9,6 +9,7 @@ mod motor;
 mod options;
 mod outlook;
 mod place;
+mod runnable;
 mod turn;
 mod weigh;
 mod written;
@@ -21,6 +22,7 @@ use pump_bench::setup::{Answers, SetupError, SetupFolder};
 use self::asker::{Asked, Asker, Question, Stop, Usual};
 use self::course::{Course, heading, tell_person};
 use self::options::AnswerOptions;
+use self::runnable::{Runnable, shell_word};
 use crate::failure::Failure;
 use crate::options::balance::BalanceOptions;
 use crate::options::pump::{ConfigOption, RecordOption};
@@ -69,12 +71,14 @@ impl SetupArgs {
         };
         let (like, state_dir) = (self.liked(&folder)?, self.record.folder(&config)?);
         let mut course = Course::new(asker, answers, folder, (state_dir, &config), like);
-        let ended = self.follow(&mut course, &config);
         let name = course.answers.name.clone();
+        course.runnable = self.runnable(&name);
+        let ended = self.follow(&mut course, &config);
         match ended {
             Ok(()) => Ok(()),
             Err(Stop::Left) => {
-                say(&format!("The answers are on record; `dose setup {name}` goes on.\n"));
+                let text = format!("The answers are on record; `dose setup {name}` goes on.\n");
+                say(&course.runnable.complete(&text));
                 Ok(())
             }
             Err(Stop::Failed(failure)) => {
@@ -87,12 +91,30 @@ impl SetupArgs {
                     }
                     _ => "",
                 };
-                Err(if is_kept {
+                let failure = if is_kept {
                     failure.with(&format!("; `dose setup {name}` goes on{elsewhere}"))
                 } else {
                     failure
-                })
+                };
+                let message = course.runnable.complete(failure.message());
+                Err(failure.saying(message))
             }
+        }
+    }
+
+    /// The words that complete the commands of this run.
+    fn runnable(&self, name: &str) -> Runnable {
+        let typed = [("--config", self.config.typed()), ("--state-dir", self.record.typed())];
+        let places =
+            typed.into_iter().filter_map(|(option, path)| Some((option, path?.display().to_string())));
+        let words = |options: Vec<(&str, String)>| {
+            let words = options.iter().map(|(option, value)| format!("{option} {}", shell_word(value)));
+            words.collect::<Vec<_>>().join(" ")
+        };
+        Runnable {
+            places: words(places.collect()),
+            scale: words(self.balance.typed()),
+            pump: name.to_owned(),
         }
     }
 
@@ -171,8 +193,9 @@ impl SetupArgs {
         if weigh::weigh(course, &self.answers, &self.balance, balance)? {
             outlook::tell_outlook(course)
         } else {
-            let name = &course.answers.name;
-            say(&format!("Weigh the dose, then say `dose setup {name} --weight 4.93g`.\n"));
+            let text =
+                format!("Weigh the dose, then say `dose setup {} --weight 4.93g`.\n", course.answers.name);
+            say(&course.runnable.complete(&text));
             Ok(())
         }
     }

@@ -8,7 +8,6 @@ use super::asker::Asked;
 use super::course::{Course, heading};
 use super::written::rounded;
 use crate::advice;
-use crate::terminal::tell;
 
 /// Most steps that are said.
 const MOST_STEPS: usize = 3;
@@ -34,7 +33,7 @@ pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
         text,
         "`{name}` is set up: `dose {volume}mL --pump {name}` doses, `dose setup {name}` weighs again"
     );
-    Ok(tell(&text)?)
+    Ok(course.tell(&text)?)
 }
 
 /// The interval of a dose, with the digits that its width allows.

@@ -15,7 +15,7 @@ use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::options::balance::BalanceOptions;
-use crate::terminal::{noted, tell};
+use crate::terminal::noted;
 
 /// Usual volume of the dose that is weighed, mL: a kitchen scale of 0.01 g then reads it to a thousandth.
 const USUAL_ML: f64 = 10.0;
@@ -137,7 +137,7 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>,
     course.note_motion(&session);
     let (delivered, signal) = delivered?;
     let report = DoseReport::new(&bench, &prepared, Some(&delivered));
-    tell(&report.summary(None, None))?;
+    course.tell(&report.summary(None, None))?;
     if !delivered.completed {
         return Err(Failure::stopped(signal.unwrap_or(0), true, "stopped by the user in the dose").into());
     }
@@ -187,7 +187,7 @@ fn keep(
     let weighed = bench.weigh_last_dose(reading, temperature_degc, Earlier::Joined, &expected)?;
     let stored: Stored = bench.keep_calibration(weighed.calibration)?;
     drop(held);
-    tell(&calibration_text(&bench, &stored, advice::words)?)?;
+    course.tell(&calibration_text(&bench, &stored, advice::words)?)?;
     course.answers.done.dosed = false;
     course.answers.done.weighed += u32::from(is_new);
     course.keep()

@@ -53,6 +53,19 @@ impl BalanceOptions {
         Ok(())
     }
 
+    /// The options as they were typed, each with its value, so that another command can be told with them.
+    pub(crate) fn typed(&self) -> Vec<(&'static str, String)> {
+        let path = |path: &PathBuf| path.display().to_string();
+        let typed = [
+            ("--scale-port", self.scale_port.as_ref().map(path)),
+            ("--scale-protocol", self.scale_protocol.map(|protocol| protocol.as_str().to_owned())),
+            ("--scale-line", self.scale_line.map(|line| line.to_string())),
+            ("--scale-wait", self.scale_wait.map(|wait_s| format!("{wait_s}s"))),
+            ("--scale-command", self.scale_command.clone()),
+        ];
+        typed.into_iter().filter_map(|(option, value)| Some((option, value?))).collect()
+    }
+
     /// True if a balance is named.
     pub(crate) fn is_given(&self) -> bool {
         self.scale_port.is_some() || self.scale_command.is_some()

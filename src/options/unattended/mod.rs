@@ -29,15 +29,51 @@ pub(crate) struct UnattendedOptions {
     )]
     #[arg(long)]
     unattended: bool,
-    /// Run this command of the shell if the dose fails or is refused
+    #[command(flatten)]
+    on_fail: OnFailOption,
+}
+
+/// The command of the shell that a failure runs.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Unattended")]
+pub(crate) struct OnFailOption {
+    /// Run this command of the shell if this one fails or is refused
     #[arg(
-        long_help = "Run this command of the shell if the dose fails or is refused. It has the reason on its standard \
+        long_help = "Run this command of the shell if this one fails or is refused. It has the reason on its standard \
         input, as one line of JSON (error/1), and DOSE_FAIL_PUMP, DOSE_FAIL_CODE, DOSE_FAIL_KIND, DOSE_FAIL_LEAST_ML \
-        and DOSE_FAIL_MOST_ML in its environment. It has 10 s. The default of a dose without a terminal is the \
-        configuration's on_fail."
+        and DOSE_FAIL_MOST_ML in its environment. It has 10 s. The default of a dose or its rest without a terminal is \
+        the configuration's on_fail."
     )]
-    #[arg(long, value_name = "CMD")]
+    #[arg(long, value_name = "CMD", hide_short_help = true)]
     on_fail: Option<String>,
+}
+
+impl OnFailOption {
+    /// The command that the option names; none without one.
+    pub(crate) fn named(&self, pump: &PumpOption) -> Option<OnFail> {
+        let command = self.on_fail.as_deref()?;
+        Some(OnFail::new(command, &pump_name(pump)))
+    }
+
+    /// The command that the option names, or else that of the configuration where nobody is there.
+    pub(crate) fn or_configured(&self, pump: &PumpOption, is_unattended: bool) -> Option<OnFail> {
+        let configured = || {
+            let config = pump.config().ok().filter(|_| is_unattended)?;
+            Some(OnFail::new(config.on_fail()?, pump.name(&config)))
+        };
+        self.named(pump).or_else(configured)
+    }
+}
+
+/// The name of the pump, as far as anybody knows it.
+fn pump_name(pump: &PumpOption) -> String {
+    let configured = pump.config().ok().map(|config| pump.name(&config).to_owned());
+    configured.or(pump.typed().map(str::to_owned)).unwrap_or_default()
+}
+
+/// True if standard input is no terminal.
+pub(crate) fn has_no_terminal() -> bool {
+    !io::stdin().is_terminal()
 }
 
 impl UnattendedOptions {
@@ -48,7 +84,7 @@ impl UnattendedOptions {
 
     /// True if nobody is there: it is said, or standard input is no terminal.
     pub(crate) fn is_unattended(&self) -> bool {
-        self.unattended || !io::stdin().is_terminal()
+        self.unattended || has_no_terminal()
     }
 
     /// The bench that may find the angle of an interrupted dose before it makes the rest.
@@ -59,11 +95,7 @@ impl UnattendedOptions {
 
     /// The command to run if the dose fails; none without one.
     pub(crate) fn on_fail(&self, pump: &PumpOption) -> Option<OnFail> {
-        let config = pump.config().ok();
-        let configured = config.as_ref().and_then(|config| config.on_fail()).filter(|_| self.is_unattended());
-        let command = self.on_fail.as_deref().or(configured)?;
-        let name = config.as_ref().map_or(pump.typed(), |config| Some(pump.name(config)));
-        Some(OnFail::new(command, name.unwrap_or_default()))
+        self.on_fail.or_configured(pump, self.is_unattended())
     }
 }
 

@@ -152,14 +152,22 @@ fn a_thousand_small_doses_add_up_within_a_step_over_restarts_and_a_reversed_one(
 fn doses_that_come_due_while_one_runs_are_skipped_aloud_or_made_at_once() {
     let user = User::new();
     let arguments = ["100mL", "--repeat", "5", "--every", "1ms"];
-    let (reports, err) = batch(&user, &arguments);
-    assert_eq!(reports.len(), 1);
+    let skipping = user.types(&[&arguments[..], &["--format", "json"]].concat());
+    assert_eq!((skipping.code, skipping.out.lines().count()), (1, 1), "{}", skipping.err);
+    let err = skipping.err;
     assert!(err.contains("warning: doses 2 to 5 of 5 were skipped: their times had passed"), "{err}");
-    let text = user.types(&arguments).out;
+    // A script must not take the batch for whole.
+    let last: serde_json::Value = serde_json::from_str(err.lines().last().unwrap()).unwrap();
+    assert_eq!((&last["kind"], &last["code"], &last["moved"]), (&"missed".into(), &1.into(), &true.into()));
+    let answer = user.types(&arguments);
     assert!(
-        text.contains("\ndoses 2 to 5 of 5 were skipped: their times had passed (--missed now"),
-        "{text}"
+        answer.out.contains("\ndoses 2 to 5 of 5 were skipped: their times had passed"),
+        "{}",
+        answer.out
     );
+    let told = "4 of 5 doses were not made: the time had passed; --missed now makes such a dose at once; 1 of 5 doses \
+                of the batch were done and 4 skipped";
+    assert!(answer.code == 1 && answer.err.contains(told), "{}", answer.err);
     let (reports, err) = batch(&user, &[&arguments[..], &["--missed", "now"]].concat());
     assert_eq!(reports.len(), 5);
     assert!(!err.contains("skipped"), "{err}");
@@ -176,7 +184,7 @@ fn a_batch_that_was_suspended_skips_what_it_slept_through() {
     sleep(Duration::from_millis(11_500).saturating_sub(first.elapsed()));
     running.signal("CONT");
     let (code, reports, err) = running.end();
-    assert_eq!((code, reports.len()), (0, 1), "{err}");
+    assert_eq!((code, reports.len()), (1, 1), "{err}");
     let told = "doses 2 to 3 of 4 were skipped: their times had passed";
     assert_eq!(err.matches(told).count(), 1, "{err}");
     assert_eq!(reports[0]["warnings"], serde_json::json!([told]));

@@ -70,3 +70,21 @@ fn a_command_that_fails_or_hangs_is_a_warning() {
     assert!(hung.err.contains("was ended after 10 s"), "{}", hung.err);
     assert!(began.elapsed() >= Duration::from_secs(10) && began.elapsed() < Duration::from_secs(50));
 }
+
+#[test]
+fn the_rest_of_a_dose_and_a_calibration_tell_their_failure_too() {
+    let user = User::new();
+    for words in [
+        &["resume"][..],
+        &["calibrate", "run", "--speeds", "10000rpm"],
+        &["calibrate", "verify", "--volume", "1000L", "--runs", "2"],
+    ] {
+        let answer = user.types(&[words, &["--on-fail", TELL]].concat());
+        let (reason, _) = told(&user);
+        assert_eq!((answer.code, &reason["code"]), (2, &2.into()), "{words:?}: {}", answer.err);
+        fs::remove_file(user.path("reason.json")).unwrap();
+    }
+    // A dry run tells nobody.
+    assert_eq!(user.types(&["resume", "--dry-run", "--on-fail", TELL]).code, 2);
+    assert!(!user.path("reason.json").exists());
+}

@@ -1,4 +1,4 @@
-//! A new pump in a configuration: its line is written into the text, and everything else stays as it is.
+//! A pump that comes into a configuration or leaves it: its line alone changes, and the rest of the text stays.
 
 use std::path::{Path, PathBuf};
 
@@ -70,6 +70,37 @@ impl Config {
         }
     }
 
+    /// Returns `text`, the text of the configuration at `path`, without the pump `name`. If the pump is the usual one,
+    /// that line goes too. Remarks and all other lines stay.
+    ///
+    /// # Errors
+    /// Errors of [`Config::parse`]. [`ConfigError::NoLine`] if the text has no line that is the pump's alone.
+    pub fn without_pump(text: &str, path: &Path, name: &str) -> Result<String, ConfigError> {
+        let before = Self::parse(text, path)?;
+        let is_usual = before.default_pump.as_deref() == Some(name);
+        let mut table = String::new();
+        let kept = text.split_inclusive('\n').filter(|line| {
+            let bare = line.split('#').next().unwrap_or_default().trim();
+            if bare.starts_with('[') {
+                table = bare.trim_matches(['[', ']', ' ']).to_owned();
+            }
+            let key = bare.split('=').next().unwrap_or_default().trim().trim_matches(['"', '\'']);
+            let is_pump = table == "pumps" && key == name && bare.contains('=');
+            let is_usual_line = is_usual && table.is_empty() && key == "default_pump";
+            !(is_pump || is_usual_line)
+        });
+        let kept: String = kept.collect();
+        // The text that is left must mean all that was there, but this pump.
+        let after = Self::parse(&kept, path).ok().filter(|after| {
+            let mut pumps = before.pumps.clone();
+            pumps.remove(name);
+            let usual = before.default_pump.clone().filter(|_| !is_usual);
+            after.pumps == pumps && after.default_pump == usual && after.same_folder(&before)
+        });
+        let no_line = || ConfigError::NoLine { path: path.to_owned(), name: name.to_owned() };
+        after.map(|_| kept).ok_or_else(no_line)
+    }
+
     /// Returns a path of the file as the file at `path` means it.
     fn resolved(&self, path: &Path, file: &Path) -> PathBuf {
         let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
@@ -117,6 +148,22 @@ mod tests {
         let once = added(text).unwrap();
         assert!(once.contains("default_pump = \"two-roller\"\n\n[pumps]\nacid"), "{once}");
         assert_eq!(added(&once).unwrap(), once);
+    }
+
+    #[test]
+    fn a_pump_leaves_and_the_other_lines_stay() {
+        let without = |text: &str| Config::without_pump(text, Path::new("/c/config.toml"), "acid");
+        let text = "# mine\nschema = \"config/1\"\ndefault_pump = \"acid\" # usual\n[pumps]\n\"acid\" = \"a.toml\"\n\
+                    base = \"b.toml\" # acid = no\n";
+        assert_eq!(
+            without(text).unwrap(),
+            "# mine\nschema = \"config/1\"\n[pumps]\nbase = \"b.toml\" # acid = no\n"
+        );
+        // What was added leaves no trace but the table.
+        let bare = "schema = \"config/1\"\n";
+        assert_eq!(without(&added(bare).unwrap()).unwrap(), format!("{bare}\n[pumps]\n"));
+        let inline = without("schema = \"config/1\"\npumps = { acid = \"b.toml\" }\n").unwrap_err();
+        assert!(inline.to_string().contains("delete its line"), "{inline}");
     }
 
     #[test]

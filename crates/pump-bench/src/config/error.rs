@@ -97,6 +97,14 @@ pub enum ConfigError {
         /// Line that names the pump.
         line: String,
     },
+    /// The text has no line of its own for the pump.
+    #[error("configuration {}: `{name}` cannot be taken out of it; delete its line in [pumps]", .path.display())]
+    NoLine {
+        /// Path of the file.
+        path: PathBuf,
+        /// Name of the pump.
+        name: String,
+    },
     /// The pump file cannot be used.
     #[error(transparent)]
     Pump(#[from] PumpFileError),

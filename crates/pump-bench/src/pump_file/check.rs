@@ -1,6 +1,7 @@
 //! Refusal of pump files whose contents contradict one another or cannot work.
 
 use crate::displacement::DisplacementError;
+use crate::numbers::short;
 
 use super::error::PumpFileError;
 use super::file::{PumpFile, SCHEMA};
@@ -73,7 +74,7 @@ impl PumpFile {
         let limits = self.limits();
         let absolute = format!(
             "more than 0: it is absolute, so add the ambient pressure, {} kPa, to a gauge one",
-            self.ambient.pressure_kpa
+            short(self.ambient.pressure_kpa)
         );
         let max_outlet_kpa = self.limits.max_outlet_kpa.unwrap_or(f64::INFINITY);
         allow(max_outlet_kpa > 0.0, "[limits] max_outlet_kpa", max_outlet_kpa, &absolute)

@@ -6,7 +6,7 @@ use pump_model::units::wrap;
 use super::choices::VolumeBasis;
 use super::dose::{CalibrationReport, DoseReport};
 use crate::dosing::{RippleAt, Share, ShareSource};
-use crate::numbers::{microlitres, significant};
+use crate::numbers::{microlitres, short, significant};
 use crate::record::PhaseSource;
 
 /// Share of the variance below which a source of uncertainty is left out, percent.
@@ -147,7 +147,7 @@ impl DoseReport {
             .into_iter()
             .chain(said("outlet", outlet, self.outlet_pressure_uncertainty_kpa))
             .collect();
-        let ambient = format!("ambient {} kPa", self.ambient_kpa);
+        let ambient = format!("ambient {} kPa", short(self.ambient_kpa));
         match known.as_slice() {
             [] => format!("not known: the pump file names no lines ({ambient})"),
             known => format!("{} absolute (k = 2; {ambient})", known.join(", ")),
@@ -156,7 +156,7 @@ impl DoseReport {
 
     /// The reading of a balance for the volume, with the pressure of its air.
     fn balance(&self) -> Option<String> {
-        let (grams, kpa) = (significant(self.balance_g?, 6), self.ambient_kpa);
+        let (grams, kpa) = (significant(self.balance_g?, 6), short(self.ambient_kpa));
         Some(format!("shows {grams} g in air of {kpa} kPa (Z of ISO 8655-6)"))
     }
 

@@ -14,7 +14,7 @@ use crate::files::{MOST_PUMP_FILE_BYTES, Staged, create_folders, folder_of, read
 /// the pump file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SetupFolder {
-    config: PathBuf,
+    pub(super) config: PathBuf,
 }
 
 impl SetupFolder {
@@ -124,7 +124,7 @@ impl SetupFolder {
 }
 
 /// Writes a file as a whole, and its folder if that is missing.
-fn write(path: &Path, text: &str) -> Result<(), SetupError> {
+pub(super) fn write(path: &Path, text: &str) -> Result<(), SetupError> {
     create_folders(folder_of(path))
         .and_then(|()| Staged::new(path, |file| file.write_all(text.as_bytes())))
         .and_then(Staged::put)

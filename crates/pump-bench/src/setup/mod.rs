@@ -11,6 +11,7 @@ mod folder;
 mod neighbours;
 mod outlook;
 mod pump;
+mod removal;
 mod turn;
 
 pub use answers::{Answers, Done, HeadAnswer};
@@ -19,4 +20,5 @@ pub use folder::SetupFolder;
 pub use neighbours::Neighbour;
 pub use outlook::{Outlook, SurerStep};
 pub use pump::USUAL_FULL_STEPS;
+pub use removal::RemovedPump;
 pub use turn::{CorrectedSteps, turns};

@@ -47,6 +47,8 @@ pub enum ErrorKind {
     Unfinished,
     /// The pump stands at a safety limit, or is not cleared.
     Safety,
+    /// A dose of a batch was skipped: its time had passed.
+    Missed,
     /// A person or a signal stopped the command.
     Stopped,
 }
@@ -73,5 +75,6 @@ words_of_reports!(ErrorKind {
     Busy = "busy",
     Unfinished = "unfinished",
     Safety = "safety",
+    Missed = "missed",
     Stopped = "stopped",
 });

@@ -76,6 +76,7 @@ impl Explain for ConfigError {
             }
             Self::Taken { name, .. } => facts.value(name).allowed("a name that no pump has"),
             Self::NoRoom { line, .. } => facts.value(line),
+            Self::NoLine { name, .. } => facts.value(name),
             Self::SameId { id, .. } => facts.value(id).allowed("an id of its own for each name"),
             Self::Pump(error) => error.facts(),
         }
