@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use balance::{Defect, SimulatedBalance, Speech, Truth, Vessel};
-use pump_model::Pump;
+use pump_model::{DefaultPulse, Line, Pump};
 use simulated::Simulated;
 use simulated::options::{Options, Sensor};
 
@@ -21,6 +21,8 @@ A simulated grbl board with one axis, X, at the end of a pseudo-terminal. Prints
 `dose --driver grbl --port` takes, and runs until it is interrupted.
 
   --balance mt-sics|sbi   a balance too, under the vessel of the built-in pump `three-roller`: prints its device as well
+  --head <mL>:<rollers>:<steps>  the head under which the balance's vessel stands, in place of `three-roller`: its
+                          volume and its motor's steps per revolution, as --head 0.5:4:3200
   --for <seconds>         ends by itself
   --fast <factor>         its motor runs so many times faster
   --resets                opening the port resets it, as an Arduino
@@ -58,6 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut options = Options { axes: 1, ..Options::default() };
     let mut limit = None;
     let mut speech: Option<Speech> = None;
+    let mut vessel = Vessel::new(Pump::three_roller(), TRUTH);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -67,6 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 return Ok(());
             }
             "--balance" => speech = Some(value()?.parse()?),
+            "--head" => vessel = vessel_of(&value()?)?,
             "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
             "--fast" => options.time_scale = value()?.parse()?,
             "--resets" => options.resets_on_open = true,
@@ -96,18 +100,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    serve(options, limit, speech)
+    serve(options, limit, speech, vessel)
 }
 
 /// Serves the board, and the balance under its vessel if there is one, until the time is over.
-fn serve(options: Options, limit: Option<Duration>, speech: Option<Speech>) -> Result<(), Box<dyn Error>> {
+fn serve(
+    options: Options,
+    limit: Option<Duration>,
+    speech: Option<Speech>,
+    vessel: Vessel,
+) -> Result<(), Box<dyn Error>> {
     let board = Arc::new(Simulated::start(options)?);
     writeln!(std::io::stdout(), "{}", board.path().display())?;
     let turned = Arc::clone(&board);
-    let balance = speech.map(|speech| {
-        let vessel = Vessel::new(Pump::three_roller(), TRUTH);
-        SimulatedBalance::start(speech, vessel, move || turned.truth().steps)
-    });
+    let start = |speech| SimulatedBalance::start(speech, vessel, move || turned.truth().steps);
+    let balance = speech.map(start);
     let balance = balance.transpose()?;
     if let Some(balance) = &balance {
         writeln!(std::io::stdout(), "{}", balance.path().display())?;
@@ -121,6 +128,15 @@ fn serve(options: Options, limit: Option<Duration>, speech: Option<Speech>) -> R
         writeln!(std::io::stdout(), "{:.3} g in the vessel", balance.vessel().landed_g())?;
     }
     Ok(())
+}
+
+/// Returns the vessel of a head that delivers 3 % more than its data sheet says, with the usual pulse of bought heads.
+fn vessel_of(head: &str) -> Result<Vessel, Box<dyn Error>> {
+    let (ml_per_rev, motor) = head.split_once(':').ok_or("--head needs <mL>:<rollers>:<steps>")?;
+    let (rollers, steps_per_rev): (u32, f64) = pair(motor)?;
+    let pulse = DefaultPulse::new(0.23, 50.0);
+    let pump = Pump::from_ml_per_rev(ml_per_rev.parse()?, rollers, pulse, Line::PUBLISHED, Line::PUBLISHED)?;
+    Ok(Vessel::new(pump, Truth { steps_per_rev, ..TRUTH }))
 }
 
 /// Reads two values with a colon between them.
