@@ -33,6 +33,15 @@ pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
         text,
         "`{name}` is set up: `dose {volume}mL --pump {name}` doses, `dose setup {name}` weighs again"
     );
+    let safety = &bench.file().safety;
+    if safety.max_ml_per_day.is_none() && safety.vessel_ml.is_none() {
+        let path = course.folder.pump_file(name);
+        let _ = writeln!(
+            text,
+            "Nothing limits yet what it pumps while nobody looks: max_ml_per_day and vessel_ml in [safety] of {} do",
+            path.display()
+        );
+    }
     Ok(course.tell(&text)?)
 }
 

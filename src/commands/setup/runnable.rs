@@ -74,7 +74,8 @@ mod tests {
         );
         assert_eq!(
             runnable("--scale-port /dev/ttyUSB1", "--config c.toml").complete(text),
-            "`dose setup acid --scale-port /dev/ttyUSB1 --config c.toml` makes it and weighs it; `--use` has doses use it"
+            "`dose setup acid --scale-port /dev/ttyUSB1 --config c.toml` makes it and weighs it; `--use` has doses use \
+             it"
         );
         let known = "`acid` is set up: `dose 5mL --pump acid` doses, `dose setup acid` weighs again";
         assert_eq!(runnable("", "").complete(known), known);

@@ -1,6 +1,6 @@
 """A bench: one pump, its driver, and its record."""
 
 from pumpmodel.bench.bench import Bench
-from pumpmodel.bench.doses import Progress
+from pumpmodel.bench.planning import Progress
 
 __all__ = ["Bench", "Progress"]

@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pumpmodel._pumpmodel import Limits
-from pumpmodel.bench.doses import BenchDoses, Progress
+from pumpmodel.bench.planning import Progress
+from pumpmodel.bench.repeats import BenchRepeats
 from pumpmodel.bench.request import asked
 from pumpmodel.choices import Ramps
 from pumpmodel.dose import Dose
 
 
-class BenchRuns(BenchDoses):
+class BenchRuns(BenchRepeats):
     """The runs of continuous flow of a bench. Base of `Bench`."""
 
     def run(
