@@ -1,22 +1,19 @@
 //! A bench: one pump, its drive, and its record.
 
+mod calibrating;
 mod run_volume;
 
 use std::path::{Path, PathBuf};
 
-use libm::sqrt;
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
 use super::safety::RunBounds;
-use crate::calibration::{
-    Calibration, CalibrationError, Calibrations, Earlier, Expected, LastWeighing, Stored, WeighedDose,
-};
+use crate::calibration::{Calibrations, Stored};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
-use crate::dosing::drop_ml;
 use crate::dosing::{DoseRequest, Prepared, RunEnd, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
@@ -25,7 +22,6 @@ use crate::record::Folder;
 use crate::record::{Clock, SystemClock};
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{PumpState, Story};
-use crate::units::StatedReading;
 
 /// File in the journal's folder that holds the device settings of the last time.
 const SETTINGS_RECORD: &str = "board-settings.json";
@@ -394,64 +390,6 @@ impl Bench {
             return Err(DoseError::UnfinishedRun { least_ml, most_ml });
         }
         Err(DoseError::Unfinished { requested_ml: dose.intent.whole_requested_ml(), least_ml, most_ml })
-    }
-
-    /// Makes doses use a calibration from now on, or none.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError`] while a dose is unfinished, because its rest would change, or if the calibration cannot
-    /// be used.
-    pub fn use_calibration(&self, version: Option<u32>) -> Result<(), DoseError> {
-        self.refuse_unfinished(self.story()?.state)?;
-        Ok(self.calibrations().activate(version)?)
-    }
-
-    /// Keeps a calibration and makes doses use it from now on. The caller must hold the pump's lock.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError`] as in [`Self::use_calibration`], or if the calibration cannot be written.
-    pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
-        self.refuse_unfinished(self.story()?.state)?;
-        let version = self.calibrations().add(&calibration)?;
-        self.use_calibration(Some(version))?;
-        Ok(Stored { version, calibration })
-    }
-
-    /// Returns the calibration that the weight of the last dose gives. [`Self::keep_calibration`] keeps it.
-    ///
-    /// `None` in place of the temperature takes the pump file's.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError::Journal`] where the record cannot be read. [`DoseError::Calibration`] with the errors of
-    /// [`CalibrationRun::of_last_dose`], [`CalibrationRun::beside`] and [`Calibration::of_runs`].
-    ///
-    /// [`CalibrationRun::of_last_dose`]: crate::calibration::CalibrationRun::of_last_dose
-    /// [`CalibrationRun::beside`]: crate::calibration::CalibrationRun::beside
-    pub fn weigh_last_dose(
-        &self,
-        reading: &StatedReading,
-        temperature_degc: Option<f64>,
-        earlier: Earlier,
-        expected: &Expected,
-    ) -> Result<WeighedDose, DoseError> {
-        let active = self.calibrations().active()?;
-        let last = self.story()?.state.and_then(|state| state.last);
-        let expected = self.with_drop(expected)?;
-        let weighing = LastWeighing { reading, temperature_degc, earlier, expected: &expected };
-        Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
-    }
-
-    /// Returns what is expected of a weighed dose with the drop at the nozzle: a dose has the same share.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError::Calibration`] if the drop cannot be computed.
-    pub(crate) fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
-        let drop_ml = drop_ml(&self.file).map_err(CalibrationError::Model)?;
-        Ok(expected.with_drop_ml(drop_ml / sqrt(6.0)))
     }
 
     /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.

@@ -2,27 +2,34 @@
 
 mod by_profile;
 mod by_weight;
+mod calibration;
+mod made;
+mod phase;
 mod run;
 
-use pump_ctl::plan::{Finish, LimitedBy, Phase, SetBy};
-use pump_model::Extremes;
-use pump_model::units::{degrees, radians, rpm};
+use pump_ctl::plan::{Finish, LimitedBy, SetBy};
+use pump_model::units::{degrees, rpm};
 use serde::Serialize;
 
 pub use self::by_weight::ByWeightReport;
+pub use self::calibration::CalibrationReport;
+use self::made::{
+    WholeDose, back_flow_ml, carry_ml, is_ended_run, made, part_made, retract_steps, retraction_ml, warnings,
+};
+pub use self::phase::PhaseReport;
 pub use self::run::{ProfileReport, RunReport, Until};
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
-use crate::calibration::{Applied, Made, Weighing};
+use crate::calibration::{Applied, Weighing};
 use crate::dosing::{
-    Prepared, PulseErrors, RippleAt, RippleReport, RunEnd, Share, SureRipples, Swept,
-    pressure_uncertainty_kpa, sure_ripples, weighed_shares,
+    Prepared, PulseErrors, RippleAt, RippleReport, Share, SureRipples, pressure_uncertainty_kpa,
+    sure_ripples, weighed_shares,
 };
 use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
 use crate::numbers::microlitres;
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
-use crate::record::{Asked, PhaseSource, Purpose, Stamp};
+use crate::record::{Asked, Purpose, Stamp};
 
 /// The report of a dose that was planned or made (`schema` `dose/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -176,36 +183,6 @@ pub struct DoseReport {
     pub run: Option<RunReport>,
 }
 
-/// The calibration that a dose used.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct CalibrationReport {
-    /// Number of the calibration.
-    pub version: u32,
-    /// Date on which the calibration was made, UTC.
-    pub date: String,
-    /// Factor of the calibration on the model's volumes, at the dose's cruise speed.
-    pub displacement_factor: f64,
-    /// Model angle of the rollers where the record says 0, deg.
-    pub zero_deg: f64,
-    /// Roller volume V_r that short doses found, mL; null if the pump file's holds.
-    pub roller_volume_ml: Option<f64>,
-    /// Engagement angle phi that short doses found, deg; null if the pump file's holds.
-    pub engagement_deg: Option<f64>,
-}
-
-/// Knowledge of the start angle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct PhaseReport {
-    /// True if the angle is known.
-    pub known: bool,
-    /// Source of the angle.
-    pub source: PhaseSource,
-    /// Largest error of the angle either way, deg.
-    pub half_width_deg: f64,
-}
-
 impl DoseReport {
     /// Reports a prepared dose that was run, or a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
@@ -320,46 +297,6 @@ impl DoseReport {
     }
 }
 
-/// A dose with its retraction: predicted pressures, kPa absolute, and the angle at its end, planned or made.
-struct WholeDose {
-    inlet: Extremes,
-    outlet: Extremes,
-    end_rad: f64,
-}
-
-impl WholeDose {
-    fn of(prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
-        let Prepared { prediction, plan, .. } = prepared;
-        let (mut inlet, mut outlet, mut end_rad) =
-            (prediction.inlet, prediction.outlet, plan.end_angle_rad());
-        if let Some(back) = &prepared.retraction {
-            (inlet, outlet) = (inlet.and(back.prediction.inlet), outlet.and(back.prediction.outlet));
-            end_rad = back.plan.end_angle_rad();
-        }
-        Self { inlet, outlet, end_rad: delivered.map_or(end_rad, |delivered| delivered.end_angle_rad) }
-    }
-}
-
-/// The part of the plan that was made: a dose that was stopped is as unsure as that part.
-fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Swept {
-    let (model, plan) = (&prepared.model, &prepared.plan);
-    match delivered.filter(|delivered| !delivered.completed) {
-        Some(delivered) => Swept::part(model, plan, delivered.made),
-        None => Swept::whole(model, plan),
-    }
-}
-
-/// True for a run until it is stopped that somebody stopped: it is complete.
-fn is_ended_run(prepared: &Prepared, delivered: &Delivered) -> bool {
-    prepared.request.end == RunEnd::Stop && !delivered.unfinished
-}
-
-/// The warnings of the plan, then those of the motion.
-fn warnings(prepared: &Prepared, delivered: Option<&Delivered>) -> Vec<Notice> {
-    let after = delivered.map_or(&[][..], |delivered| &delivered.warnings);
-    [&prepared.warnings, after].concat()
-}
-
 /// The basis of the volumes of a pump with what a calibration or a speed law changes of it.
 fn basis(file: &PumpFile, applied: Option<&Applied>) -> VolumeBasis {
     match applied.and_then(|applied| applied.sureness()) {
@@ -367,37 +304,6 @@ fn basis(file: &PumpFile, applied: Option<&Applied>) -> VolumeBasis {
         None if file.is_estimated() => VolumeBasis::Estimated,
         None => VolumeBasis::Model,
     }
-}
-
-/// The volume that is sucked back, or was, mL.
-fn retraction_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<f64> {
-    let back = prepared.retraction.as_ref()?;
-    Some(delivered.map_or(-back.plan.planned_ml(), |delivered| delivered.retracted_ml))
-}
-
-/// The steps of the retraction, planned or made.
-fn retract_steps(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<i64> {
-    let back = &prepared.retraction.as_ref()?.plan;
-    let Some(delivered) = delivered else { return Some(back.steps()) };
-    let turned_rad = delivered.end_angle_rad - back.start().angle_rad();
-    let steps = (turned_rad / back.step_rad()).round() as i64;
-    Some(if delivered.completed { steps.clamp(back.steps(), 0) } else { 0 })
-}
-
-/// The back flow of a dose, mL, and the reverse flow unless the dose was stopped on its way, mL.
-fn back_flow_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> (Option<f64>, Option<f64>) {
-    let (all, made) = (prepared.plan.steps().unsigned_abs(), made(prepared, delivered));
-    (prepared.backflow_of_ml(made), (made == all).then_some(prepared.back_flow.reverse_flow_ml))
-}
-
-/// The number of the steps that were made, or of all of a dry run.
-fn made(prepared: &Prepared, delivered: Option<&Delivered>) -> u64 {
-    delivered.map_or(prepared.plan.steps().unsigned_abs(), |delivered| delivered.made)
-}
-
-/// The carry to the next dose, mL.
-fn carry_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> f64 {
-    delivered.map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml)
 }
 
 impl DoseReport {
@@ -467,39 +373,6 @@ impl DoseReport {
             expanded_uncertainty_ml,
             uncertainty_budget,
             ..part
-        }
-    }
-}
-
-impl CalibrationReport {
-    fn of(applied: &Applied) -> Option<Self> {
-        let Made { version, date } = applied.calibration.clone()?;
-        let (displacement_factor, zero_rad) = (applied.correction.factor, applied.correction.zero_rad);
-        let pulse = applied.correction.pulse;
-        Some(Self {
-            version,
-            date,
-            displacement_factor,
-            zero_deg: degrees(zero_rad),
-            roller_volume_ml: pulse.map(|pulse| pulse.roller_volume_ml),
-            engagement_deg: pulse.map(|pulse| pulse.engagement_deg),
-        })
-    }
-}
-
-impl PhaseReport {
-    /// True if the dose was planned from the angle itself, and not for the worst case over many angles.
-    pub(super) fn is_stated(&self) -> bool {
-        Phase::within(0.0, radians(self.half_width_deg)).is_stated()
-    }
-
-    fn of(prepared: &Prepared) -> Self {
-        // Only the angle within a pitch matters.
-        let half_width_rad = prepared.plan.start().half_width_rad().min(0.5 * prepared.model.pitch_rad());
-        Self {
-            known: prepared.plan.start().is_known(prepared.model.pitch_rad()),
-            source: prepared.phase_source,
-            half_width_deg: degrees(half_width_rad),
         }
     }
 }

@@ -51,7 +51,7 @@ impl Task {
     }
 
     /// Returns the number of steps of a jog.
-    fn jog(&self) -> u64 {
+    pub(super) fn jog(&self) -> u64 {
         ((self.ahead() as f64 / JOGS_AHEAD).ceil() as u64).max(1)
     }
 

@@ -1,0 +1,70 @@
+//! The calibrations of a bench: used, kept, and made from the weight of the last dose.
+
+use libm::sqrt;
+
+use crate::bench::Bench;
+use crate::calibration::{
+    Calibration, CalibrationError, Earlier, Expected, LastWeighing, Stored, WeighedDose,
+};
+use crate::dosing::{DoseError, drop_ml};
+use crate::units::StatedReading;
+
+impl Bench {
+    /// Makes doses use a calibration from now on, or none.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] while a dose is unfinished, because its rest would change, or if the calibration cannot
+    /// be used.
+    pub fn use_calibration(&self, version: Option<u32>) -> Result<(), DoseError> {
+        self.refuse_unfinished(self.story()?.state)?;
+        Ok(self.calibrations().activate(version)?)
+    }
+
+    /// Keeps a calibration and makes doses use it from now on. The caller must hold the pump's lock.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Self::use_calibration`], or if the calibration cannot be written.
+    pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
+        self.refuse_unfinished(self.story()?.state)?;
+        let version = self.calibrations().add(&calibration)?;
+        self.use_calibration(Some(version))?;
+        Ok(Stored { version, calibration })
+    }
+
+    /// Returns the calibration that the weight of the last dose gives. [`Self::keep_calibration`] keeps it.
+    ///
+    /// `None` in place of the temperature takes the pump file's.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] where the record cannot be read. [`DoseError::Calibration`] with the errors of
+    /// [`CalibrationRun::of_last_dose`], [`CalibrationRun::beside`] and [`Calibration::of_runs`].
+    ///
+    /// [`CalibrationRun::of_last_dose`]: crate::calibration::CalibrationRun::of_last_dose
+    /// [`CalibrationRun::beside`]: crate::calibration::CalibrationRun::beside
+    pub fn weigh_last_dose(
+        &self,
+        reading: &StatedReading,
+        temperature_degc: Option<f64>,
+        earlier: Earlier,
+        expected: &Expected,
+    ) -> Result<WeighedDose, DoseError> {
+        let active = self.calibrations().active()?;
+        let last = self.story()?.state.and_then(|state| state.last);
+        let expected = self.with_drop(expected)?;
+        let weighing = LastWeighing { reading, temperature_degc, earlier, expected: &expected };
+        Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
+    }
+
+    /// Returns what is expected of a weighed dose with the drop at the nozzle: a dose has the same share.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Calibration`] if the drop cannot be computed.
+    pub(crate) fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
+        let drop_ml = drop_ml(self.file()).map_err(CalibrationError::Model)?;
+        Ok(expected.with_drop_ml(drop_ml / sqrt(6.0)))
+    }
+}
