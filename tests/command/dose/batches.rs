@@ -157,7 +157,7 @@ fn doses_that_come_due_while_one_runs_are_skipped_aloud_or_made_at_once() {
     let err = skipping.err;
     assert!(err.contains("warning: doses 2 to 5 of 5 were skipped: their times had passed"), "{err}");
     // A script must not take the batch for whole.
-    let last: serde_json::Value = serde_json::from_str(err.lines().last().unwrap()).unwrap();
+    let last: Value = serde_json::from_str(err.lines().last().unwrap()).unwrap();
     assert_eq!((&last["kind"], &last["code"], &last["moved"]), (&"missed".into(), &1.into(), &true.into()));
     let answer = user.types(&arguments);
     assert!(
