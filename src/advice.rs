@@ -139,6 +139,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "leave --ramps out; `dose home --configure` sets the board's acceleration to the best for the \
              pump's default rate"
         }
+        Remedy::BeginOneByOne => "begin the motions one after another",
         Remedy::SwitchOff => "switch its power off",
         Remedy::CheckCable => "check its cable and power",
         Remedy::NamePort => "give `--port /dev/ttyUSB0`, or port = \"...\" in [drive]",

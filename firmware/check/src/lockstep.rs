@@ -29,21 +29,21 @@ pub(crate) trait Machine: Send + 'static {
     fn give(&mut self, bytes: &[u8]);
 }
 
-/// Thread of a drive that asks for leave while another one streams.
+/// Thread of a drive that asks for leave while another one streams. The board runs only while all of them wait.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Asker {
-    /// No such thread runs.
-    Gone,
     /// It works, and the board's time stands.
     Works,
     /// It waits until this time of the board, in ns.
     Waits(f64),
 }
 
-/// Board with the thread that asks for leave.
+/// Board with the threads that ask for leave.
 pub(crate) struct Shared<M> {
     pub(crate) machine: M,
-    asker: Asker,
+    /// Threads, each with its number.
+    askers: Vec<(u64, Asker)>,
+    next_asker: u64,
 }
 
 /// Wire to a board that runs only as far as the host waits. Clones lead to the same board.
@@ -64,7 +64,7 @@ impl<M: Machine> fmt::Debug for Lockstep<M> {
 impl<M: Machine> Lockstep<M> {
     /// Wires a board.
     pub(crate) fn over(machine: M) -> Self {
-        Self(Arc::new((Mutex::new(Shared { machine, asker: Asker::Gone }), Condvar::new())))
+        Self(Arc::new((Mutex::new(Shared { machine, askers: Vec::new(), next_asker: 0 }), Condvar::new())))
     }
 
     /// Returns the board at once, whoever works.
@@ -72,22 +72,23 @@ impl<M: Machine> Lockstep<M> {
         self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the board once the thread that asks for leave waits.
+    /// Returns the board once the threads that ask for leave wait.
     fn alone(&self) -> MutexGuard<'_, Shared<M>> {
-        let waited = self.0.1.wait_while(self.shared(), |shared| shared.asker == Asker::Works);
+        let works = |shared: &mut Shared<M>| shared.askers.iter().any(|(_, asker)| *asker == Asker::Works);
+        let waited = self.0.1.wait_while(self.shared(), works);
         waited.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Runs until a time, in ns, or until the board has said something if `hears` is true. The thread that asks for
-    /// leave has its turns on the way.
+    /// Runs until a time, in ns, or until the board has said something if `hears` is true. The threads that ask for
+    /// leave have their turns on the way.
     fn run(&self, until_ns: f64, hears: bool) -> io::Result<MutexGuard<'_, Shared<M>>> {
         let mut shared = self.alone();
         loop {
             let now_ns = shared.machine.now_ns();
-            if let Asker::Waits(at_ns) = shared.asker
-                && at_ns <= now_ns
-            {
-                shared.asker = Asker::Works;
+            let due = |asker: &Asker| matches!(asker, Asker::Waits(at_ns) if *at_ns <= now_ns);
+            // One at a time, so that a check is the same in every run.
+            if let Some((_, asker)) = shared.askers.iter_mut().find(|(_, asker)| due(asker)) {
+                *asker = Asker::Works;
                 self.0.1.notify_all();
                 drop(shared);
                 shared = self.alone();
@@ -96,7 +97,10 @@ impl<M: Machine> Lockstep<M> {
             if now_ns >= until_ns || hears && !shared.machine.said().is_empty() {
                 return Ok(shared);
             }
-            let asks_ns = if let Asker::Waits(at_ns) = shared.asker { at_ns } else { until_ns };
+            let asks_ns = shared.askers.iter().fold(until_ns, |soonest, (_, asker)| match asker {
+                Asker::Waits(at_ns) => soonest.min(*at_ns),
+                Asker::Works => soonest,
+            });
             shared.machine.advance(until_ns.min(asks_ns).min(now_ns + M::SLICE_NS))?;
         }
     }
@@ -128,13 +132,20 @@ impl<M: Machine> Wire for Lockstep<M> {
     }
 
     fn ask_clock(&mut self) -> Box<dyn AskClock> {
-        self.shared().asker = Asker::Works;
-        Box::new(BoardClock(self.clone()))
+        let mut shared = self.shared();
+        shared.next_asker += 1;
+        let number = shared.next_asker;
+        shared.askers.push((number, Asker::Works));
+        Box::new(BoardClock(self.clone(), number))
+    }
+
+    fn stands_while_hosts_work(&self) -> bool {
+        true
     }
 }
 
-/// Clock of the thread that asks for leave, in the board's time.
-struct BoardClock<M>(Lockstep<M>);
+/// Clock of a thread that asks for leave, in the board's time.
+struct BoardClock<M>(Lockstep<M>, u64);
 
 impl<M: Machine> fmt::Debug for BoardClock<M> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -144,18 +155,21 @@ impl<M: Machine> fmt::Debug for BoardClock<M> {
 
 impl<M: Machine> AskClock for BoardClock<M> {
     fn wait(&self, time: Duration) -> bool {
+        let number = self.1;
         let mut shared = self.0.shared();
-        if shared.asker == Asker::Gone {
-            return false;
-        }
-        shared.asker = Asker::Waits(shared.machine.now_ns() + time.as_nanos() as f64);
+        let at_ns = shared.machine.now_ns() + time.as_nanos() as f64;
+        let Some((_, asker)) = shared.askers.iter_mut().find(|(n, _)| *n == number) else { return false };
+        *asker = Asker::Waits(at_ns);
         self.0.0.1.notify_all();
-        let waited = self.0.0.1.wait_while(shared, |shared| matches!(shared.asker, Asker::Waits(_)));
-        waited.unwrap_or_else(PoisonError::into_inner).asker == Asker::Works
+        let waits = |shared: &mut Shared<M>| {
+            shared.askers.iter().any(|(n, asker)| *n == number && *asker != Asker::Works)
+        };
+        let waited = self.0.0.1.wait_while(shared, waits).unwrap_or_else(PoisonError::into_inner);
+        waited.askers.iter().any(|(n, _)| *n == number)
     }
 
     fn end(&self) {
-        self.0.shared().asker = Asker::Gone;
+        self.0.shared().askers.retain(|(number, _)| *number != self.1);
         self.0.0.1.notify_all();
     }
 }

@@ -5,6 +5,7 @@
 //! `check-node FIRMWARE.elf PART [NUMBER]` makes one of them: `cuts 200` cuts the link 200 times.
 #![allow(clippy::print_stdout, reason = "this program prints what it measured")]
 
+mod axes;
 mod cuts;
 mod doses;
 mod emulator;

@@ -112,6 +112,16 @@ fn make(host: &mut Host, moves: &[Move], most_off_us: f64) -> Result<(), Box<dyn
     hold(moves, &host.emulator.take_edges(), before, counts, most_off_us)
 }
 
+/// Holds moves that began at one tick against the edges.
+pub(crate) fn hold_begun(
+    moves: &[Move],
+    edges: &[Edge],
+    before: Counts,
+    counts: Counts,
+) -> Result<(), Box<dyn Error>> {
+    hold(moves, edges, before, counts, MOST_OFF_US)
+}
+
 fn hold(
     moves: &[Move],
     edges: &[Edge],

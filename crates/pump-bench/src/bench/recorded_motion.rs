@@ -10,7 +10,7 @@ use super::announced_steps::{AnnouncedSteps, Halt, Pace};
 use super::device::Device;
 use crate::displacement::Correction;
 use crate::dosing::{DoseError, Prepared};
-use crate::drives::{DriveFault, IndexSearch, Leave};
+use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
 use crate::record::Purpose;
 use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
@@ -77,6 +77,14 @@ struct Driven {
     halt: Option<Halt>,
 }
 
+impl Driven {
+    /// Returns the end of a motion that its drive has refused.
+    fn refused(error: DriveError) -> Self {
+        let (ended, pace) = (Err(DriveFault::at(0, error)), Pace::default());
+        Self { ended, measured_s: 0.0, pace, halt: None }
+    }
+}
+
 impl<'a> Session<'a> {
     /// Makes a motion. The intent is on record before the motion, each stretch before its steps, the rest
     /// after the motion.
@@ -85,6 +93,9 @@ impl<'a> Session<'a> {
         motion: &RecordedMotion<'_>,
         mut watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Moved, DoseError> {
+        // An error on the way gives the place up, and the others hear of it.
+        let place = self.place.take();
+        let begins_with_others = place.is_some();
         self.check_confirmed()?;
         self.check_stand()?;
         self.connect()?;
@@ -103,7 +114,12 @@ impl<'a> Session<'a> {
         }
         let intent = self.announce(motion, &before)?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
-        let driven = self.journal.announcing(|announcer| drive(&mut device, motion, announcer, &mut watch));
+        let driven = self.journal.announcing(|announcer| {
+            match place.map_or(Ok(()), |place| device.drive.begin_with(place)) {
+                Ok(()) => drive(&mut device, motion, announcer, &mut watch),
+                Err(error) => Driven::refused(error),
+            }
+        });
         let Driven { ended, measured_s, pace, halt } = match driven {
             Ok(driven) => driven,
             // Nothing has moved.
@@ -119,6 +135,12 @@ impl<'a> Session<'a> {
             Ok(IndexSearch { made, beyond }) => {
                 let after = EndedMotion { made, beyond, measured_s, pace, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
+            }
+            // Nothing has moved.
+            Err(fault) if begins_with_others && fault.is_at_rest() => {
+                self.put_away(device.drive);
+                self.rest(Why::Fault, before)?;
+                Err(DoseError::Connection(fault.error))
             }
             // The device is met anew before it moves again.
             Err(fault) => Err(self.record_fault(device, &before, intent, fault, pace.pauses)),

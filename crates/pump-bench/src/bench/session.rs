@@ -6,7 +6,7 @@ use pump_model::units::rpm;
 
 use crate::calibration::RunLog;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
-use crate::drives::{Drive, DriveError};
+use crate::drives::{BeginPlace, Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
@@ -34,6 +34,8 @@ pub struct Session<'a> {
     given: Option<Box<dyn Drive + 'a>>,
     /// True if the session was given its drive, so that it opens no other.
     is_given: bool,
+    /// Place of the next motion among those that begin together.
+    pub(super) place: Option<BeginPlace>,
     /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<Notice>,
     /// True if this session has turned the motor.
@@ -99,6 +101,7 @@ impl<'a> Session<'a> {
             device: None,
             given: None,
             is_given: bench.is_given_its_drive(),
+            place: None,
             notes: note.into_iter().collect(),
             moved: false,
             log,
@@ -144,6 +147,39 @@ impl<'a> Session<'a> {
     /// Keeps a drive that is to be met anew before it moves again, if the session was given it.
     pub(super) fn put_away(&mut self, drive: Box<dyn Drive + 'a>) {
         self.given = Some(drive).filter(|_| self.is_given);
+    }
+
+    /// Has the next motion begin with those of the other places of a [`CommonBegin`]. Each session has a thread of its
+    /// own, since a motion waits for the others until its begin.
+    ///
+    /// If a motion fails or is stopped before the begin, none begins. A session that fails before its motion gives its
+    /// place up, and so does one that is dropped.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    ///
+    /// use pump_bench::drives::CommonBegin;
+    /// use pump_bench::{Bench, DoseError, built_in};
+    ///
+    /// let state = tempfile::tempdir()?;
+    /// let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
+    /// let place = CommonBegin::places(1, Duration::from_secs(5)).remove(0);
+    /// // The simulated pump has no board to share.
+    /// assert!(matches!(bench.session()?.begin_with(place), Err(DoseError::Connection(_))));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] if the drive cannot begin with others. The place is given up.
+    ///
+    /// [`CommonBegin`]: crate::drives::CommonBegin
+    pub fn begin_with(&mut self, place: BeginPlace) -> Result<(), DoseError> {
+        if !self.bench.identity().abilities.common_begin {
+            return Err(DoseError::Connection(DriveError::no_common_begin(self.bench.drive_id())));
+        }
+        self.place = Some(place);
+        Ok(())
     }
 
     /// Returns the bench of this session.

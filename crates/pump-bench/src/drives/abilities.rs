@@ -24,6 +24,9 @@ pub struct Abilities {
     pub readback: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,
+    /// True if the drive begins a motion at one tick with those of other axes
+    /// ([`Drive::begin_with`](super::Drive::begin_with)).
+    pub common_begin: bool,
 }
 
 impl Abilities {
@@ -31,8 +34,11 @@ impl Abilities {
     pub(super) const GRBL: Self = Self::new().with_index(true).with_readback(true).with_release(true);
 
     /// Abilities of a node: a board that makes each step at the plan's time.
-    pub(super) const NODE: Self =
-        Self::GRBL.with_step_times(true).with_angle_dependent_speed(true).with_flow_over_time(true);
+    pub(super) const NODE: Self = Self::GRBL
+        .with_step_times(true)
+        .with_angle_dependent_speed(true)
+        .with_flow_over_time(true)
+        .with_common_begin(true);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.
@@ -44,6 +50,7 @@ impl Abilities {
             index: false,
             readback: false,
             release: false,
+            common_begin: false,
         }
     }
 
@@ -81,5 +88,11 @@ impl Abilities {
     #[must_use]
     pub const fn with_release(self, release: bool) -> Self {
         Self { release, ..self }
+    }
+
+    /// Returns the abilities with or without motions that begin with those of other axes.
+    #[must_use]
+    pub const fn with_common_begin(self, common_begin: bool) -> Self {
+        Self { common_begin, ..self }
     }
 }

@@ -3,6 +3,7 @@
 use pump_ctl::plan::{FlowMotion, Plan};
 
 use super::abilities::Abilities;
+use super::common_begin::BeginPlace;
 use super::drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Watch};
 use crate::displacement::Correction;
 use crate::notice::Notice;
@@ -54,6 +55,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
 
     fn displaces(&mut self, correction: Correction) {
         T::displaces(self, correction);
+    }
+
+    fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {
+        T::begin_with(self, place)
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {

@@ -12,6 +12,7 @@ use pump_model::integrator::IntegrationError;
 use thiserror::Error;
 
 use super::abilities::Abilities;
+use super::common_begin::BeginPlace;
 use crate::displacement::Correction;
 use crate::notice::{Notice, Remedy};
 
@@ -225,6 +226,16 @@ pub trait Drive: Debug + Send {
     /// Sets the correction of the displacement from now on. Only a simulation needs it.
     fn displaces(&mut self, _correction: Correction) {}
 
+    /// Has the next motion begin with those of the other places. It is called only if [`Abilities::common_begin`] says
+    /// that the drive can.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the drive cannot begin with others. The place is given up.
+    fn begin_with(&mut self, _place: BeginPlace) -> Result<(), DriveError> {
+        Err(DriveError::no_common_begin(self.id()))
+    }
+
     /// Makes the steps of `plan` and asks `gate` before them. When the gate says [`Leave::Stop`], the motor
     /// decelerates and holds.
     ///
@@ -330,6 +341,11 @@ impl DriveFault {
         Self { made_least: least.min(most), made_most: most.max(least), lost: false, error }
     }
 
+    /// Returns true if the motor has not moved.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        (self.made_least, self.made_most, self.lost) == (0, 0, false)
+    }
+
     /// Returns the fault of a motor whose place nobody knows.
     #[must_use]
     pub fn lost(self) -> Self {
@@ -433,6 +449,15 @@ impl DriveError {
     pub(crate) fn no_flow(driver: &str) -> Self {
         let ability = "way to follow a flow over time: it keeps no step times of a program";
         Self::Unable { driver: driver.to_owned(), ability, instead: Remedy::FlowByNode }
+    }
+
+    /// Returns the refusal of a drive that begins no motions together.
+    pub(crate) fn no_common_begin(driver: &str) -> Self {
+        Self::Unable {
+            driver: driver.to_owned(),
+            ability: "common begin with other pumps",
+            instead: Remedy::BeginOneByOne,
+        }
     }
 
     /// Returns the refusal of a drive without an index sensor.

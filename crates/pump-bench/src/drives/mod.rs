@@ -2,6 +2,7 @@
 
 mod abilities;
 mod borrowed;
+mod common_begin;
 mod drive;
 #[cfg(all(feature = "grbl", feature = "node"))]
 mod find;
@@ -25,6 +26,7 @@ mod stop_request;
 pub mod wire;
 
 pub use abilities::Abilities;
+pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Leave, Watch};
 #[cfg(all(feature = "grbl", feature = "node"))]
 pub use find::{FoundBoard, find_boards};
@@ -35,7 +37,7 @@ pub use grbl::reply as grbl_reply;
 pub use grbl::{Grbl, GrblError, ask_ports, serial_ports};
 pub(crate) use identity::Identity;
 #[cfg(feature = "node")]
-pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeError};
+pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 pub use opening::Opening;
 pub(crate) use opening::PORT_NAMES;
 pub use sim::Sim;

@@ -144,6 +144,8 @@ pub enum Remedy {
     FlowByNode,
     /// Dose with the board's own ramps, and configure the board for them.
     LeaveRampsOut,
+    /// Begin the motions of several pumps one after another.
+    BeginOneByOne,
     /// Switch the device's power off.
     SwitchOff,
     /// Check the cable and the power of the device.
@@ -247,6 +249,7 @@ impl Remedy {
         Self::LeaveSmoothOut,
         Self::FlowByNode,
         Self::LeaveRampsOut,
+        Self::BeginOneByOne,
         Self::SwitchOff,
         Self::CheckCable,
         Self::NamePort,

@@ -10,6 +10,7 @@ mod meeting;
 mod onlooker;
 mod rig;
 mod sessions;
+mod several;
 mod sharing;
 mod streaming;
 mod together;

@@ -144,16 +144,16 @@ pub(crate) struct World {
     pub(crate) events: VecDeque<(u64, Event)>,
     /// Bytes that something else than a node says to each frame.
     pub(crate) foreign: Option<Vec<u8>>,
-    asker: Asker,
+    /// Threads that ask for leave, each with its number.
+    askers: Vec<(u64, Asker)>,
+    next_asker: u64,
     /// Segments on their way to the board, as an onlooker reads them off the line.
     pub(crate) onlooker: Onlooker,
 }
 
-/// Thread that asks for leave while another one has the wire. Only one of them goes on at a time.
+/// Thread that asks for leave while another one streams. The board goes on only while all of them wait.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Asker {
-    /// There is none, or the other thread has ended.
-    Gone,
     /// It goes on, and time stands.
     Awake,
     /// It waits until this time, us.
@@ -187,7 +187,8 @@ impl World {
             random: 1,
             events: VecDeque::new(),
             foreign: None,
-            asker: Asker::Gone,
+            askers: Vec::new(),
+            next_asker: 0,
             onlooker: Onlooker::default(),
         }
     }
@@ -324,36 +325,44 @@ impl SharedWorld {
 }
 
 impl SharedWorld {
-    /// Returns the world once the thread that asks for leave waits.
+    /// Returns the world once the threads that ask for leave wait.
     fn alone(&self) -> MutexGuard<'_, World> {
         let world = self.0.lock().unwrap();
-        self.1.wait_while(world, |world| world.asker == Asker::Awake).unwrap()
+        let works = |world: &mut World| world.askers.iter().any(|(_, asker)| *asker == Asker::Awake);
+        self.1.wait_while(world, works).unwrap()
     }
 
-    /// Has the thread that asks for leave wait. Returns false if the other thread has ended.
-    pub(crate) fn hold_up(&self, time: Duration) -> bool {
+    /// Has a thread that asks for leave wait. Returns false if the other thread has ended.
+    fn wait(&self, number: u64, time: Duration) -> bool {
         let mut world = self.0.lock().unwrap();
-        if world.asker == Asker::Gone {
-            return false;
-        }
-        world.asker = Asker::Waits(world.now_us + time.as_micros() as u64);
+        let at = world.now_us + time.as_micros() as u64;
+        let Some((_, asker)) = world.askers.iter_mut().find(|(n, _)| *n == number) else { return false };
+        *asker = Asker::Waits(at);
         self.1.notify_all();
-        let world = self.1.wait_while(world, |world| matches!(world.asker, Asker::Waits(_))).unwrap();
-        world.asker == Asker::Awake
+        let waits =
+            |world: &mut World| world.askers.iter().any(|(n, asker)| *n == number && *asker != Asker::Awake);
+        let world = self.1.wait_while(world, waits).unwrap();
+        world.askers.iter().any(|(n, _)| *n == number)
+    }
+
+    /// Has the only thread that asks for leave wait. Returns false if the other thread has ended.
+    pub(crate) fn hold_up(&self, time: Duration) -> bool {
+        let first = self.0.lock().unwrap().askers.first().map(|(number, _)| *number);
+        first.is_some_and(|number| self.wait(number, time))
     }
 }
 
-/// Clock of the thread that asks for leave.
+/// Clock of a thread that asks for leave.
 #[derive(Debug)]
-struct VirtualClock(SharedWorld);
+struct VirtualClock(SharedWorld, u64);
 
 impl AskClock for VirtualClock {
     fn wait(&self, time: Duration) -> bool {
-        self.0.hold_up(time)
+        self.0.wait(self.1, time)
     }
 
     fn end(&self) {
-        self.0.0.lock().unwrap().asker = Asker::Gone;
+        self.0.0.lock().unwrap().askers.retain(|(number, _)| *number != self.1);
         self.0.1.notify_all();
     }
 }
@@ -364,13 +373,15 @@ impl Wire for SharedWorld {
         // A look at the line takes time, too.
         let until = world.now_us + (wait.as_micros() as u64).max(1);
         loop {
-            if let Asker::Waits(at) = world.asker
-                && at <= world.now_us
-            {
-                world.asker = Asker::Awake;
+            let now = world.now_us;
+            let due = |asker: &Asker| matches!(asker, Asker::Waits(at) if *at <= now);
+            // One at a time, so that a test is the same in every run.
+            if let Some((_, asker)) = world.askers.iter_mut().find(|(_, asker)| due(asker)) {
+                *asker = Asker::Awake;
                 self.1.notify_all();
                 drop(world);
                 world = self.alone();
+                continue;
             }
             let now = world.now_us;
             let here = world.to_host.iter().take(buffer.len()).take_while(|(at, _)| *at <= now).count();
@@ -382,7 +393,11 @@ impl Wire for SharedWorld {
                 return Ok(0);
             }
             let arrives = world.to_host.front().map_or(until, |(at, _)| *at);
-            let asks = if let Asker::Waits(at) = world.asker { at } else { until };
+            let asks = world.askers.iter().map(|(_, asker)| match asker {
+                Asker::Waits(at) => *at,
+                Asker::Awake => now,
+            });
+            let asks = asks.min().unwrap_or(until);
             world.go_on(until.min(arrives).min(asks));
         }
     }
@@ -401,7 +416,14 @@ impl Wire for SharedWorld {
     }
 
     fn ask_clock(&mut self) -> Box<dyn AskClock> {
-        self.0.lock().unwrap().asker = Asker::Awake;
-        Box::new(VirtualClock(self.clone()))
+        let mut world = self.0.lock().unwrap();
+        world.next_asker += 1;
+        let number = world.next_asker;
+        world.askers.push((number, Asker::Awake));
+        Box::new(VirtualClock(self.clone(), number))
+    }
+
+    fn stands_while_hosts_work(&self) -> bool {
+        true
     }
 }

@@ -11,8 +11,10 @@ mod scope;
 
 use std::error::Error;
 use std::path::Path;
+use std::thread;
+use std::time::Duration;
 
-use pump_bench::drives::{Drive, Leave, Node, Opening};
+use pump_bench::drives::{CommonBegin, Drive, Leave, Node, NodeBoard, Opening};
 use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 use pump_bench::{PumpFile, built_in};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
@@ -47,6 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         dose(firmware, Axis::X, volume_ml, ml_s, smooth)?;
     }
     dose(firmware, Axis::A, 1.0, 4.0, true)?;
+    axes(firmware)?;
     stop(firmware)?;
     reset(firmware)
 }
@@ -106,6 +109,53 @@ fn dose(firmware: &Path, axis: Axis, volume_ml: f64, ml_s: f64, smooth: bool) ->
     check(forward == Some(volume_ml > 0.0), "the direction")?;
     let others = edges.iter().any(|edge| ![step_pin(axis), direction].contains(&edge.pin));
     check(!others, "that no other pin changes")
+}
+
+/// Makes doses with two axes that begin at one tick, each by a drive in a thread of its own.
+fn axes(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    let file = built_in("three-roller").ok_or("no such pump")?;
+    let (pump, qemu) = (file.model()?, Qemu::new(firmware)?);
+    let board = NodeBoard::over(Box::new(qemu.clone()));
+    let doser = Doser::new(&pump, file.limits())?;
+    let mut drives = Vec::new();
+    for (axis, volume_ml) in [(Axis::X, 0.5), (Axis::Z, -0.4)] {
+        let table = DriveTable::of(DriverName::Node).with_axis(axis);
+        let request = Request::new(volume_ml, Cruise::Flow { ml_s: 2.0 }).with_smooth(true);
+        let plan = doser.plan(Phase::known(0.3), &request)?;
+        drives.push((axis, board.axis(&table, &file.motor, &Opening::default())?, plan));
+    }
+    qemu.take_edges();
+    let mut places = CommonBegin::places(drives.len(), Duration::from_secs(600));
+    let made: Vec<Option<u64>> = thread::scope(|scope| {
+        let threads: Vec<_> = drives
+            .iter_mut()
+            .map(|(_, node, plan)| {
+                let place = places.pop();
+                scope.spawn(move || {
+                    place.map(|place| node.begin_with(place));
+                    node.run(plan, &mut |_, _| Leave::Go).ok()
+                })
+            })
+            .collect();
+        threads.into_iter().map(|thread| thread.join().ok().flatten()).collect()
+    });
+    let edges = qemu.take_edges();
+    let mut off_us = Vec::new();
+    for ((axis, _, plan), made) in drives.iter().zip(made) {
+        let rises = rises(&edges, *axis);
+        check(
+            made == Some(plan.steps().unsigned_abs()) && made == Some(rises.len() as u64),
+            "the number of steps",
+        )?;
+        off_us.extend(plan.each_step().zip(&rises).map(|(step, at_ns)| 1e-3 * at_ns - 1e6 * step.time_s));
+    }
+    let (least, most) = off_us.iter().fold((f64::MAX, f64::MIN), |(a, b), off| (a.min(*off), b.max(*off)));
+    let half_us = 0.5 * (most - least);
+    println!(
+        "two axes in threads of their own, begun at one tick: all rises within {half_us:.3} us of the plans"
+    );
+    // Two axes that are due together have 2 us each.
+    check(half_us <= 2.0 * MOST_OFF_US, "the times of the steps of two axes")
 }
 
 /// Stops a dose on its way.

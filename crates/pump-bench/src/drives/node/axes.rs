@@ -2,12 +2,12 @@
 
 use pump_ctl::plan::Plan;
 
-use super::error::{NodeError, NodeOpening};
-use super::link::Link;
-use super::motion::{self, Fault, SentLead};
+use super::error::NodeError;
+use super::motion::{self, Fault, SentLead, Task};
 use super::node::Node;
+use super::node_board::NodeBoard;
 use crate::drives::stepped::Lead;
-use crate::drives::wire::{BoardPort, Wire};
+use crate::drives::wire::Wire;
 use crate::drives::{DriveError, DriveFault, Gate, Opening};
 use crate::pump_file::{DriveTable, MotorTable};
 
@@ -76,21 +76,19 @@ impl NodeAxes {
     pub fn open(axes: &[NodeAxis<'_>]) -> Result<Self, DriveError> {
         check(axes)?;
         let first = axes.first().map(|axis| axis.table);
-        let port = BoardPort::open(
-            first.and_then(|table| table.port.as_deref()),
-            first.map_or(0, DriveTable::rate_baud),
-        );
-        Self::over(Box::new(port.map_err(|error| NodeOpening::from(error).0)?), axes)
+        let rate_baud = first.map_or(0, DriveTable::rate_baud);
+        Self::of(&NodeBoard::open(first.and_then(|table| table.port.as_deref()), rate_baud)?, axes)
     }
 
     /// Opens axes of the board at the other end of `wire`, as [`Self::open`] does.
     #[doc(hidden)]
     pub fn over(wire: Box<dyn Wire>, axes: &[NodeAxis<'_>]) -> Result<Self, DriveError> {
         check(axes)?;
-        let stop = axes.first().map(|axis| axis.opening.stop.clone()).unwrap_or_default();
-        let links = Link::several(wire, &stop, axes.len());
-        let nodes = links.into_iter().zip(axes);
-        let nodes = nodes.map(|(link, axis)| Node::linked(link, axis.table, axis.motor, axis.opening));
+        Self::of(&NodeBoard::over(wire), axes)
+    }
+
+    fn of(board: &NodeBoard, axes: &[NodeAxis<'_>]) -> Result<Self, DriveError> {
+        let nodes = axes.iter().map(|axis| board.axis(axis.table, axis.motor, axis.opening));
         Ok(Self { nodes: nodes.collect::<Result<_, _>>()? })
     }
 
@@ -108,14 +106,11 @@ impl NodeAxes {
     /// [`DriveError`] if a plan cannot be made, the axes together need more steps or bytes a second than board and
     /// link make, or a place is not there or named twice. Nothing has moved.
     pub fn run(&mut self, runs: &mut [AxisRun<'_, '_>]) -> Result<Vec<Result<u64, DriveFault>>, DriveError> {
-        let mut tasks = Vec::new();
-        let sharers = runs.len() as u32;
-        for (n, run) in runs.iter().enumerate() {
-            let is_free = runs.iter().take(n).all(|other| other.place != run.place);
-            let missing = NodeError::Place { place: run.place, axes: self.nodes.len() };
-            let node = self.nodes.get_mut(run.place).filter(|_| is_free).ok_or(missing)?;
-            tasks.push(node.task(run.plan.into(), sharers)?);
+        let tasks = self.tasks(runs);
+        if tasks.is_err() {
+            self.nodes.iter_mut().for_each(Node::needs_nothing);
         }
+        let tasks = tasks?;
         let leads: Vec<SentLead<'_>> = runs
             .iter()
             .zip(&tasks)
@@ -132,7 +127,7 @@ impl NodeAxes {
             }
         }
         let mut gates: Vec<&mut Gate<'_>> = runs.iter_mut().map(|run| &mut *run.gate).collect();
-        let outcomes = motion::run(motions, &leads, &mut gates);
+        let outcomes = motion::run(motions, &leads, &mut gates, None);
         let mut outcomes = outcomes.into_iter();
         let made = runs.iter().map(|run| {
             let outcome = outcomes.next().unwrap_or(Err(Fault::at_rest(NodeError::Reset)));
@@ -142,6 +137,20 @@ impl NodeAxes {
             }
         });
         Ok(made.collect())
+    }
+}
+
+impl NodeAxes {
+    /// Returns the tasks of plans that share the line.
+    fn tasks(&mut self, runs: &[AxisRun<'_, '_>]) -> Result<Vec<Task>, NodeError> {
+        let mut tasks = Vec::new();
+        for (n, run) in runs.iter().enumerate() {
+            let is_free = runs.iter().take(n).all(|other| other.place != run.place);
+            let missing = NodeError::Place { place: run.place, axes: self.nodes.len() };
+            let node = self.nodes.get_mut(run.place).filter(|_| is_free).ok_or(missing)?;
+            tasks.push(node.task(run.plan.into(), true)?);
+        }
+        Ok(tasks)
     }
 }
 

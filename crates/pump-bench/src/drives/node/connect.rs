@@ -1,6 +1,7 @@
 //! Meeting a board: who it is, which session it holds, and how its axis is configured.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use pump_ctl::step::{Brake, TickRate};
@@ -119,7 +120,9 @@ pub(super) fn meet(
             }
         };
     }
-    let (identity, held) = given!(identify(&mut link, &terms.port, terms.baud, ANSWER_LIMIT));
+    let shared = Arc::clone(link.shared());
+    let _meeting = given!(link.meeting(&shared));
+    let (identity, held) = given!(who(&mut link, terms));
     let axis = terms.axis as u8;
     if axis >= identity.axes {
         let (axis, axes) = (format!("{:?}", terms.axis).chars().next().unwrap_or('?'), identity.axes);
@@ -130,16 +133,46 @@ pub(super) fn meet(
     let replaced = given!(recognise(&identity, terms));
     let found = session(&mut link.line(), &identity, held, terms);
     let (session, holds) = given!(found);
-    link.begin(session);
-    let (baud, dead_man_ms) = (terms.baud, terms.dead_man_ms);
+    if session != link.session() {
+        link.begin(session);
+    }
+    let mut line = link.line();
+    if let Some(lane) = line.lane(axis) {
+        lane.dead_man_ms = Some(terms.dead_man_ms);
+    }
+    let dead_man_ms = line.dead_man_ms().unwrap_or(terms.dead_man_ms);
+    drop(line);
+    let baud = terms.baud;
     let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
             let (position, unread) = (status.position, status.unread);
+            if let Some(lane) = board.link.line().lane(axis) {
+                lane.is_met = true;
+            }
             Ok(Met { board, brake, position, disturbed, unread, replaced })
         }
         Err(error) => Err((Box::new(board.link), error)),
     }
+}
+
+/// Returns the board and the session that it holds. A board that other axes of the line have met, and that was not reset
+/// since, is not disturbed.
+fn who(link: &mut Link, terms: &Terms) -> Result<(Identity, u64), NodeError> {
+    let lane = link.lane();
+    let line = link.line();
+    let known = line.identity.filter(|_| line.others(lane).any(|other| other.is_met));
+    drop(line);
+    if let Some(identity) = known {
+        link.join();
+        let held = link.ask(&Request::Status { axis: lane })?.session;
+        if held == link.session() {
+            return Ok((identity, held));
+        }
+    }
+    let (identity, held) = identify(link, &terms.port, terms.baud, ANSWER_LIMIT)?;
+    link.line().identity = Some(identity);
+    Ok((identity, held))
 }
 
 /// Waits for as long as `limit` until a board says who it is. Returns that, and the session that it holds.

@@ -9,9 +9,9 @@ use pump_link::message::Refusal;
 use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
-use crate::drives::DriveError;
 use crate::drives::known_board::BoardError;
 use crate::drives::wire::PortError;
+use crate::drives::{CommonBeginError, DriveError};
 use crate::pump_file::Axis;
 
 /// Error of a node: a board that makes each step at the plan's time.
@@ -128,6 +128,35 @@ pub enum NodeError {
         axis: Axis,
         /// Path of the port.
         port: PathBuf,
+    },
+    /// Drives of this process use the port at another rate.
+    #[error(
+        "{} is open at {open_baud} baud for another pump, and this one names {baud}; give the pumps of a board the \
+         same [drive] baud", .port.display()
+    )]
+    Rate {
+        /// Path of the port.
+        port: PathBuf,
+        /// Rate that this pump names, in bits per second.
+        baud: u32,
+        /// Rate of the port, in bits per second.
+        open_baud: u32,
+    },
+    /// Axes that are to begin together do not begin.
+    #[error(transparent)]
+    Common(#[from] CommonBeginError),
+    /// The axes together need more than the line carries.
+    #[error(
+        "the plan needs {needed_bytes_s} bytes a second of the line to the board, and the other axes leave \
+         {free_bytes_s} of {all_bytes_s}; dose more slowly, or one after another"
+    )]
+    LineFull {
+        /// Rate that the plan needs where it needs most, bytes a second.
+        needed_bytes_s: u32,
+        /// Rate that the other axes leave, bytes a second.
+        free_bytes_s: u32,
+        /// Rate that the line carries for all axes, bytes a second.
+        all_bytes_s: u32,
     },
     /// The board says that its timer stands.
     #[error("the board says that its timer has 0 ticks a second; load its firmware anew")]

@@ -1,9 +1,10 @@
 //! The line to a board: frames on a wire, requests under way, and the answers to them.
 
+use std::io;
 use std::time::Duration;
 
 use pump_link::frame::{AnswerHeader, Deframer, FrameError, body};
-use pump_link::message::{AXES, Answer, Refusal, Request};
+use pump_link::message::{AXES, Answer, Identity, Refusal, Request};
 use pump_link::sender::Window;
 
 use super::board_record::BoardHold;
@@ -47,10 +48,28 @@ struct Asked {
     subject: Subject,
 }
 
+/// Axis of a line's board, while a link has it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Lane {
+    /// True while a link has the axis.
+    pub(super) is_taken: bool,
+    /// True once the board has the configuration of the axis.
+    pub(super) is_met: bool,
+    /// Dead-man time that the pump of the axis asks for, ms.
+    pub(super) dead_man_ms: Option<u16>,
+    /// Bytes a second that the motion of the axis needs at most.
+    pub(super) needs_bytes_s: u32,
+}
+
 /// Line to a board, which the links of its axes share.
 #[derive(Debug)]
 pub(super) struct Line {
-    pub(super) wire: Box<dyn Wire>,
+    /// Wire, unless a link waits at it or it broke.
+    wire: Option<Box<dyn Wire>>,
+    /// Time of the wire, as it was read last.
+    now: Duration,
+    /// Cause for which nothing more is heard, once there is one.
+    broken: Option<(io::ErrorKind, String)>,
     window: Window<WINDOW>,
     deframer: Deframer,
     asked: Vec<Asked>,
@@ -62,8 +81,19 @@ pub(super) struct Line {
     pub(super) other_version: Option<u8>,
     /// Time of the last answer.
     heard_at: Duration,
+    /// Number of times that the link was lost.
+    pub(super) losses: u32,
     /// Session that a link of this line gave the board last. It is 0 before the first.
     pub(super) given: u64,
+    /// Board at the other end, once it was met.
+    pub(super) identity: Option<Identity>,
+    /// Axes of the board.
+    pub(super) lanes: [Lane; AXES],
+    /// Number of threads that stream, and of those of them that wait for the board.
+    pub(super) streaming: usize,
+    pub(super) waiting: usize,
+    /// True while one link waits at the wire for all.
+    pub(super) is_led: bool,
     /// Board's record, which no other process writes while the line lives.
     pub(super) hold: Option<BoardHold>,
 }
@@ -72,7 +102,9 @@ impl Line {
     /// Makes the line over `wire`, without a session.
     pub(super) fn new(wire: Box<dyn Wire>) -> Self {
         Self {
-            wire,
+            wire: Some(wire),
+            now: Duration::ZERO,
+            broken: None,
             window: Window::new(0),
             deframer: Deframer::new(),
             asked: Vec::new(),
@@ -80,18 +112,85 @@ impl Line {
             bytes: 0,
             other_version: None,
             heard_at: Duration::ZERO,
+            losses: 0,
             given: 0,
+            identity: None,
+            lanes: [Lane::default(); AXES],
+            streaming: 0,
+            waiting: 0,
+            is_led: false,
             hold: None,
         }
     }
 
-    /// Begins with no request under way, in this session.
+    /// Begins with no request under way, in this session. Every link has to meet the board anew.
     pub(super) fn begin(&mut self, session: u64) {
         self.window = Window::new(session);
         self.asked.clear();
         self.inbox.clear();
         (self.bytes, self.other_version) = (0, None);
-        self.heard_at = self.wire.now();
+        self.heard_at = self.now();
+        self.lanes.iter_mut().for_each(|lane| lane.is_met = false);
+    }
+
+    /// Returns the time of the wire. While a link waits at the wire, it is the time at which that link began to wait.
+    pub(super) fn now(&mut self) -> Duration {
+        if let Some(wire) = &mut self.wire {
+            self.now = self.now.max(wire.now());
+        }
+        self.now
+    }
+
+    /// Takes the wire away, to wait at it.
+    pub(super) fn take_wire(&mut self) -> Option<Box<dyn Wire>> {
+        self.wire.take()
+    }
+
+    /// Puts the wire back, unless it broke meanwhile.
+    pub(super) fn put_wire(&mut self, wire: Box<dyn Wire>) {
+        if self.broken.is_none() {
+            self.wire = Some(wire);
+        }
+    }
+
+    /// Returns the wire if no link waits at it.
+    pub(super) fn wire(&mut self) -> Option<&mut Box<dyn Wire>> {
+        self.wire.as_mut()
+    }
+
+    /// Notes that nothing more is heard, and closes the wire.
+    pub(super) fn breaks(&mut self, error: &io::Error) {
+        self.broken.get_or_insert((error.kind(), error.to_string()));
+        self.wire = None;
+    }
+
+    /// Returns true once nothing more is heard.
+    pub(super) fn is_broken(&self) -> bool {
+        self.broken.is_some()
+    }
+
+    /// Refuses to go on over a line that broke.
+    pub(super) fn check(&self) -> Result<(), NodeError> {
+        match &self.broken {
+            Some((kind, text)) => Err(NodeError::Gone(io::Error::new(*kind, text.clone()))),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the axis of a lane.
+    pub(super) fn lane(&mut self, lane: u8) -> Option<&mut Lane> {
+        self.lanes.get_mut(usize::from(lane))
+    }
+
+    /// Returns the other axes that links have.
+    pub(super) fn others(&self, lane: u8) -> impl Iterator<Item = &Lane> {
+        let others = self.lanes.iter().enumerate().filter(move |(n, _)| *n != usize::from(lane));
+        others.map(|(_, other)| other).filter(|other| other.is_taken)
+    }
+
+    /// Returns the shortest dead-man time that the pumps of the board ask for.
+    pub(super) fn dead_man_ms(&self) -> Option<u16> {
+        self.lanes.iter().filter(|lane| lane.is_taken).filter_map(|lane| lane.dead_man_ms).min()
     }
 
     /// Returns the session of this side.
@@ -101,7 +200,7 @@ impl Line {
 
     /// Returns the error of a board that was last heard some time ago.
     pub(super) fn quiet(&mut self) -> NodeError {
-        let waited_s = self.wire.now().saturating_sub(self.heard_at).as_secs_f64();
+        let waited_s = self.now().saturating_sub(self.heard_at).as_secs_f64();
         NodeError::Quiet { waited_s }
     }
 
@@ -155,19 +254,28 @@ impl Line {
         });
     }
 
-    /// Sends what is due.
-    pub(super) fn send(&mut self) -> Result<(), NodeError> {
-        loop {
-            let now = nanos(self.wire.now());
-            let Some(frame) = self.window.next_to_send(now) else { return Ok(()) };
-            self.wire.write(frame.bytes()).map_err(NodeError::Gone)?;
+    /// Returns true if a request of a lane is under way.
+    pub(super) fn has_asked(&self, lane: u8) -> bool {
+        self.asked.iter().any(|asked| asked.lane == lane)
+    }
+
+    /// Sends what is due, unless a link waits at the wire: that one does it.
+    pub(super) fn send(&mut self) {
+        let now = nanos(self.now());
+        while let Some(wire) = &mut self.wire {
+            let Some(frame) = self.window.next_to_send(now) else { return };
+            if let Err(error) = wire.write(frame.bytes()) {
+                self.breaks(&error);
+            }
         }
     }
 
-    /// Has overdue requests sent again, or finds the link lost. Call it after all input was read.
-    pub(super) fn expire(&mut self) -> Result<(), NodeError> {
-        let now = self.wire.now();
-        if self.window.expire(nanos(now)).is_err() { Err(self.quiet()) } else { Ok(()) }
+    /// Has overdue requests sent again, or notes that the link is lost. Call it after all input was read.
+    pub(super) fn expire(&mut self) {
+        let now = nanos(self.now());
+        if self.window.expire(now).is_err() {
+            self.losses = self.losses.wrapping_add(1);
+        }
     }
 
     /// Has the requests under way sent again after a lost link.
@@ -175,12 +283,22 @@ impl Line {
         self.window.renew();
     }
 
-    /// Reads bytes that come within `wait`. Returns true if there were any.
-    pub(super) fn take(&mut self, wait: Duration) -> Result<bool, NodeError> {
+    /// Takes in all bytes that have come.
+    pub(super) fn drain(&mut self) {
         let mut buffer = [0; 512];
-        let count = self.wire.read(&mut buffer, wait).map_err(NodeError::Gone)?;
-        self.bytes = self.bytes.saturating_add(count);
-        for byte in buffer.iter().take(count) {
+        while let Some(wire) = &mut self.wire {
+            match wire.read(&mut buffer, Duration::ZERO) {
+                Ok(0) => return,
+                Ok(count) => self.take(buffer.get(..count).unwrap_or_default()),
+                Err(error) => self.breaks(&error),
+            }
+        }
+    }
+
+    /// Takes in bytes of the board.
+    pub(super) fn take(&mut self, bytes: &[u8]) {
+        self.bytes = self.bytes.saturating_add(bytes.len());
+        for byte in bytes {
             let read = match self.deframer.push(*byte) {
                 Some(Ok(payload)) => AnswerHeader::split(payload)
                     .and_then(|(header, rest)| body::<Answer>(rest).map(|answer| (header, answer))),
@@ -192,11 +310,10 @@ impl Line {
                 Err(_) => {}
             }
         }
-        Ok(count > 0)
     }
 
     fn on_answer(&mut self, header: AnswerHeader, answer: Answer) {
-        self.heard_at = self.wire.now();
+        self.heard_at = self.now();
         if let Answer::Refused(Refusal::Gap { .. }) = answer {
             self.window.gap(header.number);
             return;

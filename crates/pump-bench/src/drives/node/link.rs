@@ -1,17 +1,16 @@
-//! The link to a board: requests out, answers in. The axes of one board share its line.
+//! The link of an axis to its board: requests out, answers in. The axes of one board share its line.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
-use pump_link::message::{AXES, Request};
+use pump_link::message::Request;
 
 use super::error::NodeError;
 use super::line::{Line, Reply, Subject};
+use super::shared_line::SharedLine;
 use crate::drives::StopRequest;
-use crate::drives::wire::{AskClock, Wire};
-
-/// Longest wait for an answer that is not there yet, before the link looks at its times.
-const LOOK: Duration = Duration::from_millis(5);
+use crate::drives::wire::{AskClock, SystemAskClock};
+use crate::pump_file::Axis;
 
 /// Longest time for which a silent board is asked again. A board that still runs needs milliseconds, and a computer
 /// under load may hold its answers back for much longer.
@@ -20,50 +19,90 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(3);
 /// Link of one axis to its board.
 #[derive(Debug)]
 pub(super) struct Link {
-    line: Arc<Mutex<Line>>,
-    /// Number of the link among those of the line, by which its answers are told from others'.
+    line: Arc<SharedLine>,
+    /// Number of the axis, by which its answers are told from others'.
     lane: u8,
+    /// Session in which the board was met. It is 0 before.
+    session: u64,
+    /// Number of losses of the line that this link has heard of.
+    losses: u32,
     stop: StopRequest,
     /// True while a gate hears the user in place of the link.
     pub(super) is_deaf: bool,
+    /// True while the thread of the link streams.
+    streams: bool,
+    /// True if one thread gives this link and others their turns.
+    takes_turns: bool,
 }
 
 impl Link {
-    /// Makes the link over `wire`, without a session.
-    pub(super) fn new(wire: Box<dyn Wire>, stop: StopRequest) -> Self {
-        Self { line: Arc::new(Mutex::new(Line::new(wire))), lane: 0, stop, is_deaf: false }
+    /// Makes the link of `axis` over a line, without a session. No other link may have the axis.
+    pub(super) fn new(line: Arc<SharedLine>, axis: Axis, stop: StopRequest) -> Result<Self, NodeError> {
+        let lane = axis as u8;
+        let taken = line.lock().lane(lane).is_some_and(|lane| std::mem::replace(&mut lane.is_taken, true));
+        if taken {
+            return Err(NodeError::Twice { axis });
+        }
+        let (session, losses, is_deaf, streams, takes_turns) = (0, 0, false, false, false);
+        Ok(Self { line, lane, session, losses, stop, is_deaf, streams, takes_turns })
     }
 
-    /// Makes a link for each of so many axes over `wire`, one line for all.
-    pub(super) fn several(wire: Box<dyn Wire>, stop: &StopRequest, axes: usize) -> Vec<Self> {
-        let line = Arc::new(Mutex::new(Line::new(wire)));
-        let axes = axes.min(AXES) as u8;
-        let link = |lane| Self { line: Arc::clone(&line), lane, stop: stop.clone(), is_deaf: false };
-        (0..axes).map(link).collect()
+    /// Returns the number of the axis.
+    pub(super) fn lane(&self) -> u8 {
+        self.lane
     }
 
     pub(super) fn line(&self) -> MutexGuard<'_, Line> {
-        self.line.lock().unwrap_or_else(PoisonError::into_inner)
+        self.line.lock()
+    }
+
+    /// Returns the line, which links of other axes share.
+    pub(super) fn shared(&self) -> &Arc<SharedLine> {
+        &self.line
     }
 
     /// Begins with no request under way, in this session.
     pub(super) fn begin(&mut self, session: u64) {
         self.line().begin(session);
+        self.session = session;
+    }
+
+    /// Joins the session of the line, which other axes have.
+    pub(super) fn join(&mut self) {
+        let session = self.line().session();
+        self.session = session;
     }
 
     /// Returns the session of this side.
     pub(super) fn session(&self) -> u64 {
-        self.line().session()
+        self.session
     }
 
     /// Returns the time of the wire.
     pub(super) fn now(&mut self) -> Duration {
-        self.line().wire.now()
+        self.line().now()
     }
 
-    /// Returns the clock of a thread that asks for leave while another one has the wire.
+    /// Returns the clock of the thread that asks for leave meanwhile.
     pub(super) fn ask_clock(&mut self) -> Box<dyn AskClock> {
-        self.line().wire.ask_clock()
+        let clock = self.line.with_wire(|wire| wire.ask_clock());
+        clock.unwrap_or_else(|| Box::new(SystemAskClock::default()))
+    }
+
+    /// Waits until no other axis meets the board, and hears the user meanwhile.
+    pub(super) fn meeting<'l>(&self, line: &'l SharedLine) -> Result<MutexGuard<'l, ()>, NodeError> {
+        loop {
+            self.heed()?;
+            match line.try_meeting() {
+                Some(meeting) => return Ok(meeting),
+                None => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+    }
+
+    /// Notes that a thread streams over this link, which takes turns with others if they have the same thread.
+    pub(super) fn be_streaming(&mut self, streams: bool, takes_turns: bool) {
+        (self.streams, self.takes_turns) = (streams, takes_turns);
     }
 
     /// Returns the error of a board that was last heard some time ago.
@@ -73,7 +112,9 @@ impl Link {
 
     /// Lets `time` pass.
     pub(super) fn sleep(&mut self, time: Duration) {
-        self.line().wire.sleep(time);
+        if self.line.with_wire(|wire| wire.sleep(time)).is_none() {
+            std::thread::sleep(time);
+        }
     }
 
     /// Refuses to go on if the user asked to stop.
@@ -86,9 +127,16 @@ impl Link {
         self.line().under_way(self.lane, subject)
     }
 
-    /// Takes a request, which is sent by the next turn.
+    /// Takes a request, which is sent by the next turn. A link whose board was met anew since has no session.
     pub(super) fn request(&mut self, request: &Request<'_>, subject: Subject) -> Result<(), NodeError> {
-        self.line().request(self.lane, request, subject)
+        let mut line = self.line.lock();
+        if line.session() != self.session {
+            return Err(NodeError::Reset);
+        }
+        if !line.has_asked(self.lane) {
+            self.losses = line.losses;
+        }
+        line.request(self.lane, request, subject)
     }
 
     /// Forgets this link's requests under way.
@@ -96,27 +144,28 @@ impl Link {
         self.line().forget(self.lane);
     }
 
-    /// Sends what is due, and takes in answers for as long as `wait` at most. Returns at the first answers, those of
-    /// other axes included.
+    /// Sends what is due, and takes in answers for as long as `wait` at most. Returns at the first answers. A link that
+    /// takes turns returns at those of others, too.
     ///
     /// The link is lost only after all input was read.
     pub(super) fn turn(&mut self, wait: Duration, replies: &mut Vec<Reply>) -> Result<(), NodeError> {
-        let lane = self.lane;
-        let mut line = self.line();
-        let until = line.wire.now() + wait;
+        let shared = Arc::clone(&self.line);
+        let mut line = shared.lock();
+        let until = line.now() + wait;
         loop {
-            line.send()?;
-            if line.inbox_is_empty() {
-                let left = until.saturating_sub(line.wire.now());
-                line.take(left.min(LOOK))?;
+            line.send();
+            line.collect(self.lane, replies);
+            let is_lost = line.losses != self.losses && line.has_asked(self.lane);
+            if is_lost {
+                self.losses = line.losses;
+                return Err(line.quiet());
             }
-            while line.take(Duration::ZERO)? {}
-            line.collect(lane, replies);
-            line.expire()?;
-            let now = line.wire.now();
-            if !replies.is_empty() || !line.inbox_is_empty() || now >= until {
-                return line.send();
+            line.check()?;
+            let others = self.takes_turns && !line.inbox_is_empty();
+            if !replies.is_empty() || others || line.now() >= until {
+                return Ok(());
             }
+            line = shared.wait(line, until, self.streams);
         }
     }
 
@@ -157,16 +206,28 @@ impl Link {
         }
     }
 
-    /// Lets time pass, and drops late answers. Returns early where another axis has answers.
+    /// Lets time pass, and drops late answers. A link that takes turns returns early where another has answers.
     pub(super) fn pass(&mut self, time: Duration) -> Result<(), NodeError> {
-        let lane = self.lane;
-        let mut line = self.line();
-        let until = line.wire.now() + time;
-        while line.wire.now() < until && line.inbox_is_empty() {
-            let left = until.saturating_sub(line.wire.now());
-            line.take(left.min(LOOK))?;
-            line.drop_answers(lane);
+        let shared = Arc::clone(&self.line);
+        let mut line = shared.lock();
+        let until = line.now() + time;
+        loop {
+            line.drop_answers(self.lane);
+            line.check()?;
+            if line.now() >= until || self.takes_turns && !line.inbox_is_empty() {
+                return Ok(());
+            }
+            line = shared.wait(line, until, self.streams);
         }
-        Ok(())
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        let mut line = self.line.lock();
+        line.forget(self.lane);
+        if let Some(lane) = line.lane(self.lane) {
+            *lane = Default::default();
+        }
     }
 }

@@ -18,7 +18,9 @@ mod line;
 mod link;
 mod motion;
 mod node;
+mod node_board;
 mod session_record;
+mod shared_line;
 
 #[cfg(feature = "grbl")]
 pub(super) use ask::ask;
@@ -26,3 +28,4 @@ pub use axes::{AxisRun, NodeAxes, NodeAxis};
 pub use error::NodeError;
 pub use node::Node;
 pub(super) use node::open;
+pub use node_board::NodeBoard;

@@ -1,5 +1,6 @@
 //! One axis of a node, as the drive of a pump.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use pump_ctl::plan::{FlowMotion, Motor, Plan, PlannedMotion};
@@ -8,14 +9,15 @@ use pump_link::message::FaultCounts;
 
 use super::board::Board;
 use super::connect::{self, Met, Terms};
-use super::error::{NodeError, NodeOpening};
+use super::error::NodeError;
 use super::link::Link;
-use super::motion::{self, Fault, Made, Motion, SentLead, Task};
+use super::motion::{self, Fault, LineRoom, Made, Motion, SentLead, Task};
+use super::node_board::NodeBoard;
 use crate::drives::drive::wait_of;
 use crate::drives::stepped::Lead;
-use crate::drives::wire::{BoardPort, Wire};
+use crate::drives::wire::Wire;
 use crate::drives::{
-    Abilities, Disturbance, Drive, DriveError, DriveFault, Gate, IndexSearch, Opening, Watch,
+    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, Gate, IndexSearch, Opening, Watch,
 };
 use crate::notice::Notice;
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -43,6 +45,8 @@ pub struct Node {
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
     notes: Vec<Notice>,
+    /// Place of the next motion among those that begin together.
+    place: Option<BeginPlace>,
 }
 
 /// Place of the link to the board.
@@ -57,16 +61,15 @@ enum At {
 }
 
 impl Node {
-    /// Opens the port that `table` names, meets the board, and configures its axis. Moves nothing.
+    /// Opens the port that `table` names, meets the board, and configures its axis. Moves nothing. Drives of one process
+    /// share the port, so several threads may each drive an axis of one board.
     ///
     /// # Errors
     ///
     /// [`DriveError`] if the port is missing or in use, no node answers, it is another board than the one on record,
     /// or it lacks the axis.
     pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
-        let port = BoardPort::open(table.port.as_deref(), table.rate_baud());
-        let port = port.map_err(|error| NodeOpening::from(error).0)?;
-        Self::over(Box::new(port), table, motor, opening)
+        NodeBoard::open(table.port.as_deref(), table.rate_baud())?.axis(table, motor, opening)
     }
 
     /// Opens the board at the other end of `wire`, as [`Self::open`] does.
@@ -77,7 +80,7 @@ impl Node {
         motor: &MotorTable,
         opening: &Opening,
     ) -> Result<Self, DriveError> {
-        Self::linked(Link::new(wire, opening.stop.clone()), table, motor, opening)
+        NodeBoard::over(wire).axis(table, motor, opening)
     }
 
     /// Meets the board at the other end of `link`, and configures the axis.
@@ -94,6 +97,7 @@ impl Node {
             stands: None,
             disturbed: None,
             notes: Vec::new(),
+            place: None,
         };
         node.meet()?;
         Ok(node)
@@ -135,8 +139,9 @@ impl Node {
         };
     }
 
-    /// Returns the task of `plan` for a board whose line so many axes share, or refuses it before anything moves.
-    pub(super) fn task(&mut self, plan: PlannedMotion<'_>, sharers: u32) -> Result<Task, NodeError> {
+    /// Returns the task of `plan`, or refuses it before anything moves. A task that is reserved has its part of the line
+    /// from now on.
+    pub(super) fn task(&mut self, plan: PlannedMotion<'_>, reserves: bool) -> Result<Task, NodeError> {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
         if status.angle_lost || !status.energised {
@@ -146,7 +151,25 @@ impl Node {
         if let Some(expected) = expected.filter(|expected| *expected != status.position) {
             return Err(NodeError::Count { counted: status.position, expected });
         }
-        Task::new(plan, brake, &board.identity, (self.terms.baud, sharers))
+        // Two plans never take the same part of the line, and the motions of other axes go on meanwhile.
+        let shared = Arc::clone(board.link.shared());
+        let _meeting = board.link.meeting(&shared)?;
+        let lane = board.link.lane();
+        let room = LineRoom::new(self.terms.baud, shared.lock().others(lane));
+        let task = Task::new(plan, brake, &board.identity, room)?;
+        if let Some(lane) = shared.lock().lane(lane).filter(|_| reserves) {
+            lane.needs_bytes_s = task.needs_bytes_s;
+        }
+        Ok(task)
+    }
+
+    /// Gives up the part of the line that a task has reserved.
+    pub(super) fn needs_nothing(&mut self) {
+        if let At::Met { board, .. } = &mut self.at
+            && let Some(lane) = board.link.line().lane(board.link.lane())
+        {
+            lane.needs_bytes_s = 0;
+        }
     }
 
     /// Returns the motion that makes the steps of `plan`, for a board that was met.
@@ -171,19 +194,22 @@ impl Node {
     ) -> Result<Made, DriveFault> {
         // From here on the gate hears the user.
         self.be_deaf(true);
-        let made = self.task(plan, 1).map_err(Fault::at_rest).and_then(|task| {
+        let place = self.place.take();
+        let made = self.task(plan, true).map_err(Fault::at_rest).and_then(|task| {
             let (leads, free) = ([SentLead::new(plan, task.brake_steps)], Lead::free());
             let [lead] = &leads;
             let motion = self.motion(plan, task, (lead, &free), seeks);
             let motions = motion.into_iter().collect();
-            motion::run(motions, &leads, &mut [gate]).pop().unwrap_or(Err(Fault::at_rest(NodeError::Reset)))
+            motion::run(motions, &leads, &mut [gate], place)
+                .pop()
+                .unwrap_or(Err(Fault::at_rest(NodeError::Reset)))
         });
         self.after(plan, made)
     }
 
     /// Checks that the board can make a motion, and that it is where it was left.
     fn check_motion(&mut self, motion: PlannedMotion<'_>) -> Result<(), DriveError> {
-        let checked = self.task(motion, 1);
+        let checked = self.task(motion, false);
         if checked.is_err() {
             self.part();
         }
@@ -197,6 +223,7 @@ impl Node {
         made: Result<Made, Fault>,
     ) -> Result<Made, DriveFault> {
         self.be_deaf(false);
+        self.needs_nothing();
         let known = match &made {
             Ok(made) => Some(made.steps as i64),
             Err(fault) => fault.known(),
@@ -250,6 +277,11 @@ impl Drive for Node {
 
     fn run_flow(&mut self, flow: &FlowMotion<'_>, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         self.travel(flow.into(), gate, false).map(|made| made.steps)
+    }
+
+    fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {
+        self.place = Some(place);
+        Ok(())
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {

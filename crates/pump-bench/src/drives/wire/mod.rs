@@ -11,7 +11,7 @@ use std::io;
 use std::time::Duration;
 
 pub use ask_clock::AskClock;
-use ask_clock::SystemAskClock;
+pub(super) use ask_clock::SystemAskClock;
 pub(super) use error::PortError;
 pub(super) use port::BoardPort;
 pub(super) use port_name::port_name;
@@ -41,6 +41,11 @@ pub trait Wire: Debug + Send {
 
     /// Lets `time` pass.
     fn sleep(&mut self, time: Duration);
+
+    /// Returns true for a board in virtual time that must stand while any thread that streams to it works.
+    fn stands_while_hosts_work(&self) -> bool {
+        false
+    }
 
     /// Returns the clock of a thread that asks for leave while another one has the wire.
     fn ask_clock(&mut self) -> Box<dyn AskClock> {

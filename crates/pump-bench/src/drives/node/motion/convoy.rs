@@ -1,18 +1,21 @@
 //! Motions of one board in one thread, while another thread asks their gates.
 
 use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use pump_link::message::{AXES, Request};
+use pump_link::message::{AXES, AxisState, Request};
 
 use super::lead::{Ends, SentLead};
 use super::motion::Motion;
 use super::outcome::{Fault, Made};
-use crate::drives::Gate;
+use crate::drives::common_begin::{Next, Ready, Standing};
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::Subject;
+use crate::drives::node::shared_line::SharedLine;
 use crate::drives::wire::AskClock;
+use crate::drives::{BeginPlace, Gate};
 
 /// Longest time between two questions to the gates, and longest wait for an answer.
 const LOOK: Duration = Duration::from_millis(5);
@@ -21,14 +24,20 @@ const LOOK: Duration = Duration::from_millis(5);
 type Outcomes = Vec<Result<Made, Fault>>;
 
 /// Makes the motions of one board, each with its lead and its gate, in a thread of its own. This thread asks the gates
-/// for leave meanwhile, and may be held up. Two motions or more begin at one tick, or none of them begins.
+/// for leave meanwhile, and may be held up. Two motions or more begin at one tick, or none of them begins. One motion
+/// with a place begins with those of other threads.
 pub(in crate::drives::node) fn run(
     motions: Vec<Motion<'_>>,
     leads: &[SentLead<'_>],
     gates: &mut [&mut Gate<'_>],
+    place: Option<BeginPlace>,
 ) -> Outcomes {
     let mut motions = motions;
+    let takes_turns = motions.len() > 1;
+    motions.iter_mut().for_each(|motion| motion.board.link.be_streaming(true, takes_turns));
     let Some(first) = motions.first_mut() else { return Vec::new() };
+    let line = Arc::clone(first.board.link.shared());
+    line.streams(true);
     let clock = first.board.link.ask_clock();
     let clock = clock.as_ref();
     thread::scope(|scope| {
@@ -37,8 +46,8 @@ pub(in crate::drives::node) fn run(
         // The thread begins with the leave that there is.
         ask();
         let streams = scope.spawn(move || {
-            let _told = Told(clock);
-            stream(motions)
+            let _told = Told(clock, &line);
+            stream(motions, place)
         });
         while clock.wait(LOOK) {
             ask();
@@ -48,22 +57,29 @@ pub(in crate::drives::node) fn run(
 }
 
 /// Guard of the thread that streams: however it ends, the other thread hears of it.
-struct Told<'a>(&'a dyn AskClock);
+struct Told<'a>(&'a dyn AskClock, &'a SharedLine);
 
 impl Drop for Told<'_> {
     fn drop(&mut self) {
         self.0.end();
+        self.1.streams(false);
     }
 }
 
 /// Gives the motions their turns until all have ended.
-fn stream(mut motions: Vec<Motion<'_>>) -> Outcomes {
+fn stream(mut motions: Vec<Motion<'_>>, mut place: Option<BeginPlace>) -> Outcomes {
     let mut outcomes: Vec<Option<Result<Made, Fault>>> = motions.iter().map(|_| None).collect();
     let mut is_together = motions.len() > 1;
-    motions.iter_mut().for_each(|motion| motion.waits_for_others = is_together);
+    let waits = is_together || place.is_some();
+    motions.iter_mut().for_each(|motion| motion.waits_for_others = waits);
     while outcomes.iter().any(Option::is_none) {
         if is_together {
             is_together = !begin(&mut motions, outcomes.iter().any(Option::is_some));
+        }
+        if let (Some(at), Some(motion)) = (&mut place, motions.first_mut())
+            && !begin_with(motion, at)
+        {
+            place = None;
         }
         let going = outcomes.iter().filter(|outcome| outcome.is_none()).count().max(1) as u32;
         for (motion, outcome) in motions.iter_mut().zip(&mut outcomes) {
@@ -75,7 +91,51 @@ fn stream(mut motions: Vec<Motion<'_>>) -> Outcomes {
             }
         }
     }
+    motions.iter_mut().for_each(|motion| motion.board.link.be_streaming(false, false));
     outcomes.into_iter().flatten().collect()
+}
+
+/// Begins a motion with those of other threads. Returns false once there is nothing more to be done.
+fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
+    let link = &motion.board.link;
+    let (line, axis) = (Arc::as_ptr(link.shared()) as usize, link.lane());
+    let feed = motion.feed.as_ref();
+    let has_begun = feed.is_some_and(|feed| feed.is_begun || feed.state == Some(AxisState::Moving));
+    let ready = motion.ready_at().zip(feed);
+    let standing = Standing {
+        ready: ready.map(|(at, feed)| Ready { line, axis, move_number: feed.number, at }),
+        has_begun,
+        is_refused: feed.is_some_and(|feed| feed.is_closed),
+        stops: motion.lead.stops(),
+    };
+    match place.look(standing) {
+        Next::Wait => true,
+        Next::Send(all) => {
+            if motion.board.link.under_way(Subject::Begin) == 0 {
+                let mut moves = [0; AXES];
+                for ready in &all {
+                    if let Some(number) = moves.get_mut(usize::from(ready.axis)) {
+                        *number = ready.move_number;
+                    }
+                }
+                let at = all.iter().map(|ready| ready.at).max().unwrap_or(0);
+                // A full window has room in the next turn.
+                drop(motion.board.link.request(&Request::Begin { at, moves }, Subject::Begin));
+            }
+            true
+        }
+        Next::Begun => {
+            motion.waits_for_others = false;
+            if let Some(feed) = &mut motion.feed {
+                feed.is_begun = true;
+            }
+            false
+        }
+        Next::Fail(error) => {
+            motion.refuse(error.into());
+            false
+        }
+    }
 }
 
 /// Begins the first moves of all motions at one tick, once the board holds enough of each. If one motion ends before,

@@ -97,6 +97,9 @@ impl<'a> Motion<'a> {
     /// Goes on for as long as `wait` at most. Returns the steps made once the motion has ended.
     pub(in crate::drives::node) fn turn(&mut self, wait: Duration) -> Option<Result<Made, Fault>> {
         let Some(mut feed) = self.feed.take().or_else(|| self.next_move()) else {
+            if let Some(error) = self.failed.take() {
+                return Some(Err(self.exactly(error)));
+            }
             if self.made >= self.plan.steps().unsigned_abs() || self.lead.stops() {
                 return Some(Ok(Made { steps: self.made, index_at: self.index_at }));
             }
@@ -121,7 +124,7 @@ impl<'a> Motion<'a> {
     /// Prepares the next move from rest, if there is leave for one.
     fn next_move(&mut self) -> Option<MoveFeed<'a>> {
         let all = self.plan.steps().unsigned_abs();
-        if self.made >= all || self.lead.stops() || self.is_too_late() {
+        if self.made >= all || self.lead.stops() || self.failed.is_some() || self.is_too_late() {
             return None;
         }
         self.limit = self.lead.sendable(self.limit.max(self.made));
@@ -217,6 +220,11 @@ impl<'a> Motion<'a> {
     pub(in crate::drives::node) fn ready_at(&self) -> Option<u64> {
         let feed = self.feed.as_ref().filter(|feed| self.search.is_none() && self.is_loaded(feed))?;
         Some(feed.begin_at(self.heard_at))
+    }
+
+    /// Has the motion end with this error.
+    pub(super) fn refuse(&mut self, error: NodeError) {
+        self.failed.get_or_insert(error);
     }
 
     /// Tells the board to stop, once.

@@ -7,6 +7,7 @@ use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
 use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
 
 use crate::drives::node::error::NodeError;
+use crate::drives::node::line::Lane;
 
 /// Part of the line's rate that segments may take. The rest is for the state of the axis, which is asked for every
 /// 20 ms (some 2 kB/s), and for frames that are sent again.
@@ -19,6 +20,33 @@ const BITS: u32 = 10;
 /// segments, are no faster than the plan by more than the rest.
 const INTERVAL_SHARE: f64 = 0.98;
 
+/// Number of halvings by which the rate is found that a plan needs.
+const HALVINGS: u32 = 6;
+
+/// Part of the line that a plan may have.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::drives::node) struct LineRoom {
+    /// Bytes a second that the segments of all axes may take.
+    all_bytes_s: u32,
+    /// Bytes a second that the other axes leave.
+    free_bytes_s: u32,
+    /// Number of axes that share the line.
+    sharers: u32,
+}
+
+impl LineRoom {
+    /// Returns the part of a line of `baud` that the other axes leave.
+    pub(in crate::drives::node) fn new<'a>(baud: u32, others: impl Iterator<Item = &'a Lane>) -> Self {
+        let all_bytes_s = (f64::from(baud / BITS) * SHARE) as u32;
+        let mut room = Self { all_bytes_s, free_bytes_s: all_bytes_s, sharers: 1 };
+        for other in others {
+            room.free_bytes_s = room.free_bytes_s.saturating_sub(other.needs_bytes_s);
+            room.sharers += 1;
+        }
+        room
+    }
+}
+
 /// Task of a plan for the board.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::drives::node) struct Task {
@@ -28,27 +56,48 @@ pub(in crate::drives::node) struct Task {
     pub(in crate::drives::node) sharers: u32,
     /// Most steps in which the motor stops by its brake.
     pub(in crate::drives::node) brake_steps: u64,
+    /// Bytes a second that the plan needs where it needs most.
+    pub(in crate::drives::node) needs_bytes_s: u32,
 }
 
 impl Task {
-    /// Returns the task of `plan` on a line of `baud` that so many axes share, or refuses it before anything moves.
+    /// Returns the task of `plan` on its part of the line, or refuses it before anything moves.
     pub(in crate::drives::node) fn new(
         plan: PlannedMotion<'_>,
         brake: &Brake,
         board: &Identity,
-        (baud, sharers): (u32, u32),
+        room: LineRoom,
     ) -> Result<Self, NodeError> {
-        let (tick_rate, baud) = (brake.tick_rate(), baud / sharers.max(1));
+        let tick_rate = brake.tick_rate();
         let steps_s = plan.peak_rad_s() / plan.step_rad();
         if steps_s > f64::from(board.max_step_hz) {
             return Err(NodeError::Fast { steps_s, most_s: board.max_step_hz });
         }
-        match board.queue {
-            256.. => demand::<256>(plan, tick_rate, baud)?,
-            128.. => demand::<128>(plan, tick_rate, baud)?,
-            64.. => demand::<64>(plan, tick_rate, baud)?,
-            _ => demand::<16>(plan, tick_rate, baud)?,
+        let demanded = |bytes_s: u32| match board.queue {
+            256.. => demand::<256>(plan, tick_rate, bytes_s),
+            128.. => demand::<128>(plan, tick_rate, bytes_s),
+            64.. => demand::<64>(plan, tick_rate, bytes_s),
+            _ => demand::<16>(plan, tick_rate, bytes_s),
+        };
+        // The least rate that is enough lies between these two.
+        let least = |too_few: u32, enough: u32| {
+            let (mut too_few, mut enough) = (too_few, enough);
+            for _ in 0..HALVINGS {
+                let middle = too_few + (enough - too_few) / 2;
+                let bound = if demanded(middle).is_ok() { &mut enough } else { &mut too_few };
+                *bound = middle;
+            }
+            enough
+        };
+        let LineRoom { all_bytes_s, free_bytes_s, .. } = room;
+        if let Err(error) = demanded(free_bytes_s) {
+            if free_bytes_s == all_bytes_s || demanded(all_bytes_s).is_err() {
+                return Err(error);
+            }
+            let needed_bytes_s = least(free_bytes_s, all_bytes_s);
+            return Err(NodeError::LineFull { needed_bytes_s, free_bytes_s, all_bytes_s });
         }
+        let needs_bytes_s = least(0, free_bytes_s);
         let ends = |segment: Segment| {
             segment.interval_before(1).whole.min(segment.interval_before(segment.steps()).whole)
         };
@@ -56,14 +105,17 @@ impl Task {
         let shortest_interval = (shortest as u32).max(1);
         let fastest = Ticks { whole: shortest_interval.into(), frac: 0 };
         let way = brake.descent(fastest, plan.direction()).map(|segment| u64::from(segment.steps()));
-        Ok(Self { shortest_interval, sharers, brake_steps: way.sum() })
+        Ok(Self { shortest_interval, sharers: room.sharers, brake_steps: way.sum(), needs_bytes_s })
     }
 }
 
-/// Checks that the segments of `plan` reach a queue of `Q` segments in time.
-fn demand<const Q: usize>(plan: PlannedMotion<'_>, tick_rate: TickRate, baud: u32) -> Result<(), NodeError> {
-    let allowed = (f64::from(baud / BITS) * SHARE) as u32;
-    let mut demand = Demand::<Q>::new(tick_rate.hz(), allowed);
+/// Checks that the segments of `plan` reach a queue of `Q` segments in time over so many bytes a second.
+fn demand<const Q: usize>(
+    plan: PlannedMotion<'_>,
+    tick_rate: TickRate,
+    bytes_s: u32,
+) -> Result<(), NodeError> {
+    let mut demand = Demand::<Q>::new(tick_rate.hz(), bytes_s);
     let (mut rounder, mut codec) = (Rounder::default(), Codec::new(Grain::Fine));
     for segment in plan.segments(tick_rate) {
         let segment = rounder.round(segment).map_err(StreamError::Pack)?;
