@@ -29,8 +29,8 @@ pub enum CommonBeginError {
 /// Begin that several axes of one board have in common.
 ///
 /// [`Self::places`] makes a place for each. A thread gives its place to its session by
-/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. All motions begin at one tick of the board. If
-/// one fails or is stopped before, none begins.
+/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. All motions begin at one tick of the board.
+/// If one fails or is stopped before, none begins.
 ///
 /// ```
 /// use std::time::Duration;

@@ -156,8 +156,8 @@ pub(super) fn meet(
     }
 }
 
-/// Returns the board and the session that it holds. A board that other axes of the line have met, and that was not reset
-/// since, is not disturbed.
+/// Returns the board and the session that it holds. A board that other axes of the line have met, and that was not
+/// reset since, is not disturbed.
 fn who(link: &mut Link, terms: &Terms) -> Result<(Identity, u64), NodeError> {
     let lane = link.lane();
     let line = link.line();

@@ -61,8 +61,8 @@ enum At {
 }
 
 impl Node {
-    /// Opens the port that `table` names, meets the board, and configures its axis. Moves nothing. Drives of one process
-    /// share the port, so several threads may each drive an axis of one board.
+    /// Opens the port that `table` names, meets the board, and configures its axis. Moves nothing. Drives of one
+    /// process share the port, so several threads may each drive an axis of one board.
     ///
     /// # Errors
     ///
@@ -139,8 +139,8 @@ impl Node {
         };
     }
 
-    /// Returns the task of `plan`, or refuses it before anything moves. A task that is reserved has its part of the line
-    /// from now on.
+    /// Returns the task of `plan`, or refuses it before anything moves. A task that is reserved has its part of the
+    /// line from now on.
     pub(super) fn task(&mut self, plan: PlannedMotion<'_>, reserves: bool) -> Result<Task, NodeError> {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
