@@ -34,11 +34,13 @@ class BenchRuns(BenchRepeats):
         dry_run: bool = False,
         progress: Progress | None = None,
     ) -> Dose:
-        """Pump at a rate for a time, for a volume, or until `stop`, or follow a flow over time. The carry between
-        doses stays as it is.
+        """Pump at a rate for a time, for a volume, or until `stop`, or follow a flow over time.
 
-        Without `duration`, `volume` and `profile` the run goes on until `stop` is called in another thread, which
-        completes it. It keeps real time on a simulated motor too. Any other simulated run takes no time.
+        The carry between doses stays as it is.
+
+        Without `duration`, `volume` and `profile` the run goes on until `stop` is called in another thread,
+        which completes it. It keeps real time on a simulated motor too. Any other simulated run takes no
+        time.
 
         Parameters
         ----------
@@ -52,9 +54,9 @@ class BenchRuns(BenchRepeats):
         volume : str, optional
             Volume after which the run ends, as "1L". Give at most one of `duration` and `volume`.
         profile : path or array_like, optional
-            Flow over time at the rollers: a CSV file with the columns time_s and flow_ml_s, or an array of rows
-            of time (s) and flow (mL/s). It is linear between rows, and two rows of one time are a step. The
-            steps keep within a motor step of it. Give no rate, speed or end beside it.
+            Flow over time at the rollers: a CSV file with the columns time_s and flow_ml_s, or an array of
+            rows of time (s) and flow (mL/s). It is linear between rows, and two rows of one time are a step.
+            The steps keep within a motor step of it. Give no rate, speed or end beside it.
         reverse : bool
             Run in reverse.
         smooth : bool
@@ -88,7 +90,8 @@ class BenchRuns(BenchRepeats):
             If a text is not the expected quantity, if more than one of `duration`, `volume` and `profile` is
             given, or if the profile is no table of times and flows.
         PlanError
-            If the pump cannot make the run. The message names the first instant of a profile that it cannot meet.
+            If the pump cannot make the run. The message names the first instant of a profile that it cannot
+            meet.
         UnfinishedError
             If an earlier dose or run is unfinished.
         DriveError
