@@ -11,6 +11,7 @@ use pump_bench::{DoseError, Session};
 
 use crate::advice;
 use crate::interrupt::{self, Unwatched};
+use crate::terminal::json_shown;
 
 /// The reason why a command did not do what was asked: words for people, facts for programs.
 #[derive(Debug)]
@@ -197,7 +198,7 @@ impl Failure {
             How::Stopped { moved, .. } | How::Stands { moved } => moved,
         };
         let message = self.message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
-        ErrorReport::new(self.exit_code(), &self.facts, &message, moved).json()
+        json_shown(&ErrorReport::new(self.exit_code(), &self.facts, &message, moved).json()).into_owned()
     }
 
     /// The exit code of the command.

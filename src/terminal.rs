@@ -16,8 +16,10 @@ use crate::failure::Failure;
 /// True once nobody reads standard output any more.
 static READER_GONE: AtomicBool = AtomicBool::new(false);
 
-/// Prints to standard output as it is. A reader that went away is no failure of the dose.
+/// Prints to standard output, to a file or a program as it is. A terminal is shown control characters. A reader that
+/// went away is no failure of the dose.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let text = if io::stdout().is_terminal() { shown(text) } else { Cow::Borrowed(text) };
     match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => {
@@ -39,10 +41,6 @@ pub(crate) fn is_reader_gone() -> bool {
 /// Shows the control characters of a text instead of obeying them: names come from files and boards. The marks that
 /// turn the direction of writing are shown too, as they hide what a name is.
 pub(crate) fn shown(text: &str) -> Cow<'_, str> {
-    let steers = |c: char| {
-        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        turns || c.is_control() && c != '\n'
-    };
     if !text.contains(steers) {
         return Cow::Borrowed(text);
     }
@@ -51,6 +49,30 @@ pub(crate) fn shown(text: &str) -> Cow<'_, str> {
         if steers(c) { out.extend(c.escape_default()) } else { out.push(c) }
     }
     Cow::Owned(out)
+}
+
+/// True for a character that moves a terminal's cursor or turns the direction of writing.
+fn steers(c: char) -> bool {
+    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || c.is_control() && c != '\n'
+}
+
+/// Writes the characters of JSON that steer a terminal as JSON's own escapes. A program reads them as they were.
+pub(crate) fn json_shown(json: &str) -> Cow<'_, str> {
+    if !json.contains(steers) {
+        return Cow::Borrowed(json);
+    }
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        // All of these characters lie in the basic plane: four digits name them.
+        if steers(c) { out.push_str(&format!("\\u{:04x}", u32::from(c))) } else { out.push(c) }
+    }
+    Cow::Owned(out)
+}
+
+/// Prints a report for programs to standard output.
+pub(crate) fn print_json(json: &str) -> Result<(), Failure> {
+    print(&json_shown(json))
 }
 
 /// Prints words for people to standard output. On a terminal, and where COLUMNS gives a width, lines end at words.
@@ -194,6 +216,14 @@ mod tests {
     #[test]
     fn control_characters_are_shown() {
         assert_eq!(shown("a\u{1b}[2J\r\u{9b}\u{202e}\nb°"), "a\\u{1b}[2J\\r\\u{9b}\\u{202e}\nb°");
+    }
+
+    #[test]
+    fn control_characters_of_json_are_escaped_as_json_does() {
+        let json = serde_json::json!({ "name": "a\u{1b}[2J\u{9b}\u{7f}\u{202e}b°" });
+        let shown = json_shown(&format!("{json}\n")).into_owned();
+        assert_eq!(shown, "{\"name\":\"a\\u001b[2J\\u009b\\u007f\\u202eb°\"}\n");
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&shown).unwrap(), json);
     }
 
     #[test]

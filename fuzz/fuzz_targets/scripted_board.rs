@@ -22,6 +22,9 @@ const STEPS_PER_UNIT: f64 = 250.0;
 /// reset, and the waits for an answer.
 const LONGEST_S: f64 = 240.0;
 
+/// Time between two lines of a board that says one thing for ever.
+const LAST_WORDS_EVERY: Duration = Duration::from_millis(300);
+
 /// Settings that suit the built-in pump.
 const SETTINGS: [&str; 7] =
     ["$1=255", "$3=0", "$10=1", "$13=0", "$100=250.000", "$110=6000.000", "$120=400.000"];
@@ -50,6 +53,8 @@ const LINES: [&str; 16] = [
 #[derive(Debug)]
 struct ScriptedBoard {
     script: VecDeque<u8>,
+    /// Line that the board says without end once its script is over.
+    last_words: Option<&'static str>,
     /// True once a motion was begun.
     scripted: bool,
     outgoing: VecDeque<u8>,
@@ -77,7 +82,13 @@ impl ScriptedBoard {
 
     /// Does what the next bytes of the script say. Returns false if time passes without a byte.
     fn act(&mut self) -> io::Result<bool> {
-        let Some(action) = self.script.pop_front() else { return Ok(false) };
+        let Some(action) = self.script.pop_front() else {
+            if let Some(line) = self.last_words {
+                self.pass(LAST_WORDS_EVERY);
+                self.say(line);
+            }
+            return Ok(false);
+        };
         match action % 6 {
             0 => {
                 let part = f64::from(self.next()) / 255.0;
@@ -175,6 +186,7 @@ pub(crate) fn run_scripted(script: &[u8]) {
     let time_s = || Duration::from_micros(clock_us.load(Ordering::Relaxed)).as_secs_f64();
     let board = ScriptedBoard {
         script: script.iter().copied().collect(),
+        last_words: (kind & 8 != 0).then(|| LINES[usize::from(kind >> 4)]),
         scripted: false,
         outgoing: VecDeque::new(),
         line: String::new(),

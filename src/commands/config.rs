@@ -6,7 +6,7 @@ use pump_bench::report::ShownConfig;
 use crate::failure::Failure;
 use crate::options::pump::{ConfigOption, RecordOption};
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print, print_json, tell};
 
 #[derive(Debug, Args)]
 pub(crate) struct ConfigArgs {
@@ -57,6 +57,6 @@ impl ShowArgs {
 
     fn show(&self) -> Result<(), Failure> {
         let shown = ShownConfig::of(&self.config.config()?, self.record.named()?.as_deref())?;
-        if self.format.json() { print(&(shown.json() + "\n")) } else { tell(&shown.text()) }
+        if self.format.json() { print_json(&(shown.json() + "\n")) } else { tell(&shown.text()) }
     }
 }

@@ -7,7 +7,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::options::report::FormatOption;
-use crate::terminal::{noted, print, tell, warn};
+use crate::terminal::{noted, print_json, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct DiscardArgs {
@@ -31,7 +31,7 @@ impl DiscardArgs {
         let warnings: Vec<String> = unasked.into_iter().chain(notes).collect();
         warn(&warnings);
         if self.format.json() {
-            return print(&(AcceptedReport::new(&bench, &accepted, warnings).json() + "\n"));
+            return print_json(&(AcceptedReport::new(&bench, &accepted, warnings).json() + "\n"));
         }
         tell(&accepted_text(&bench, &accepted, advice::words))
     }

@@ -18,7 +18,7 @@ use crate::options::pump::{ForeignRecord, PumpOption};
 use crate::options::report::FormatOption;
 use crate::options::speed::{ReverseOption, SpeedOptions};
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
@@ -62,7 +62,13 @@ impl SimulateArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let outputs = [("--trace", self.trace.trace.as_deref()), ("--plot", self.plot.plot.as_deref())];
         let state_dir = self.record.folder(&self.pump.config()?);
-        Files { outputs: &outputs, inputs: &[self.pump.path()?.as_deref()], state_dir }.check()?;
+        Files {
+            outputs: &outputs,
+            inputs: &[self.pump.path()?.as_deref()],
+            config: self.pump.config_path(),
+            state_dir,
+        }
+        .check()?;
         let mut file = self.pump.file()?;
         self.fluid.change(&mut file)?;
         let pump = file.speed_dependent_pump().map_err(Failure::of)?;
@@ -90,7 +96,7 @@ impl SimulateArgs {
         let report = SimulationReport::new(&file, &pump, &run, roller_centric, frictions, &steady);
         let report = limit.map_or(report.clone(), |limit| report.limited_by(limit)).worded(advice::words);
         self.write_outputs(&run, &pump, &report)?;
-        if self.format.json() { print(&(report.json() + "\n")) } else { tell(&report.text()) }
+        if self.format.json() { print_json(&(report.json() + "\n")) } else { tell(&report.text()) }
     }
 
     /// The speed that is asked for, rad/s, negative in reverse, and the limit of the fastest run.

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::options::limits::TubeLimit;
 use crate::options::report::FormatOption;
-use crate::terminal::{noted, print, tell, warn};
+use crate::terminal::{noted, print_json, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct TubeArgs {
@@ -31,7 +31,7 @@ impl TubeArgs {
         let bench = self.bench.bench_of(file)?;
         if !self.new {
             let tube = TubeReport::of(&bench)?;
-            return if self.format.json() { print(&(tube.json() + "\n")) } else { tell(&tube.text()) };
+            return if self.format.json() { print_json(&(tube.json() + "\n")) } else { tell(&tube.text()) };
         }
         let mut session = bench.session()?;
         let replaced = session.new_tube();

@@ -75,7 +75,13 @@ impl DosingOptions {
     pub(crate) fn check_files_beside(&self, read: Option<&Path>) -> Result<(), Failure> {
         let BenchOptions { pump, record, .. } = &self.bench;
         let state_dir = Some(record.folder(&pump.config()?)?);
-        Files { outputs: &self.files(), inputs: &[pump.path()?.as_deref(), read], state_dir }.check()?;
+        Files {
+            outputs: &self.files(),
+            inputs: &[pump.path()?.as_deref(), read],
+            config: pump.config_path(),
+            state_dir,
+        }
+        .check()?;
         if self.trace.dt.is_some() && self.trace.trace.is_none() {
             return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
         }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pump_bench::files::{is_one_file, names_in, place_of};
-use pump_bench::pump_file::DriverName;
+use pump_bench::files::{is_one_file, names_in};
+use pump_bench::record::is_of_record;
 use pump_bench::report::ErrorKind;
 use pump_bench::units;
 
@@ -44,6 +44,8 @@ pub(crate) struct PlotOption {
 pub(crate) struct Files<'a> {
     pub(crate) outputs: &'a [(&'static str, Option<&'a Path>)],
     pub(crate) inputs: &'a [Option<&'a Path>],
+    /// The configuration file, which every command reads.
+    pub(crate) config: Option<PathBuf>,
     pub(crate) state_dir: Option<PathBuf>,
 }
 
@@ -53,6 +55,7 @@ impl Files<'_> {
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let outputs: Vec<_> =
             self.outputs.iter().filter_map(|(option, path)| path.map(|path| (*option, path))).collect();
+        let inputs = self.inputs.iter().copied().flatten().chain(self.config.as_deref());
         for (n, (option, path)) in outputs.iter().enumerate() {
             let refused = |why: String| {
                 let message = format!("{option} {}: {why}", path.display());
@@ -64,7 +67,7 @@ impl Files<'_> {
             if outputs[..n].iter().any(|(_, other)| is_one_file(other, path)) {
                 return refused("it is named for two outputs; give each its own file".to_owned());
             }
-            if let Some(input) = self.inputs.iter().flatten().find(|input| is_one_file(input, path)) {
+            if let Some(input) = inputs.clone().find(|input| is_one_file(input, path)) {
                 let input = input.display();
                 return refused(format!("{input} is read by this command; name another file"));
             }
@@ -81,12 +84,4 @@ impl Files<'_> {
         }
         Ok(())
     }
-}
-
-/// True if a path leads into the folder of a pump's record, `<state dir>/<pump id>/<driver>/`.
-fn is_of_record(state_dir: &Path, path: &Path) -> bool {
-    let (state_dir, path) = (place_of(state_dir), place_of(path));
-    let Ok(inside) = path.strip_prefix(state_dir) else { return false };
-    let driver = inside.components().nth(1).and_then(|driver| driver.as_os_str().to_str());
-    driver.is_some_and(|driver| driver.parse::<DriverName>().is_ok())
 }

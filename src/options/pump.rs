@@ -86,6 +86,11 @@ impl PumpOption {
         self.config.config()
     }
 
+    /// The path of the configuration file, whether it is there or not.
+    pub(crate) fn config_path(&self) -> Option<PathBuf> {
+        self.config.path()
+    }
+
     /// The pump file, if a file is named or configured.
     pub(crate) fn path(&self) -> Result<Option<PathBuf>, Failure> {
         let config = self.config()?;

@@ -12,8 +12,11 @@ const RECORD: &str = "state/three-roller/sim";
 
 #[test]
 fn links_in_the_record_are_refused_by_name_and_a_linked_state_folder_is_used() {
-    for name in ["journal.jsonl", "lock", "calibrations"] {
+    for name in ["journal.jsonl", "lock", "calibrations", "calibrations/1.json", "calibrations/active"] {
         let user = User::new();
+        fs::write(user.path("runs.csv"), "speed_rpm,revolutions,volume_ml\n60,3,64\n60,3,64\n60,3,64\n")
+            .unwrap();
+        assert_eq!(user.types(&["calibrate", "run", "--from", "runs.csv"]).code, 0);
         user.json(&["1mL"]);
         let (path, other) = (user.path(RECORD).join(name), user.path("other"));
         if path.exists() {
@@ -25,6 +28,31 @@ fn links_in_the_record_are_refused_by_name_and_a_linked_state_folder_is_used() {
         let message = user.is_refused(&["1mL"]);
         assert!(message.contains(name) && message.contains("it is a link"), "{message}");
         assert!(!message.contains("make room"), "{message}");
+    }
+    // A log that is no plain file costs no dose: the journal has its entries.
+    let user = User::new();
+    user.json(&["1mL"]);
+    let (log, other) = (user.path(RECORD).join("log.jsonl"), user.path("other"));
+    fs::rename(&log, &other).unwrap();
+    symlink(&other, &log).unwrap();
+    let before = fs::read(&other).unwrap();
+    let dosed = user.types(&["1mL"]);
+    assert!(dosed.code == 0 && dosed.err.contains("it is a link"), "{}", dosed.err);
+    assert_eq!(fs::read(&other).unwrap(), before);
+    // The folders of a pump and of a driver are the record's own.
+    for name in ["three-roller", "three-roller/sim"] {
+        let user = User::new();
+        user.json(&["1mL"]);
+        let (path, other) = (user.path("state").join(name), user.path("other"));
+        fs::rename(&path, &other).unwrap();
+        symlink(&other, &path).unwrap();
+        let before =
+            fs::read(other.join(if name.contains('/') { "journal.jsonl" } else { "sim/journal.jsonl" }));
+        let message = user.is_refused(&["1mL"]);
+        assert!(message.contains(name) && message.contains("it is a link"), "{message}");
+        let after =
+            fs::read(other.join(if name.contains('/') { "journal.jsonl" } else { "sim/journal.jsonl" }));
+        assert_eq!(before.unwrap(), after.unwrap());
     }
     let user = User::new();
     fs::create_dir(user.path("elsewhere")).unwrap();

@@ -10,6 +10,7 @@ use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use pump_bench::built_in;
 use pump_bench::drives::{Drive, Grbl, Leave, Opening};
@@ -87,8 +88,33 @@ fn copy(mut from: impl Read + Send + 'static, mut to: impl Write + Send + 'stati
     });
 }
 
+/// Longest wait for the version of a firmware.
+const VERSION_LIMIT: Duration = Duration::from_secs(5);
+
+/// Asks the firmware at a port for its version, `[VER:1.1h.20190830:]`.
+fn version(port: &Path) -> Option<String> {
+    let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC | OFlags::NONBLOCK;
+    let mut line = File::from(rustix::fs::open(port, flags, Mode::empty()).ok()?);
+    let until = Instant::now() + VERSION_LIMIT;
+    let mut said = String::new();
+    line.write_all(b"\n$I\n").ok()?;
+    while Instant::now() < until {
+        let mut bytes = [0; 256];
+        match line.read(&mut bytes) {
+            Ok(count) if count > 0 => said.push_str(&String::from_utf8_lossy(&bytes[..count])),
+            _ => thread::sleep(Duration::from_millis(10)),
+        }
+        if let Some(found) = said.lines().find(|line| line.starts_with("[VER:") && line.ends_with(']')) {
+            return Some(found.to_owned());
+        }
+    }
+    None
+}
+
 fn doses(program: &Path, runs: u32) {
     let simulator = Simulator::start(program);
+    let firmware = version(&simulator.path).unwrap_or_else(|| "a firmware that tells no version".to_owned());
+    println!("{} is {firmware}", program.display());
     let file = built_in("three-roller").unwrap();
     let table = DriveTable::of(DriverName::Grbl).with_port(&simulator.path);
     let opening = Opening { configure: true, ..Opening::default() };
@@ -113,5 +139,5 @@ fn doses(program: &Path, runs: u32) {
         assert_eq!(grbl.count(), Some(count), "dose {run}");
         assert_eq!(grbl.disturbed(), None, "dose {run}");
     }
-    println!("{runs} doses on {}: every step counted", program.display());
+    println!("{runs} doses on {firmware} ({}): every step counted", program.display());
 }

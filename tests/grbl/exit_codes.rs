@@ -232,3 +232,44 @@ fn a_dose_that_has_given_more_than_was_asked_stands_in_the_way() {
     let beyond = DoseError::BeyondRequest { requested_ml: 1.0, delivered_ml: 1.2 };
     assert_eq!(beyond.ending(), Ending::Unfinished);
 }
+
+#[test]
+fn the_default_speeds_of_a_guided_calibration_keep_to_what_the_board_can_do() {
+    for most_rpm in [30.0, 12.0] {
+        let folder = tempfile::tempdir().unwrap();
+        // A revolution of the pump head is 12,800 steps of 250 a unit.
+        let settings = vec![(110, most_rpm * 12_800.0 / 250.0)];
+        let board = plug(Options { settings, ..Options::default() });
+        let words = ["calibrate", "run", "--dry-run"];
+        let output = command(folder.path(), &board, &words).stdin(Stdio::null()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{most_rpm} r/min: {said}");
+        assert!(said.contains("nothing moves"), "{said}");
+        assert_eq!(board.truth().steps, 0);
+        // A speed beyond the board's limit is refused by name.
+        let fast = ["calibrate", "run", "--dry-run", "--speeds", "40rpm"];
+        let output = command(folder.path(), &board, &fast).stdin(Stdio::null()).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            said.contains("40.000 r/min is above") && said.contains(&format!("{most_rpm:.2} r/min")),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn control_characters_of_a_board_are_shown_and_not_obeyed() {
+    let folder = tempfile::tempdir().unwrap();
+    let evil = "left\u{1b}[2J\u{7f}pump";
+    let dose = |board: &Simulated| {
+        let words = ["0.2mL"];
+        command(folder.path(), board, &words).stdin(Stdio::null()).output().unwrap()
+    };
+    assert_eq!(dose(&plug(Options { text: evil, ..Options::default() })).status.code(), Some(0));
+    let refused = dose(&plug(Options { text: "right pump", ..Options::default() }));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("right pump") && said.contains("[2J"), "{said}");
+    assert!(!said.contains(|c: char| c.is_control() && c != '\n'), "{said:?}");
+}

@@ -13,7 +13,7 @@ use pump_bench::report::{Explain, Remedy};
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::plan::Phase;
 
-use crate::rig::{defective, each, plug, plug_defective, start};
+use crate::rig::{defective, each, plug, plug_defective, port, start};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
 use crate::virtual_time::session::VirtualDrive;
@@ -284,6 +284,37 @@ fn a_release_that_cannot_be_recorded_is_no_release_and_no_disturbance() {
     std::fs::remove_dir(&journal).unwrap();
     std::fs::rename(&aside, &journal).unwrap();
     assert_eq!(session.release().unwrap().disturbances, 1);
+}
+
+#[test]
+fn a_release_that_is_due_and_cannot_be_recorded_is_tried_once_in_each_timeout() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = plug(Options::default());
+    let mut file = built_in("three-roller").unwrap();
+    file.drive = Some(port(&board).with_hold_timeout_s(3.0));
+    file.motor.confirmed = None;
+    let bench = Bench::new(file, None, folder.path()).unwrap();
+    bench.session().unwrap().set_angle(Some(Phase::known(1.0))).unwrap();
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    let (journal, aside) = (bench.folder().path().join("journal.jsonl"), folder.path().join("aside"));
+    std::fs::rename(&journal, &aside).unwrap();
+    std::fs::create_dir(&journal).unwrap();
+    let mut failed = Vec::new();
+    let since = std::time::Instant::now();
+    while failed.len() < 2 {
+        assert!(since.elapsed() < Duration::from_secs(60), "{} releases were tried", failed.len());
+        if session.release_when_due().is_err() {
+            failed.push(since.elapsed());
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(failed[1] - failed[0] >= Duration::from_secs(3), "{failed:?}");
+    let state = session.state().unwrap();
+    assert_eq!((state.disturbances, state.half_width_rad, state.released), (0, 0.0, false));
+    assert!(!board.truth().lines.iter().any(|line| line == "$SLP"));
+    std::fs::remove_dir(&journal).unwrap();
+    std::fs::rename(&aside, &journal).unwrap();
 }
 
 /// Makes a dose, and leaves the record as a kill late in its motion does. Returns the steps of the dose.

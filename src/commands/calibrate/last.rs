@@ -16,7 +16,7 @@ use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::motor::PortOption;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, say, tell};
+use crate::terminal::{print_json, say, tell};
 
 #[derive(Debug, Args)]
 pub(super) struct LastArgs {
@@ -104,7 +104,7 @@ impl LastArgs {
 
     fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
         if self.format.json() {
-            return print(&calibration_json(bench, stored)?);
+            return print_json(&calibration_json(bench, stored)?);
         }
         let text = calibration_text(bench, stored, advice::words)?;
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };

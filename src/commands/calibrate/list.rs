@@ -7,7 +7,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 #[derive(Debug, Args)]
 pub(super) struct ListArgs {
@@ -23,7 +23,7 @@ impl ListArgs {
         let calibrations = bench.calibrations();
         let (all, active) = (calibrations.list()?, calibrations.active_version()?);
         if self.format.json() {
-            print(&calibrations_json(&all, active))
+            print_json(&calibrations_json(&all, active))
         } else {
             tell(&calibrations_text(&bench, &all, active, advice::words))
         }

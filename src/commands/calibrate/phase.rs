@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 #[derive(Debug, Args)]
 pub(super) struct PhaseArgs {
@@ -49,7 +49,7 @@ impl PhaseArgs {
         calibration.note = self.reading.note.clone();
         let version = if self.uses { Some(bench.keep_calibration(calibration)?.version) } else { None };
         if self.format.json() {
-            print(&phase_json(&found, version))
+            print_json(&phase_json(&found, version))
         } else {
             tell(&phase_text(&bench, &found, version, advice::words))
         }

@@ -21,7 +21,7 @@ use crate::options::choice::choice;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::options::unattended::OnFailOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 #[derive(Debug, Args)]
 pub(super) struct RunArgs {
@@ -156,7 +156,7 @@ impl RunArgs {
 
     fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
         if self.format.json() {
-            return print(&calibration_json(bench, stored)?);
+            return print_json(&calibration_json(bench, stored)?);
         }
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
         tell(&format!("{}{kept}", calibration_text(bench, stored, advice::words)?))

@@ -21,7 +21,7 @@ use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::options::speed::CruiseOptions;
 use crate::options::unattended::OnFailOption;
-use crate::terminal::{noted, print, say, tell, warn_of_fluid};
+use crate::terminal::{noted, print_json, say, tell, warn_of_fluid};
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
@@ -95,7 +95,7 @@ impl VerifyArgs {
     /// Reports the errors of the doses. Errors beyond the tolerance are a failure.
     fn judge(&self, found: Verification) -> Result<(), Failure> {
         if self.format.json() {
-            print(&(found.json() + "\n"))?;
+            print_json(&(found.json() + "\n"))?;
         } else {
             tell(&found.text())?;
         }

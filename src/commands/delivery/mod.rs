@@ -16,7 +16,7 @@ use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
-use crate::terminal::{announce, noted, print, tell, warn};
+use crate::terminal::{announce, noted, print_json, tell, warn};
 
 pub(super) use before_dose::{before_dose, find_angle};
 
@@ -138,7 +138,7 @@ pub(super) fn report_once(
             warn(&report.warnings);
         }
         report.warnings.extend(told.into_iter().map(Notice::from));
-        return print(&(report.json() + "\n"));
+        return print_json(&(report.json() + "\n"));
     }
     // The headline was printed before a real motor moved.
     let headline = if was_run && !report.simulated { String::new() } else { report.headline() + "\n" };

@@ -17,7 +17,7 @@ use crate::options::files::{Files, PlotOption};
 use crate::options::pump::{ForeignRecord, PumpOption};
 use crate::options::report::FormatOption;
 use crate::outputs::Outputs;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 /// The data that every identification reads, and what it writes.
 #[derive(Debug, Args)]
@@ -59,7 +59,7 @@ impl DataArgs {
         let pump_path = self.pump.path()?;
         let inputs = [Some(self.data.as_path()), pump_path.as_deref()];
         let state_dir = self.record.folder(&self.pump.config()?);
-        Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
+        Files { outputs: &outputs, inputs: &inputs, config: self.pump.config_path(), state_dir }.check()?;
         let file = self.pump.file()?;
         let pump = file.model().map_err(Failure::of)?;
         Ok((file, pump))
@@ -84,7 +84,7 @@ pub(super) fn report(found: &Identified, axes: Axes, data: &DataArgs) -> Result<
     plot(&mut outputs, data, &found.headline, axes, &found.points)?;
     outputs.put()?;
     let found = found.clone().worded(advice::words);
-    if data.format.json() { print(&found.json()) } else { tell(&found.text()) }
+    if data.format.json() { print_json(&found.json()) } else { tell(&found.text()) }
 }
 
 /// Draws a fit, if a picture is asked for.

@@ -15,7 +15,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::options::speed::{ReverseOption, SpeedOptions, StartAngleOption};
 use crate::outputs::Outputs;
-use crate::terminal::{print, tell, waiting};
+use crate::terminal::{print_json, tell, waiting};
 
 #[derive(Debug, Args)]
 pub(super) struct LineArgs {
@@ -102,7 +102,7 @@ impl LineArgs {
             texts.push(if json { found.json() } else { found.text() });
         }
         outputs.put()?;
-        if json { print(&texts.concat()) } else { tell(&texts.join("\n")) }
+        if json { print_json(&texts.concat()) } else { tell(&texts.join("\n")) }
     }
 
     /// The speed that the rotor had, rad/s, negative in reverse.

@@ -10,7 +10,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::options::pump::ConfigOption;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 #[derive(Debug, Args)]
 pub(crate) struct ListArgs {
@@ -42,7 +42,7 @@ impl ListArgs {
                 let configured = ShownPump::all(&self.config.config()?);
                 let json =
                     serde_json::json!({ "schema": "pump-list/1", "configured": configured, "pumps": pumps });
-                print(&format!("{json}\n"))
+                print_json(&format!("{json}\n"))
             }
             false => list_pumps(&self.config),
         }
@@ -60,7 +60,7 @@ impl ListArgs {
             return Err(refused.kind(ErrorKind::Usage).value(&words).allowed(&nearest));
         }
         if self.format.json() {
-            print(&(heads_json(&heads) + "\n"))
+            print_json(&(heads_json(&heads) + "\n"))
         } else {
             tell(&heads_text(&heads, advice::words))
         }

@@ -113,7 +113,7 @@ impl NewArgs {
         let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
         let state_dir = self.record.folder(&self.config.config()?);
-        Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
+        Files { outputs: &outputs, inputs: &inputs, config: self.config.path(), state_dir }.check()?;
         let Some(geometry) = self.geometry() else { return self.write_bought() };
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {

@@ -42,7 +42,9 @@ impl ShowArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let config = self.config.config()?;
         let outputs = [("--plot", self.plot.as_deref())];
-        Files { outputs: &outputs, inputs: &[], state_dir: self.record.folder(&config) }.check()?;
+        let pump = config.find(&self.name).map_err(Failure::of)?;
+        let state_dir = self.record.folder(&config);
+        Files { outputs: &outputs, inputs: &[pump.file()], config: self.config.path(), state_dir }.check()?;
         let file = config.pump(&self.name).map_err(Failure::of)?;
         if let Some(path) = &self.plot {
             let mut outputs = Outputs::default();

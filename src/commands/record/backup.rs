@@ -38,7 +38,8 @@ impl BackupArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let state_dir = self.record.folder(&self.config.config()?)?;
         let outputs: [(&'static str, Option<&Path>); 1] = [("the backup", Some(&self.file))];
-        Files { outputs: &outputs, inputs: &[], state_dir: Some(state_dir.clone()) }.check()?;
+        let config = self.config.path();
+        Files { outputs: &outputs, inputs: &[], config, state_dir: Some(state_dir.clone()) }.check()?;
         let mut made: Option<Result<BackedUp, BackupError>> = None;
         let mut written = Outputs::default();
         let staged = written.write(&self.file, |to| {

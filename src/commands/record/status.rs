@@ -10,7 +10,7 @@ use crate::options::bench::RecordOptions;
 use crate::options::limits::TubeLimit;
 use crate::options::motor::PortOption;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 #[derive(Debug, Args)]
 pub(crate) struct StatusArgs {
@@ -35,7 +35,11 @@ impl StatusArgs {
         let mut file = self.record.pump.file()?;
         self.tube_limit.change(&mut file);
         let status = Status::of(&self.record.bench_of(file, Some(&self.port))?)?;
-        if self.format.json() { print(&(status.json() + "\n")) } else { tell(&status.text(advice::words)) }
+        if self.format.json() {
+            print_json(&(status.json() + "\n"))
+        } else {
+            tell(&status.text(advice::words))
+        }
     }
 
     /// Tells a row of each pump. A pump that cannot be read has a row too, and hides none of the others.
@@ -55,7 +59,7 @@ impl StatusArgs {
         let rows: Vec<StatusRow> =
             config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect();
         if self.format.json() {
-            return print(&rows.iter().map(|row| row.json() + "\n").collect::<String>());
+            return print_json(&rows.iter().map(|row| row.json() + "\n").collect::<String>());
         }
         let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
         tell(&rows.iter().map(|row| row.text(width) + "\n").collect::<String>())

@@ -11,7 +11,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print_json, tell};
 
 pub(crate) use self::vessel::VesselArgs;
 
@@ -39,7 +39,7 @@ impl SafetyArgs {
         }
         let status = Status::of(&self.record.bench()?)?;
         if self.format.json() {
-            print(&(status.json() + "\n"))
+            print_json(&(status.json() + "\n"))
         } else {
             tell(&status.safety.text(advice::words))
         }

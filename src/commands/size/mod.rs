@@ -1,6 +1,7 @@
 //! `dose size`: a head and its speed for a flow, hoses and lifts.
 
 use clap::Args;
+use pump_bench::config::PumpPlace;
 use pump_bench::heads::{bought_head, nearest_heads};
 use pump_bench::report::{ErrorKind, sizing_json, sizing_text, sizing_title};
 use pump_bench::sizing::{Duty, Sizing, SizingError, curve_svg};
@@ -14,7 +15,7 @@ use crate::options::fluid::FluidOptions;
 use crate::options::pump::{ConfigOption, ForeignRecord};
 use crate::options::report::FormatOption;
 use crate::outputs::Outputs;
-use crate::terminal::{print, tell, warn};
+use crate::terminal::{print_json, tell, warn};
 
 /// The duty, and the pump if it is chosen already.
 #[derive(Debug, Args)]
@@ -58,8 +59,11 @@ impl SizeArgs {
     /// Sizes a pump and reports it.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let outputs = [("--plot", self.plot.plot.as_deref())];
-        let state_dir = self.record.folder(&self.config.config()?);
-        Files { outputs: &outputs, inputs: &[], state_dir }.check()?;
+        let config = self.config.config()?;
+        let state_dir = self.record.folder(&config);
+        let pump = self.pump.as_deref().map(|name| config.find(name)).transpose().map_err(Failure::of)?;
+        let inputs = [pump.as_ref().and_then(PumpPlace::file)];
+        Files { outputs: &outputs, inputs: &inputs, config: self.config.path(), state_dir }.check()?;
         let sizing = self.sized()?;
         if let Some(path) = &self.plot.plot {
             let mut outputs = Outputs::default();
@@ -68,7 +72,7 @@ impl SizeArgs {
         }
         if self.format.json() {
             warn(&sizing.warnings);
-            return print(&(sizing_json(&sizing) + "\n"));
+            return print_json(&(sizing_json(&sizing) + "\n"));
         }
         tell(&sizing_text(&sizing, advice::words))
     }

@@ -139,6 +139,40 @@ fn a_killed_dose_is_known_between_bounds_and_can_be_accepted_as_it_is() {
 }
 
 #[test]
+fn a_smooth_dose_that_was_killed_twice_is_homed_and_resumed_as_typed() {
+    let user = User::new();
+    let mut child = begun_with(&user, &["--smooth"]);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let entries = || fs::read_to_string(user.path(JOURNAL)).unwrap().matches("progress").count();
+    let before = entries();
+    let mut again = user.command(&["resume", "--rate", "5mL/s"]).stdout(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while entries() == before {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    again.kill().unwrap();
+    again.wait().unwrap();
+    let asked = user.json(&["status"])["unfinished"]["requested_ml"].clone();
+    assert_eq!(asked, 3000.0);
+
+    let refused = user.types(&["resume", "--smooth"]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    assert!(refused.err.contains("angle"), "{}", refused.err);
+    let homed = user.types(&["home", "--set", "30deg"]);
+    assert_eq!(homed.code, 4, "{}", homed.err);
+    let homed = user.types(&["home", "--unfinished", "--set", "30deg"]);
+    assert_eq!(homed.code, 0, "{}", homed.err);
+    let status = user.json(&["status"]);
+    assert!((number(&status, "angle_deg") - 30.0).abs() < 1e-9, "{status}");
+    assert_eq!(status["unfinished"]["requested_ml"], asked, "the dose is kept");
+    let resumed = user.json(&["resume", "--rate", "30mL/s"]);
+    assert_eq!(resumed["completed"], true);
+    assert_eq!(user.json(&["status"])["unfinished"], Value::Null);
+}
+
+#[test]
 fn a_torn_last_line_is_what_did_not_happen() {
     let user = User::new();
     user.json(&["5mL"]);

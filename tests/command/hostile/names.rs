@@ -29,3 +29,26 @@ fn control_characters_of_a_pump_file_are_shown_and_not_obeyed() {
         assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
     }
 }
+
+#[test]
+fn json_escapes_what_would_steer_a_terminal_and_keeps_the_name() {
+    let user = User::new();
+    let steers = |text: &str| {
+        text.contains(|c: char| c.is_control() && c != '\n') || text.contains(['\u{202e}', '\u{2066}'])
+    };
+    let name = "bad\u{9b}31m\u{202e}\u{7f}.toml";
+    let refused = user.types(&["1mL", "--pump", name, "--format", "json"]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    assert!(!steers(&refused.err), "{:?}", refused.err);
+    let error: serde_json::Value = serde_json::from_str(refused.err.lines().last().unwrap()).unwrap();
+    assert!(error["message"].as_str().unwrap().contains(name), "{error}");
+
+    let evil = "evil\u{9b}31m\u{202e}\u{7f}.toml";
+    let config = "schema = \"config/1\"\n[pumps]\nmine = \"evil\\u009b31m\\u202e\\u007f.toml\"\n";
+    fs::write(user.path("config.toml"), config).unwrap();
+    let list = user.types(&["pumps", "list", "--config", "config.toml", "--format", "json"]);
+    assert_eq!(list.code, 0, "{}", list.err);
+    assert!(!steers(&list.out) && !steers(&list.err), "{:?}", list.out);
+    let list: serde_json::Value = serde_json::from_str(&list.out).unwrap();
+    assert!(list["configured"][0]["file"].as_str().unwrap().ends_with(evil), "{list}");
+}

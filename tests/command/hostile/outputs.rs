@@ -36,6 +36,13 @@ fn an_output_never_replaces_an_input_however_it_is_spelled() {
     }
     user.is_refused(&["1mL", "--pump", "mine.toml", "--plot", "link.svg"]);
     user.is_refused(&["identify", "resistance", "--data", "flow.csv", "--plot", "flow.csv"]);
+    for output in ["link.svg", "hard.svg"] {
+        let size = ["size", "--flow", "1L/h", "--pump", "mine.toml", "--plot", output];
+        for words in [&["pumps", "show", "mine.toml", "--plot", output][..], &size] {
+            let said = user.is_refused(words);
+            assert!(said.contains(output) && said.contains("is read by this command"), "{said}");
+        }
+    }
     let drawing = crate::pumps::DRAWING;
     user.is_refused(
         &[&drawing[..], &["--roller-volume-points", "points.svg", "--plot", "points.svg"]].concat(),
@@ -46,10 +53,43 @@ fn an_output_never_replaces_an_input_however_it_is_spelled() {
 }
 
 #[test]
+fn an_output_never_replaces_the_configuration() {
+    let user = user();
+    let config = "schema = \"config/1\"\n[pumps]\nmine = \"mine.toml\"\n";
+    fs::write(user.path("config.toml"), config).unwrap();
+    fs::hard_link(user.path("config.toml"), user.path("config.svg")).unwrap();
+    symlink(user.path("config.toml"), user.path("config.csv")).unwrap();
+    let drawing = crate::pumps::DRAWING;
+    let flow = ["--data", "flow.csv", "--plot", "config.svg"];
+    for words in [
+        &["1mL", "--trace", "config.csv"][..],
+        &["1mL", "--steps", "config.toml"],
+        &["simulate", "--speed", "60rpm", "--duration", "1s", "--trace", "config.csv"],
+        &["backup", "config.csv"],
+        &["pumps", "show", "mine", "--plot", "config.svg"],
+        &["size", "--flow", "1L/h", "--pump", "mine", "--plot", "config.svg"],
+        &[&["identify", "resistance"][..], &flow].concat(),
+        &[&drawing[..], &["config.toml"]].concat(),
+    ] {
+        let said = user.is_refused(&[words, &["--config", "config.toml"]].concat());
+        assert!(said.contains("is read by this command"), "{words:?}: {said}");
+    }
+    assert_eq!(fs::read_to_string(user.path("config.toml")).unwrap(), config);
+}
+
+#[test]
 fn an_output_never_replaces_a_file_of_the_record() {
     let user = user();
     fs::create_dir_all(user.path("state/three-roller/sim/calibrations")).unwrap();
+    fs::create_dir_all(user.path("state/node.boards")).unwrap();
+    fs::write(user.path("state/node.boards/e66.json"), "").unwrap();
+    // A program has a drive of its own.
+    fs::create_dir_all(user.path("state/three-roller/ours")).unwrap();
+    fs::write(user.path("state/three-roller/ours/journal.jsonl"), "").unwrap();
     for output in [
+        "state/node.boards/e66.json",
+        "state/node.boards/new.json",
+        "state/three-roller/ours/new.csv",
         "state/three-roller/sim/journal.jsonl",
         "here/state/three-roller/sim/lock",
         "state/three-roller/sim/calibrations/new.csv",
@@ -74,9 +114,13 @@ fn an_output_is_no_other_name_of_a_file_of_the_record() {
     let user = user();
     let runs = ["calibrate", "run", "--from", "runs.csv"];
     assert_eq!(user.types(&runs).code, 0);
-    for (n, of_record) in ["journal.jsonl", "lock", "calibrations/1.json"].into_iter().enumerate() {
+    fs::create_dir_all(user.path("state/node.boards")).unwrap();
+    fs::write(user.path("state/node.boards/e66.json"), "").unwrap();
+    let pumps =
+        ["journal.jsonl", "lock", "calibrations/1.json"].map(|name| format!("three-roller/sim/{name}"));
+    for (n, of_record) in pumps.into_iter().chain(["node.boards/e66.json".to_owned()]).enumerate() {
         let (hard, soft) = (format!("hard{n}.csv"), format!("soft{n}.csv"));
-        let of_record = user.path("state/three-roller/sim").join(of_record);
+        let of_record = user.path("state").join(of_record);
         fs::hard_link(&of_record, user.path(&hard)).unwrap();
         symlink(&of_record, user.path(&soft)).unwrap();
         for output in [hard, soft] {

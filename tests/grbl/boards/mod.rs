@@ -171,3 +171,24 @@ fn a_dose_of_a_bench_is_refused_before_motion_after_a_reboot() {
     assert!(said.contains(LEFT) && said.contains(RIGHT), "{said}");
     assert!(made != 0 && boards[0].rest().steps == made && boards[1].rest().steps == 0);
 }
+
+#[test]
+fn what_is_known_of_a_board_is_never_read_or_written_through_a_link() {
+    for name in ["board.json", "board-settings.json"] {
+        let computer = Computer::new();
+        let board = plug(Options { text: "left pump", ..Options::default() });
+        computer.plug(&board, "ttyUSB0", LEFT);
+        computer.open("ttyUSB0", &computer.opening()).unwrap();
+        let (record, other) = (computer.path(name), computer.path("other"));
+        fs::rename(&record, &other).unwrap();
+        symlink(&other, &record).unwrap();
+        let before = fs::read(&other).unwrap();
+        let said = with_sources(&grbl_error(computer.open("ttyUSB0", &computer.opening()).unwrap_err()));
+        assert!(said.contains(name) && said.contains("it is a link"), "{said}");
+        // A record that is not there yet.
+        fs::remove_file(&other).unwrap();
+        assert!(computer.open("ttyUSB0", &computer.opening()).is_err());
+        assert!(!other.exists() && !before.is_empty());
+        assert_eq!(board.truth().steps, 0);
+    }
+}

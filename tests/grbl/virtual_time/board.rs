@@ -19,6 +19,9 @@ const TICK: Duration = Duration::from_micros(500);
 /// Time for which a motor has stood where it is said to rest.
 const RESTS: Duration = Duration::from_millis(100);
 
+/// Byte that cancels jogs.
+const CANCEL: u8 = 0x85;
+
 /// Longest time for a motor to come to rest.
 const REST_LIMIT: Duration = Duration::from_secs(600);
 
@@ -33,6 +36,8 @@ struct Table {
     truth: Truth,
     now: Duration,
     meddling: Meddling,
+    /// Time of the first jog cancel.
+    cancelled: Option<Duration>,
 }
 
 /// Events that a test brings about.
@@ -48,6 +53,10 @@ pub(crate) struct Meddling {
     pub(crate) never_rests: bool,
     /// Distance by which every report is off from now on, in mm.
     pub(crate) astray_mm: f64,
+    /// Time between two resets of a processor that comes no further than its banner.
+    pub(crate) reboots: Option<Duration>,
+    /// Line that the board neither obeys nor answers from now on.
+    pub(crate) ignored: Option<&'static str>,
 }
 
 impl Table {
@@ -74,7 +83,14 @@ impl Table {
 
     /// Changes what the board has said after its first `said` bytes as the test wants it.
     fn twist(&mut self, said: usize) {
-        let Meddling { never_rests, astray_mm, .. } = self.meddling;
+        let Meddling { never_rests, astray_mm, reboots, .. } = self.meddling;
+        if let Some(every) = reboots {
+            self.line.outgoing.truncate(said);
+            if self.now.as_nanos() % every.as_nanos() < TICK.as_nanos() {
+                self.line.outgoing.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
+            }
+            return;
+        }
         if !(never_rests || astray_mm != 0.0) || self.line.outgoing.len() <= said {
             return;
         }
@@ -105,6 +121,7 @@ impl Board {
             truth: Truth::default(),
             now: Duration::ZERO,
             meddling: Meddling::default(),
+            cancelled: None,
         })))
     }
 
@@ -126,6 +143,11 @@ impl Board {
     /// Returns the time on the board's clock.
     pub(crate) fn now(&self) -> Duration {
         self.table().now
+    }
+
+    /// Returns the time at which the driver first cancelled jogs.
+    pub(crate) fn first_cancel(&self) -> Option<Duration> {
+        self.table().cancelled
     }
 
     /// Brings events about.
@@ -197,6 +219,14 @@ impl Wire for VirtualWire {
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut table = self.0.table();
         Self::is_there(&table)?;
+        let is_ignored = table.meddling.ignored.is_some_and(|line| bytes == format!("{line}\n").as_bytes());
+        if is_ignored {
+            return Ok(());
+        }
+        if bytes.contains(&CANCEL) {
+            let now = table.now;
+            table.cancelled.get_or_insert(now);
+        }
         table.line.receive(bytes);
         if bytes.ends_with(b"\n") {
             let stall = std::mem::take(&mut table.meddling.stalls[1]);

@@ -18,16 +18,13 @@ use crate::dosing::{DoseRequest, Prepared, RunEnd, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
-use crate::record::Folder;
+use crate::record::{BOARDS, Folder};
 use crate::record::{Clock, SystemClock};
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{PumpState, Story};
 
 /// File in the journal's folder that holds the device settings of the last time.
 const SETTINGS_RECORD: &str = "board-settings.json";
-
-/// Folder beside those of the pumps that holds the records of boards which several pumps share. No pump has this name.
-const BOARDS: &str = "node.boards";
 
 /// Bench of one pump: its file, its model, its drive and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]

@@ -15,9 +15,11 @@ const PART: f64 = 0.02;
 /// Time to which a motion is measured, in s. Boards tell their position every 50 ms.
 const RESOLUTION_S: f64 = 0.1;
 
-/// Returns true if a dose must not pause: its time or its flow is asked for.
+/// Returns true if a dose must not pause: its time or its flow is asked for, or its pressures were checked for a motion
+/// without pauses.
 pub(super) fn is_critical(request: &DoseRequest) -> bool {
-    request.smooth || matches!(request.cruise, Some(Cruise::Within { .. }))
+    let is_limited = request.pressures != PressureLimits::NONE;
+    request.smooth || is_limited || matches!(request.cruise, Some(Cruise::Within { .. }))
 }
 
 /// Returns the warning of a whole dose that paused or took `measured_s`, more than its plan.
@@ -44,9 +46,6 @@ pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal:
     {
         text +=
             &format!("; the {} s that the dose was to be done within were not kept", significant(time_s, 4));
-    }
-    if pace.pauses > 0 && prepared.request.pressures != PressureLimits::NONE {
-        text += "; the pressure limits of this dose were checked for the plan, and not for its pauses";
     }
     let notice = Notice::from(text);
     Some(if pace.pauses > 0 { notice.with_remedy(Remedy::FasterDisk) } else { notice })

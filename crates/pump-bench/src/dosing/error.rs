@@ -260,7 +260,7 @@ pub enum DoseError {
          its next steps in {}, and {}",
         .journal.display(),
         if *must_not_pause {
-            "a dose in a given time, or at a smooth flow, may not pause"
+            "a dose in a given time, at a smooth flow or with pressure limits may not pause"
         } else {
             "30 s is the longest wait"
         }

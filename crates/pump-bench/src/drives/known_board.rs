@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::opening::Opening;
 use super::wire::port_name;
-use crate::files::Staged;
+use crate::files::{read_plain, replace_plain};
 
 /// Form of the record.
 const SCHEMA: &str = "pump-board/1";
@@ -125,11 +125,10 @@ impl KnownBoard {
             port_name: self.port_name.clone(),
             text: self.text.clone(),
         };
-        let written = Staged::new(path, |to| {
+        let written = replace_plain(path, |to| {
             serde_json::to_writer(&mut *to, &recorded)?;
             to.write_all(b"\n")
-        })
-        .and_then(Staged::put);
+        });
         written.map_err(|error| failed("written", path, error.to_string()))
     }
 }
@@ -157,7 +156,7 @@ fn record_path(opening: &Opening) -> Option<PathBuf> {
 /// Returns the board on record. There is none before a board was first met.
 fn read(path: &Path) -> Result<Option<KnownBoard>, BoardError> {
     let unread = |reason| failed("read", path, reason);
-    let bytes = match std::fs::read(path) {
+    let bytes = match read_plain(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         read => read.map_err(|error| unread(error.to_string()))?,
     };

@@ -11,4 +11,4 @@ pub use staged::Staged;
 pub(crate) use staged::{folder_of, sync_folder};
 pub use table::TableError;
 pub(crate) use table::{Row, Table};
-pub(crate) use without_links::{check_plain, create_folders, open_plain};
+pub(crate) use without_links::{check_plain, create_folders, open_plain, read_plain, replace_plain};

@@ -1,10 +1,11 @@
 //! Files of a pump's record: plain files and folders, never links.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 
-use super::staged::{folder_of, sync_folder};
+use super::plain::FileError;
+use super::staged::{Staged, folder_of, sync_folder};
 
 /// Refuses a link, or a file that is neither plain nor a folder, at `path`. Nothing may be there.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
@@ -30,13 +31,41 @@ pub(crate) fn open_plain(path: &Path, options: &mut OpenOptions) -> io::Result<F
     options.open(path)
 }
 
+/// Most bytes of a file of the record that is read whole.
+const MOST_BYTES: u64 = 1_000_000;
+
+/// Reads a plain file. A link is refused, and a file that no record can be.
+pub(crate) fn read_plain(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_plain(path, File::options().read(true))?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    let size = bytes.len() as u64;
+    if size > MOST_BYTES {
+        return Err(FileError::TooLarge { bytes: size, most: MOST_BYTES }.into());
+    }
+    Ok(bytes)
+}
+
+/// Puts a file of a record in place, whole and synced. A link there is refused.
+pub(crate) fn replace_plain(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    check_plain(path)?;
+    Staged::new(path, write)?.put()
+}
+
 /// Creates a folder and those that hold it, and syncs what was created.
 pub(crate) fn create_folders(path: &Path) -> io::Result<()> {
+    create_folders_synced_by(path, sync_folder)
+}
+
+/// Creates a folder and those that hold it. `sync` gets each folder that has a new entry, the innermost first.
+fn create_folders_synced_by(path: &Path, sync: impl FnMut(&Path) -> io::Result<()>) -> io::Result<()> {
     let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
     let created: Vec<&Path> = path.ancestors().take_while(is_missing).collect();
     fs::create_dir_all(path)?;
     // A new folder is an entry of the one that holds it.
-    created.into_iter().try_for_each(|folder| sync_folder(folder_of(folder)))
+    created.into_iter().map(folder_of).try_for_each(sync)
 }
 
 fn link_refusal() -> io::Error {
@@ -77,5 +106,23 @@ mod tests {
         create_folders(&path).unwrap();
         create_folders(&path).unwrap();
         assert!(path.is_dir());
+    }
+
+    #[test]
+    fn each_folder_with_a_new_entry_is_synced_once_and_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let synced_for = |path: &str| {
+            let mut synced = Vec::new();
+            create_folders_synced_by(&folder.path().join(path), |entry| {
+                synced.push(entry.strip_prefix(folder.path()).unwrap().display().to_string());
+                Ok(())
+            })
+            .unwrap();
+            synced
+        };
+        assert_eq!(synced_for("a/b/c"), ["a/b", "a", ""]);
+        assert_eq!(synced_for("a/b/c"), [""; 0]);
+        // Calibrations of a pump that has dosed before.
+        assert_eq!(synced_for("a/b/c/calibrations"), ["a/b/c"]);
     }
 }

@@ -10,11 +10,15 @@ use pump_model::Pump;
 use thiserror::Error;
 
 use super::{Journal, JournalError, Log, PumpState, Story};
-use crate::files::{create_folders, open_plain};
+use crate::files::{check_plain, create_folders, folder_of, open_plain, place_of};
+use crate::pump_file::DriverName;
 
 const JOURNAL: &str = "journal.jsonl";
 const LOG: &str = "log.jsonl";
 const LOCK: &str = "lock";
+
+/// Folder beside those of the pumps that holds the records of boards which several pumps share. No pump has this name.
+pub(crate) const BOARDS: &str = "node.boards";
 
 /// Folder of a journal that cannot be used or locked.
 #[derive(Debug, Error)]
@@ -65,6 +69,23 @@ pub fn default_state_dir() -> Result<PathBuf, FolderError> {
         .filter(|path| path.is_absolute())
         .or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
     Ok(base.ok_or(FolderError::NoFolder)?.join("pump-dose"))
+}
+
+/// Returns true if a path leads to a file of a record in the folder of all records, through links and other spellings
+/// too.
+///
+/// Of a record is what lies in `<state dir>/<pump id>/<driver>/`, and what is known of boards that several pumps
+/// share. The folder of a driver that is not one of this library is known by its journal or its lock.
+pub fn is_of_record(state_dir: &Path, path: &Path) -> bool {
+    let (state_dir, path) = (place_of(state_dir), place_of(path));
+    let Ok(inside) = path.strip_prefix(&state_dir) else { return false };
+    let mut names = inside.components().map(|name| name.as_os_str());
+    let (Some(pump), Some(driver)) = (names.next(), names.next()) else { return false };
+    if pump == BOARDS || driver.to_str().is_some_and(|driver| driver.parse::<DriverName>().is_ok()) {
+        return true;
+    }
+    let folder = state_dir.join(pump).join(driver);
+    [JOURNAL, LOCK].iter().any(|name| folder.join(name).exists())
 }
 
 impl Folder {
@@ -129,6 +150,10 @@ impl Folder {
             let path = path.to_owned();
             move |source| FolderError::File { action, path, source }
         };
+        // The folder of all records may be a link of the user's. The folders in it are the record's own.
+        for folder in [folder_of(&self.path), &self.path] {
+            check_plain(folder).map_err(failed("use", folder))?;
+        }
         create_folders(&self.path).map_err(failed("create the folder", &self.path))?;
         let path = self.path.join(LOCK);
         let mut options = OpenOptions::new();

@@ -8,11 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use pump_bench::calibration::{Calibration, CalibrationRun, Expected, Fit, Reading, Source};
 use pump_bench::drives::Disturbance;
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 use pump_ctl::plan::{Cruise, Finish, Phase};
-use pump_model::units::TURN_RAD;
+use pump_model::units::{TURN_RAD, rad_s};
 
 use crate::bench::file;
 use crate::plant::{Board, Dice, Fate, Killed, Plant};
@@ -44,6 +45,7 @@ impl Run {
         let fall_rad = 2.0 * TURN_RAD / (f64::from(file.motor.full_steps_per_rev) * file.motor.gear);
         let plant = Plant {
             pump: file.model().unwrap(),
+            factor: 1.0,
             angle_rad: dice.part() * TURN_RAD,
             count: 1000,
             has_count: dice.chance(0.7),
@@ -134,7 +136,11 @@ impl Run {
             self.told.push("refused".to_owned());
             return;
         };
-        let motions = self.plant.lock().unwrap().motions.clone();
+        let mut motions = self.plant.lock().unwrap().motions.clone();
+        if prepared.request.purpose == Purpose::Calibrate {
+            // Weighed runs are booked by the model without calibration: the scale tells their volume.
+            motions.iter_mut().for_each(|motion| motion.volume_ml = motion.uncalibrated_ml);
+        }
         let Some(first) = motions.first() else { return };
         if prepared.request.purpose == Purpose::Retract {
             self.carry_ml -= first.volume_ml;
@@ -188,8 +194,46 @@ impl Run {
         }
     }
 
+    /// Puts a tube of another volume in place and keeps the calibration that finds it, or goes back to the drawing. The
+    /// record refuses both while a dose is unfinished.
+    fn calibrates(&mut self) {
+        let factor = if self.dice.chance(0.3) { 1.0 } else { 0.9 + 0.2 * self.dice.part() };
+        let kept = if factor == 1.0 {
+            self.bench.use_calibration(None)
+        } else {
+            let run = CalibrationRun {
+                speed_rpm: 60.0,
+                start_angle_deg: None,
+                turned_deg: 720.0,
+                reading: Reading::VolumeMl(2.0 * factor * self.bench.model().revolution_ml()),
+                temperature_degc: None,
+                time: None,
+            };
+            let (file, expected) = (self.bench.file(), Expected::of(self.bench.file(), 0.0));
+            let found = Calibration::of_runs(file, Source::File, vec![run], Fit::Factor, &expected, None);
+            self.bench.keep_calibration(found.unwrap()).map(drop)
+        };
+        self.told.push(format!("calibrated to {factor}: {kept:?}"));
+        assert_eq!(kept.is_ok(), self.whole.is_none());
+        if kept.is_ok() {
+            self.plant.lock().unwrap().factor = factor;
+        }
+    }
+
+    /// Turns the rotor as a person does with the arrow keys. What it pumps is owed to nobody.
+    fn jogs(&mut self) {
+        let turn_rad = 0.3 * self.dice.either_way();
+        let turned = self.session(Fate::Completes, |session, _| {
+            let steps = session.steps_of(turn_rad);
+            session.jog(steps, rad_s(20.0), |_| ControlFlow::Continue(())).is_ok()
+        });
+        self.told.push(format!("jog {turn_rad}: {turned:?}"));
+    }
+
     fn operate(&mut self) {
-        match self.dice.up_to(11) {
+        match self.dice.up_to(13) {
+            12 => self.calibrates(),
+            13 => self.jogs(),
             0..=4 if self.whole.is_none() => {
                 let request = self.request();
                 self.doses(request, false);
@@ -214,6 +258,7 @@ impl Run {
             10 => {
                 if self.session(Fate::Completes, |session, _| session.new_tube().is_ok()) == Some(true) {
                     (self.carry_ml, self.whole) = (0.0, None);
+                    self.plant.lock().unwrap().factor = 1.0;
                     self.told.push("new tube".to_owned());
                 }
             }

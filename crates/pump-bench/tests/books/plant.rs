@@ -59,12 +59,17 @@ pub(crate) enum Fate {
 pub(crate) struct Motion {
     /// Volume that it delivered, in mL, negative in reverse.
     pub(crate) volume_ml: f64,
+    /// Volume that a tube as the pump file has it would have delivered, in mL.
+    pub(crate) uncalibrated_ml: f64,
 }
 
 /// The truth.
 #[derive(Debug)]
 pub(crate) struct Plant {
+    /// Pump of the drawing. Tests of `pump-ctl` hold its volume over the angle against a quadrature of their own.
     pub(crate) pump: Pump,
+    /// Volume of the tube in the head, as a part of the drawing's.
+    pub(crate) factor: f64,
     pub(crate) angle_rad: f64,
     pub(crate) count: i64,
     pub(crate) has_count: bool,
@@ -84,10 +89,10 @@ pub(crate) struct Plant {
 impl Plant {
     fn turn(&mut self, turn_rad: f64, steps: i64) {
         let curve = self.pump.outlet_curve();
-        let volume_ml = curve.volume_ml(self.angle_rad + turn_rad) - curve.volume_ml(self.angle_rad);
+        let uncalibrated_ml = curve.volume_ml(self.angle_rad + turn_rad) - curve.volume_ml(self.angle_rad);
         self.angle_rad += turn_rad;
         self.count += steps;
-        self.motions.push(Motion { volume_ml });
+        self.motions.push(Motion { volume_ml: self.factor * uncalibrated_ml, uncalibrated_ml });
     }
 
     /// Ends the motion in which the process died after `made` steps.

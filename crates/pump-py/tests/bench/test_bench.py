@@ -203,6 +203,39 @@ def test_a_forked_process_is_told_to_open_its_own(bench: pm.Bench) -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
 
 
+def test_a_pump_is_free_once_it_is_closed_although_a_forked_process_lives(tmp_path: Path) -> None:
+    bench = pm.Bench.open("three-roller", state_dir=tmp_path)
+    bench.dose("1mL")
+    wait, go = os.pipe()
+    with warnings.catch_warnings():
+        # Python warns of forks beside threads; that is the case here.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        lives, leaves = os.fork(), -1
+        if lives:
+            leaves = os.fork()
+    if lives == 0:
+        # It keeps all that it inherited until its parent closes the pipe.
+        os.close(go)
+        os.read(wait, 1)
+        os._exit(0)
+    if leaves == 0:
+        os._exit(0)
+    try:
+        os.waitpid(leaves, 0)
+        with (
+            pm.Bench.open("three-roller", state_dir=tmp_path) as other,
+            pytest.raises(pm.DriveError, match="in use by"),
+        ):
+            other.dose("1mL")
+        bench.close()
+        with pm.Bench.open("three-roller", state_dir=tmp_path) as again:
+            assert again.dose("1mL").completed
+    finally:
+        os.close(go)
+        os.close(wait)
+        os.waitpid(lives, 0)
+
+
 def test_angles_are_set_jogged_and_forgotten(bench: pm.Bench) -> None:
     status = bench.home_set(0.5, half_width_rad=0.01)
     assert status.angle_source == "home"

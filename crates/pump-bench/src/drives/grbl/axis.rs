@@ -174,22 +174,20 @@ impl Grbl {
     }
 
     /// Makes the steps of `plan` by `motion`, and stops after any error. A fault tells the bounds of the
-    /// steps made.
+    /// steps made. Returns `None` if the user asked to stop before the first step could be asked for.
     fn travel<T>(
         &mut self,
         plan: &Plan,
         motion: impl FnOnce(&mut Jogs<'_>) -> Result<T, GrblError>,
-    ) -> Result<(T, u64), DriveFault> {
+    ) -> Result<Option<(T, u64)>, DriveFault> {
         self.rests = 0;
-        // From here on the gate hears the user.
-        let before = self.board.be_deaf(true);
-        let task = self.task(plan);
-        self.board.be_deaf(before);
-        let task = match task {
+        let task = match self.task(plan) {
             Ok(task) => task,
+            Err(GrblError::Interrupted) => return Ok(None),
             Err(error) => return Err(self.fault(error, Made::exactly(0))),
         };
         let scale = &self.scale;
+        // From here on the gate hears the user.
         let (outcome, sent, rests) = self.board.undisturbed(|board| {
             let mut under_way = Jogs::new(board, scale, task);
             let outcome = match motion(&mut under_way) {
@@ -207,7 +205,7 @@ impl Grbl {
         if sent > 0 && !self.holds_at_rest() {
             self.disturbed.get_or_insert(Disturbance::Disabled);
         }
-        outcome.map_err(|(error, made)| self.fault(error, made))
+        outcome.map(Some).map_err(|(error, made)| self.fault(error, made))
     }
 
     fn fault(&mut self, error: GrblError, made: Made) -> DriveFault {
@@ -292,11 +290,13 @@ impl Drive for Grbl {
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        self.travel(plan, |motion| motion.run(gate)).map(|((), made)| made)
+        let made = self.travel(plan, |motion| motion.run(gate))?;
+        Ok(made.map_or(0, |((), made)| made))
     }
 
     fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
-        self.travel(plan, |motion| motion.search(gate)).map(|(found, _)| found)
+        let found = self.travel(plan, |motion| motion.search(gate))?;
+        Ok(found.map_or(IndexSearch { made: 0, beyond: None }, |(found, _)| found))
     }
 
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {

@@ -24,6 +24,9 @@ pub(super) const OK_LIMIT: Duration = Duration::from_secs(5);
 /// Longest wait for bytes before something else may be due.
 const SLICE: Duration = Duration::from_millis(5);
 
+/// Longest wait for a report of the state of a board that is within reach.
+const STATE_LIMIT: Duration = Duration::from_secs(5);
+
 /// Longest time for which replies are read that were there already.
 const BACKLOG: Duration = Duration::from_millis(50);
 
@@ -58,6 +61,8 @@ pub(super) struct Board {
     unanswered: Option<Duration>,
     /// Time at which the last status report was asked for. The report is not older.
     answered: Duration,
+    /// Number of lines whose acknowledgement nobody waited for. Their answers belong to no later line.
+    owed: usize,
     stop: StopRequest,
     /// True while waits go on although the user asked to stop: the motor turns, or its rest is looked at.
     deaf: bool,
@@ -76,6 +81,7 @@ impl Board {
             asked: None,
             unanswered: None,
             answered: Duration::ZERO,
+            owed: 0,
             stop,
             deaf: false,
         }
@@ -159,6 +165,10 @@ impl Board {
         loop {
             self.heed()?;
             if let Some(reply) = self.waiting.pop_front() {
+                if self.owed > 0 && matches!(reply, Reply::Ok | Reply::Error(_)) {
+                    self.owed -= 1;
+                    continue;
+                }
                 return Ok(Some(self.understand(reply)));
             }
             let mut bytes = [0; 256];
@@ -205,6 +215,7 @@ impl Board {
             Reply::Banner(_) => {
                 self.unanswered = None;
                 self.offset = None;
+                self.owed = 0;
                 Heard::Reply(reply)
             }
             _ => Heard::Reply(reply),
@@ -228,7 +239,10 @@ impl Board {
         let started = self.now();
         let mut said = Vec::new();
         loop {
-            if let Some(Heard::Reply(reply)) = self.hear(SLICE)? {
+            let heard = self.hear(SLICE).inspect_err(|error| {
+                self.owed += usize::from(matches!(error, GrblError::Interrupted));
+            })?;
+            if let Some(Heard::Reply(reply)) = heard {
                 match reply {
                     Reply::Ok => {
                         // A board that acknowledges a line is within reach.
@@ -250,7 +264,7 @@ impl Board {
     }
 
     /// Asks for the state and waits for an answer that is newer than the question. Calls `at_banner` if the
-    /// board was reset.
+    /// board was reset. A board that is reset again and again answers nothing, and is out of reach after a while.
     pub(super) fn state(&mut self, mut at_banner: impl FnMut()) -> Result<BoardState, GrblError> {
         let is_banner = |heard: &Heard| matches!(heard, Heard::Reply(Reply::Banner(_)));
         self.hear_all(Duration::ZERO, |heard| {
@@ -260,12 +274,16 @@ impl Board {
             Ok(())
         })?;
         self.ask()?;
-        // A board that does not answer is out of reach after a while: this loop ends.
+        let started = self.now();
         loop {
             match self.listen()? {
                 Some(Heard::Status(state, _)) => return Ok(state),
                 Some(heard) if is_banner(&heard) => at_banner(),
                 _ => {}
+            }
+            let waited = self.now() - started;
+            if waited > STATE_LIMIT {
+                return Err(GrblError::Quiet { waited_s: waited.as_secs_f64() });
             }
         }
     }

@@ -42,7 +42,14 @@ impl Jogs<'_> {
         let far =
             GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
         let target = self.scale.text(delta).ok_or(far)?;
-        let modes = self.modes()?;
+        // Nothing moves yet: the user is heard at a board that does not answer.
+        let deaf = self.board.be_deaf(false);
+        let modes = self.modes();
+        self.board.be_deaf(deaf);
+        let modes = match modes {
+            Err(GrblError::Interrupted) => return Ok(IndexSearch { made: 0, beyond: None }),
+            modes => modes?,
+        };
         loop {
             let leave = gate(0, self.task.steps);
             self.catch_up()?;

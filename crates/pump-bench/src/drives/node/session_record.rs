@@ -8,7 +8,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
-use crate::files::Staged;
+use crate::files::{read_plain, replace_plain};
 
 /// Form of the record.
 const SCHEMA: &str = "node-session/1";
@@ -44,7 +44,7 @@ impl SessionRecord {
     /// Returns the record at `path`. There is none before a board was first met.
     pub(super) fn read(path: &Path) -> Result<Option<Self>, NodeError> {
         let unread = |reason| NodeError::SessionRecord { action: "read", record: path.to_owned(), reason };
-        let bytes = match std::fs::read(path) {
+        let bytes = match read_plain(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             read => read.map_err(|error| unread(error.to_string()))?,
         };
@@ -63,11 +63,10 @@ impl SessionRecord {
             board: format!("{:016x}", self.board),
             session: format!("{:016x}", self.session),
         };
-        Staged::new(path, |to| {
+        replace_plain(path, |to| {
             serde_json::to_writer(&mut *to, &recorded)?;
             to.write_all(b"\n")
         })
-        .and_then(Staged::put)
         .map_err(|error| NodeError::SessionRecord {
             action: "written",
             record: path.to_owned(),

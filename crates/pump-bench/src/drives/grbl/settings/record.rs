@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::error::GrblError;
 use super::Settings;
-use crate::files::Staged;
+use crate::files::{read_plain, replace_plain};
 
 /// Form of the record.
 const SCHEMA: &str = "board-settings/1";
@@ -61,7 +61,7 @@ pub(super) fn compare(
 /// Returns the settings on record. There are none before the board was first met.
 fn recorded(path: &Path) -> Result<BTreeMap<u16, f64>, GrblError> {
     let unread = |reason| GrblError::SettingsRecord { action: "read", record: path.to_owned(), reason };
-    let bytes = match std::fs::read(path) {
+    let bytes = match read_plain(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(BTreeMap::new()),
         read => read.map_err(|error| unread(error.to_string()))?,
     };
@@ -74,11 +74,10 @@ fn recorded(path: &Path) -> Result<BTreeMap<u16, f64>, GrblError> {
 
 fn write(path: &Path, settings: BTreeMap<u16, f64>) -> Result<(), GrblError> {
     let recorded = Recorded { schema: SCHEMA.to_owned(), settings };
-    Staged::new(path, |to| {
+    replace_plain(path, |to| {
         serde_json::to_writer(&mut *to, &recorded)?;
         to.write_all(b"\n")
     })
-    .and_then(Staged::put)
     .map_err(|error| GrblError::SettingsRecord {
         action: "written",
         record: path.to_owned(),
