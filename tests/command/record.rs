@@ -37,7 +37,8 @@ fn links_in_the_record_are_refused_by_name_and_a_linked_state_folder_is_used() {
     symlink(&other, &log).unwrap();
     let before = fs::read(&other).unwrap();
     let dosed = user.types(&["1mL"]);
-    assert!(dosed.code == 0 && dosed.err.contains("it is a link"), "{}", dosed.err);
+    let said = dosed.out + &dosed.err;
+    assert!(dosed.code == 0 && said.contains("it is a link"), "{said}");
     assert_eq!(fs::read(&other).unwrap(), before);
     // The folders of a pump and of a driver are the record's own.
     for name in ["three-roller", "three-roller/sim"] {

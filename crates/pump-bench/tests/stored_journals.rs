@@ -6,7 +6,6 @@
 use std::fs;
 use std::path::PathBuf;
 
-use pump_bench::pump_file::PumpFile;
 use pump_bench::report::Status;
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 use serde_json::Value;
@@ -72,7 +71,8 @@ fn a_dose_that_the_first_version_left_unfinished_is_refused_resumed_or_accepted(
 fn an_angle_that_the_first_version_did_not_know_stays_unknown_once_the_roller_count_is_corrected() {
     // It was recorded as half a pitch of three rollers, 60 deg. With two rollers a pitch has 180 deg.
     let folder = tempfile::tempdir().unwrap();
-    let file = PumpFile { pump: built_in("three-roller").unwrap().pump, ..built_in("two-roller").unwrap() };
+    let mut file = built_in("two-roller").unwrap();
+    file.pump = built_in("three-roller").unwrap().pump;
     let bench = Bench::new(file, None, folder.path()).unwrap();
     fs::create_dir_all(bench.folder().path()).unwrap();
     fs::write(bench.folder().path().join("journal.jsonl"), sample("finished.jsonl")).unwrap();

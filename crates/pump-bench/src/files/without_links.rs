@@ -1,11 +1,10 @@
 //! Files of a pump's record: plain files and folders, never links.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
-use super::plain::FileError;
-use super::staged::{Staged, folder_of, sync_folder};
+use super::staged::{folder_of, sync_folder};
 
 /// Refuses a link, or a file that is neither plain nor a folder, at `path`. Nothing may be there.
 pub(crate) fn check_plain(path: &Path) -> io::Result<()> {
@@ -29,29 +28,6 @@ pub(crate) fn open_plain(path: &Path, options: &mut OpenOptions) -> io::Result<F
         options.custom_flags(flags.bits() as i32);
     }
     options.open(path)
-}
-
-/// Most bytes of a file of the record that is read whole.
-const MOST_BYTES: u64 = 1_000_000;
-
-/// Reads a plain file. A link is refused, and a file that no record can be.
-pub(crate) fn read_plain(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    open_plain(path, File::options().read(true))?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
-    let size = bytes.len() as u64;
-    if size > MOST_BYTES {
-        return Err(FileError::TooLarge { bytes: size, most: MOST_BYTES }.into());
-    }
-    Ok(bytes)
-}
-
-/// Puts a file of a record in place, whole and synced. A link there is refused.
-pub(crate) fn replace_plain(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    check_plain(path)?;
-    Staged::new(path, write)?.put()
 }
 
 /// Creates a folder and those that hold it, and syncs what was created.

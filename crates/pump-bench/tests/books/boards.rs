@@ -21,6 +21,7 @@ impl Rig {
     fn new() -> Self {
         let plant = Plant {
             pump: file().model().unwrap(),
+            factor: 1.0,
             angle_rad: 0.0,
             count: 1000,
             has_count: true,

@@ -77,6 +77,7 @@ impl Person {
         let pump = true_pump(file.head.as_ref().unwrap().ml_per_rev, file.rollers.count, &mut dice);
         let plant = Plant {
             pump,
+            factor: 1.0,
             angle_rad: dice.part() * TAU,
             count: 0,
             has_count: true,
