@@ -369,14 +369,7 @@ impl Bench {
             Some(_) => state.carry_half_width_ml,
             None => state.closed(&self.model).carry_half_width_ml,
         };
-        Stands {
-            start,
-            source,
-            carry_ml: state.carry_ml,
-            carry_half_width_ml,
-            turned: account.map(|account| account.turned),
-            to_end_ml: None,
-        }
+        Stands { start, source, carry_ml: state.carry_ml, carry_half_width_ml, account, to_end_ml: None }
     }
 
     /// Refuses while a dose is unfinished, because anything else would change the rest of that dose.

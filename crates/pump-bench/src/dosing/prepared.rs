@@ -286,7 +286,7 @@ impl PlanningBasis<'_> {
             .with_carry_in_ml(carry_in_ml)
             .with_smooth(request.smooth)
             .with_finish(request.finish.unwrap_or_default())
-            .with_turned(self.stands.turned)
+            .with_turned(self.stands.account.map(|account| account.turned))
             .with_ramps(request.ramps.unwrap_or(self.file.usual_ramps()));
         (asked, self.file.limits_with(request.pressures))
     }
@@ -326,6 +326,9 @@ impl PlanningBasis<'_> {
             }
             None => None,
         };
+        let correction = applied.as_ref().map_or(Correction::NONE, |applied| applied.correction);
+        let changed_ml =
+            self.stands.account.map_or(0.0, |account| account.changed_ml(&correction, self.model));
         let mut prepared = Prepared {
             request,
             model,
@@ -338,7 +341,7 @@ impl PlanningBasis<'_> {
             margins,
             phase_source: self.stands.source,
             carry_out_ml,
-            carry_half_width_ml: self.stands.carry_half_width_ml,
+            carry_half_width_ml: self.stands.carry_half_width_ml + changed_ml,
             retraction,
             warnings: Vec::new(),
         };

@@ -1,8 +1,8 @@
 //! The place from which a dose is planned, by the record.
 
-use pump_ctl::plan::{Phase, Turned};
+use pump_ctl::plan::Phase;
 
-use crate::record::PhaseSource;
+use crate::record::{Account, PhaseSource};
 
 /// Place from which a dose is planned, by the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,10 +13,10 @@ pub(crate) struct Stands {
     pub(crate) source: PhaseSource,
     /// Carry on record, in mL.
     pub(crate) carry_ml: f64,
-    /// Half width of the range around the carry, in mL, without the doses of `turned`.
+    /// Half width of the range around the carry, in mL, without the doses of `account`.
     pub(crate) carry_half_width_ml: f64,
-    /// Turn of the earlier doses whose sum with this dose is to be right.
-    pub(crate) turned: Option<Turned>,
+    /// Earlier doses whose sum with this dose is to be right.
+    pub(crate) account: Option<Account>,
     /// Volume to the planned end, in mL, if this is the rest of a dose and ends where the whole was to end.
     pub(crate) to_end_ml: Option<f64>,
 }
@@ -24,6 +24,6 @@ pub(crate) struct Stands {
 impl Stands {
     /// Makes a place with a carry that is known exactly.
     pub(crate) fn at(start: Phase, source: PhaseSource, carry_ml: f64) -> Self {
-        Self { start, source, carry_ml, carry_half_width_ml: 0.0, turned: None, to_end_ml: None }
+        Self { start, source, carry_ml, carry_half_width_ml: 0.0, account: None, to_end_ml: None }
     }
 }

@@ -299,10 +299,8 @@ impl PumpState {
         let goes_on = intent.turned == before.map(|account| account.turned)
             && before.is_none_or(|account| account.correction.shapes_like(&intent.correction));
         let closed = match before {
-            // A sum of parts with two displacements is as unsure as the change between them makes it.
             Some(account) if goes_on => {
-                let change = (intent.correction.factor / account.correction.factor - 1.0).abs();
-                let changed_ml = change * account.half_width_ml(pump);
+                let changed_ml = account.changed_ml(&intent.correction, pump);
                 Self { carry_half_width_ml: self.carry_half_width_ml + changed_ml, ..self }
             }
             _ => self.closed(pump),

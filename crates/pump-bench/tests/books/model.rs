@@ -1,6 +1,6 @@
 //! Random sequences of operations against an account of the truth: what is stated holds for the true rotor.
 //!
-//! `BOOKS_RUNS` is the number of sequences.
+//! `BOOKS_RUNS` is the number of sequences, and `BOOKS_FIRST` the number of the first one.
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -299,8 +299,9 @@ impl Run {
 
 #[test]
 fn what_the_record_states_holds_for_the_true_rotor() {
-    let runs = std::env::var("BOOKS_RUNS").map_or(300, |runs| runs.parse().unwrap());
-    for seed in 0..runs {
+    let number = |name: &str, usual: u64| std::env::var(name).map_or(usual, |number| number.parse().unwrap());
+    let first = number("BOOKS_FIRST", 0);
+    for seed in first..first + number("BOOKS_RUNS", 300) {
         let memory = Path::new("/dev/shm");
         let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
         let folder = folder.unwrap();
