@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use pump_ctl::plan::Plan;
+use pump_ctl::step::Segment;
 use pump_link::frame::{AnswerHeader, Deframer, body};
 use pump_link::message::{
     AXES, Answer, AxisConfig, AxisState, AxisStatus, End, MAX_PACKED, MoveOrder, Refusal, Request, Stopping,
@@ -9,6 +11,7 @@ use pump_link::message::{
 use pump_link::packing::{Codec, Grain};
 use pump_link::sender::{Bracket, Clocks, Stream, Window};
 
+use crate::changes::Change;
 use crate::plans::{PlanData, TICK_HZ};
 use crate::world::QUEUE;
 
@@ -33,8 +36,21 @@ pub(crate) enum Phase {
 #[derive(Debug)]
 pub(crate) struct HostAxis {
     pub(crate) plan: &'static PlanData,
-    /// Segments of the plan that were pushed.
-    pushed: usize,
+    /// Segments of the move, those of a change included.
+    pub(crate) segments: Vec<Segment>,
+    /// Segments that were pushed.
+    pub(crate) pushed: usize,
+    /// Segments from which on the rounding began anew.
+    pub(crate) rounded_anew: Vec<usize>,
+    /// Plan of the move's rest, and the position from which it leads.
+    pub(crate) whole: Plan,
+    pub(crate) planned_from: i64,
+    /// Position after the move, and the farthest one that was ever planned.
+    pub(crate) last: i64,
+    pub(crate) farthest: i64,
+    /// Last change, and number of changes that were tried.
+    pub(crate) change: Option<Change>,
+    pub(crate) tried: u32,
     pub(crate) stream: Stream<64>,
     pub(crate) bracket: Bracket,
     pub(crate) from: i64,
@@ -50,8 +66,12 @@ pub(crate) struct HostAxis {
 }
 
 impl HostAxis {
-    pub(crate) fn last(&self) -> i64 {
-        self.from + self.plan.steps
+    /// Returns true if steps enough are made for the next change.
+    fn changes_now(&self) -> bool {
+        let way = self.status.filter(|status| status.state == AxisState::Moving);
+        let way = way.map_or(0, |status| (status.position - self.from).abs());
+        let is_over = self.change.is_none_or(|change| change.accepted);
+        is_over && way > self.plan.steps.abs() * i64::from(1 + self.tried) / 4
     }
 
     fn has_ended(&self) -> bool {
@@ -70,6 +90,8 @@ pub(crate) struct Host {
     asked: BTreeMap<u16, (usize, Kind)>,
     move_number: u32,
     dead_man_ms: u16,
+    /// Most changes of each move.
+    pub(crate) changes: u32,
     pub(crate) stop: bool,
     pub(crate) begin_at: Option<u64>,
     next_status_ns: u64,
@@ -89,6 +111,7 @@ pub(crate) enum Kind {
     Brake,
     Prepare,
     Segments,
+    Retarget,
     Begin,
     Stop,
 }
@@ -97,7 +120,15 @@ impl Host {
     pub(crate) fn new(session: u64, plans: &[&'static PlanData], dead_man_ms: u16) -> Self {
         let axes = plans.iter().map(|plan| HostAxis {
             plan,
+            segments: plan.segments.clone(),
             pushed: 0,
+            rounded_anew: Vec::new(),
+            whole: plan.plan.clone(),
+            planned_from: 0,
+            last: plan.steps,
+            farthest: plan.steps,
+            change: None,
+            tried: 0,
             stream: Stream::new(0),
             bracket: Bracket::new(0, plan.steps, 0),
             from: 0,
@@ -118,6 +149,7 @@ impl Host {
             asked: BTreeMap::new(),
             move_number: 1,
             dead_man_ms,
+            changes: 0,
             stop: false,
             begin_at: None,
             next_status_ns: 0,
@@ -185,6 +217,10 @@ impl Host {
             Answer::Accepted { next, room } => {
                 axis.stream.accepted(next, room).unwrap();
                 axis.prepared = true;
+                if let (Kind::Retarget, Some(change)) = (kind, &mut axis.change) {
+                    change.accepted = true;
+                    axis.stream.go_on();
+                }
             }
             Answer::Begun => self.phase = Phase::Run,
             Answer::Stopped { ends } => {
@@ -255,7 +291,7 @@ impl Host {
             Phase::Load => {
                 self.feed();
                 let full =
-                    |axis: &HostAxis| axis.stream.taken() as usize >= QUEUE.min(axis.plan.segments.len());
+                    |axis: &HostAxis| axis.stream.taken() as usize >= QUEUE.min(axis.segments.len());
                 self.status_every(now_ns, 10_000_000);
                 if self.axes.iter().all(full) {
                     self.phase = Phase::Begin;
@@ -271,6 +307,7 @@ impl Host {
                 }
             }
             Phase::Run => {
+                self.change();
                 self.feed();
                 self.status_every(now_ns, 20_000_000);
                 let over = |axis: &HostAxis| {
@@ -373,17 +410,36 @@ impl Host {
                 axis.from = axis.status.unwrap().position;
                 let brake_steps = axis.plan.brake.climb().map(|entry| entry.steps()).sum();
                 axis.stream = Stream::new(axis.from);
-                axis.bracket = Bracket::new(axis.from, axis.last(), brake_steps);
+                (axis.last, axis.farthest) = (axis.from + axis.plan.steps, axis.from + axis.plan.steps);
+                axis.planned_from = axis.from;
+                axis.bracket = Bracket::new(axis.from, axis.last, brake_steps);
                 axis.pushed = 0;
                 push(axis);
             }
             let order = MoveOrder {
                 from: axis.from,
-                last: axis.last(),
+                last: axis.last,
                 shortest_interval: axis.plan.shortest_interval,
             };
             let request = Request::Prepare { axis: n as u8, move_number: self.move_number, order };
             self.ask(&request, n, Kind::Prepare);
+        }
+    }
+
+    /// Changes moves under way, and tells the node of changes that it has not accepted.
+    fn change(&mut self) {
+        for n in 0..self.axes.len() {
+            let axis = &mut self.axes[n];
+            if axis.tried < self.changes && !self.stop && axis.changes_now() {
+                axis.change();
+            }
+            let told = axis.change.filter(|change| !change.accepted && !axis.has_ended() && !self.stop);
+            let is_asked = self.asked.values().any(|asked| *asked == (n, Kind::Retarget));
+            if let Some(change) = told.filter(|_| !is_asked) {
+                let (axis, move_number) = (n as u8, self.move_number);
+                let request = Request::Retarget { axis, move_number, change: change.order };
+                self.ask(&request, n, Kind::Retarget);
+            }
         }
     }
 
@@ -434,6 +490,7 @@ impl Host {
         self.begin_at = other.begin_at;
         for (axis, before) in self.axes.iter_mut().zip(&other.axes) {
             axis.from = before.from;
+            (axis.last, axis.farthest) = (before.last, before.farthest);
             axis.bracket = before.bracket;
         }
     }
@@ -454,8 +511,8 @@ impl Host {
 }
 
 fn push(axis: &mut HostAxis) {
-    while axis.stream.room() > 0 && axis.pushed < axis.plan.segments.len() {
-        axis.stream.push(axis.plan.segments[axis.pushed]).unwrap();
+    while axis.stream.room() > 0 && axis.pushed < axis.segments.len() {
+        axis.stream.push(axis.segments[axis.pushed]).unwrap();
         axis.pushed += 1;
     }
 }
