@@ -7,8 +7,8 @@ use pump_link::frame::{
     AnswerHeader, Deframer, Encoded, FrameError, MAX_FRAME, RequestHeader, VERSION, body,
 };
 use pump_link::message::{
-    Answer, AxisConfig, AxisState, AxisStatus, End, FaultCounts, Identity, MAX_PACKED, MoveChange, MoveOrder, Refusal,
-    Request, Stopping,
+    Answer, AxisConfig, AxisState, AxisStatus, End, FaultCounts, Identity, MAX_PACKED, MoveChange, MoveOrder,
+    Refusal, Request, Stopping,
 };
 
 const HEADER: RequestHeader = RequestHeader { number: 0xfe01, session: 0x8877_6655_4433_2211 };

@@ -10,8 +10,7 @@ use std::time::Instant;
 use crate::{axes, cuts, doses, retarget, slow, together, usb};
 
 /// Names of the parts, those that take longest first.
-const PARTS: [&str; 9] =
-    ["slow", "cuts", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
+const PARTS: [&str; 9] = ["slow", "cuts", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
 
 /// Number of stops, and of cuts of the link and kills of the host.
 const STOPS: u32 = 30;

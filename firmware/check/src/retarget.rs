@@ -51,7 +51,9 @@ fn changed(firmware: &Path, before: (f64, f64), after: (f64, f64)) -> Result<(),
     host.configure(0, &file.limits().motor.brake(TICK_RATE)?)?;
     let made = Move::new(0, segments.iter().copied())?;
     let mut stream = Box::new(Stream::<256>::new(0));
-    let Answer::Accepted { next, room } = host.prepare(1, &made)? else { return Err("the move was refused".into()) };
+    let Answer::Accepted { next, room } = host.prepare(1, &made)? else {
+        return Err("the move was refused".into());
+    };
     stream.accepted(next, room)?;
     feed(&mut host, &mut stream, &segments[..segments.len() / SENT])?;
     host.emulator.take_edges();

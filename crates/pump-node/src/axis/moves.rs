@@ -142,11 +142,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             _ => {}
         }
         let (next, position) = (self.expected.next(), self.taken_end);
-        let goes_on = if self.order.last >= self.order.from {
-            change.last > position
-        } else {
-            change.last < position
-        };
+        let goes_on =
+            if self.order.last >= self.order.from { change.last > position } else { change.last < position };
         // The motor comes to rest where the plan ends on its queue.
         if change.first < next || !goes_on || position == self.order.last {
             return Err(Refusal::Change { next, position });

@@ -41,7 +41,8 @@ impl HostAxis {
         self.whole = plan;
         self.planned_from = takeover.position;
         self.last = takeover.position + self.whole.steps();
-        self.farthest = if self.plan.steps > 0 { self.farthest.max(self.last) } else { self.farthest.min(self.last) };
+        self.farthest =
+            if self.plan.steps > 0 { self.farthest.max(self.last) } else { self.farthest.min(self.last) };
         self.bracket.retargeted(self.last);
         let order = MoveChange {
             number: number + 1,

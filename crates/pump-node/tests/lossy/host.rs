@@ -290,8 +290,7 @@ impl Host {
             Phase::Prepare => self.prepare(),
             Phase::Load => {
                 self.feed();
-                let full =
-                    |axis: &HostAxis| axis.stream.taken() as usize >= QUEUE.min(axis.segments.len());
+                let full = |axis: &HostAxis| axis.stream.taken() as usize >= QUEUE.min(axis.segments.len());
                 self.status_every(now_ns, 10_000_000);
                 if self.axes.iter().all(full) {
                     self.phase = Phase::Begin;
