@@ -4,7 +4,7 @@ use pump_ctl::plan::{Cruise, Doser, Limits, Plan, Retarget};
 use pump_ctl::step::Segment;
 use pump_link::message::MoveChange;
 
-use crate::host::HostAxis;
+use crate::host_axis::HostAxis;
 use crate::plans::{PUMP, TICK_RATE, lasts_long_enough, shortest_interval};
 
 /// Volume after each change, as a part of the plan's volume.

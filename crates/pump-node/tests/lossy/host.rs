@@ -2,16 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use pump_ctl::plan::Plan;
-use pump_ctl::step::Segment;
 use pump_link::frame::{AnswerHeader, Deframer, body};
-use pump_link::message::{
-    AXES, Answer, AxisConfig, AxisState, AxisStatus, End, MAX_PACKED, MoveOrder, Refusal, Request, Stopping,
-};
+use pump_link::message::{AXES, Answer, AxisConfig, AxisState, End, MAX_PACKED, MoveOrder, Refusal, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::sender::{Bracket, Clocks, Stream, Window};
 
-use crate::changes::Change;
+use crate::host_axis::HostAxis;
 use crate::plans::{PlanData, TICK_HZ};
 use crate::world::QUEUE;
 
@@ -31,52 +27,6 @@ pub(crate) enum Phase {
     Over,
     /// The board was reset.
     Reset,
-}
-
-#[derive(Debug)]
-pub(crate) struct HostAxis {
-    pub(crate) plan: &'static PlanData,
-    /// Segments of the move, those of a change included.
-    pub(crate) segments: Vec<Segment>,
-    /// Segments that were pushed.
-    pub(crate) pushed: usize,
-    /// Segments from which on the rounding began anew.
-    pub(crate) rounded_anew: Vec<usize>,
-    /// Plan of the move's rest, and the position from which it leads.
-    pub(crate) whole: Plan,
-    pub(crate) planned_from: i64,
-    /// Position after the move, and the farthest one that was ever planned.
-    pub(crate) last: i64,
-    pub(crate) farthest: i64,
-    /// Last change, and number of changes that were tried.
-    pub(crate) change: Option<Change>,
-    pub(crate) tried: u32,
-    pub(crate) stream: Stream<64>,
-    pub(crate) bracket: Bracket,
-    pub(crate) from: i64,
-    pub(crate) status: Option<AxisStatus>,
-    pub(crate) stopping: Option<Stopping>,
-    brake_sent: u8,
-    config_sent: bool,
-    configured: bool,
-    /// True once the move's order is made.
-    ordered: bool,
-    /// True once the node has the move's order.
-    prepared: bool,
-}
-
-impl HostAxis {
-    /// Returns true if steps enough are made for the next change.
-    fn changes_now(&self) -> bool {
-        let way = self.status.filter(|status| status.state == AxisState::Moving);
-        let way = way.map_or(0, |status| (status.position - self.from).abs());
-        let is_over = self.change.is_none_or(|change| change.accepted);
-        is_over && way > self.plan.steps.abs() * i64::from(1 + self.tried) / 4
-    }
-
-    fn has_ended(&self) -> bool {
-        self.status.is_some_and(|status| matches!(status.state, AxisState::Ended(_)))
-    }
 }
 
 #[derive(Debug)]
@@ -118,28 +68,7 @@ pub(crate) enum Kind {
 
 impl Host {
     pub(crate) fn new(session: u64, plans: &[&'static PlanData], dead_man_ms: u16) -> Self {
-        let axes = plans.iter().map(|plan| HostAxis {
-            plan,
-            segments: plan.segments.clone(),
-            pushed: 0,
-            rounded_anew: Vec::new(),
-            whole: plan.plan.clone(),
-            planned_from: 0,
-            last: plan.steps,
-            farthest: plan.steps,
-            change: None,
-            tried: 0,
-            stream: Stream::new(0),
-            bracket: Bracket::new(0, plan.steps, 0),
-            from: 0,
-            status: None,
-            stopping: None,
-            brake_sent: 0,
-            config_sent: false,
-            configured: false,
-            ordered: false,
-            prepared: false,
-        });
+        let axes = plans.iter().map(|plan| HostAxis::new(plan));
         Self {
             window: Window::new(session),
             deframer: Deframer::new(),
@@ -413,7 +342,7 @@ impl Host {
                 axis.planned_from = axis.from;
                 axis.bracket = Bracket::new(axis.from, axis.last, brake_steps);
                 axis.pushed = 0;
-                push(axis);
+                axis.push();
             }
             let order = MoveOrder {
                 from: axis.from,
@@ -449,7 +378,7 @@ impl Host {
             let live = axis
                 .status
                 .is_none_or(|status| matches!(status.state, AxisState::Prepared | AxisState::Moving));
-            push(axis);
+            axis.push();
             if !live
                 || self.stop
                 || self.asked.values().filter(|asked| asked.1 == Kind::Segments).count() >= 4
@@ -506,12 +435,5 @@ impl Host {
         let complete =
             |axis: &HostAxis| axis.status.is_some_and(|s| s.state == AxisState::Ended(End::Complete));
         self.phase == Phase::Over && self.axes.iter().all(complete)
-    }
-}
-
-fn push(axis: &mut HostAxis) {
-    while axis.stream.room() > 0 && axis.pushed < axis.segments.len() {
-        axis.stream.push(axis.segments[axis.pushed]).unwrap();
-        axis.pushed += 1;
     }
 }

@@ -6,6 +6,7 @@
 mod board;
 mod changes;
 mod host;
+mod host_axis;
 mod line;
 mod plans;
 mod rng;
