@@ -7,8 +7,8 @@ use pump_link::frame::{
     AnswerHeader, Deframer, Encoded, FrameError, MAX_FRAME, RequestHeader, VERSION, body,
 };
 use pump_link::message::{
-    Answer, AxisConfig, AxisState, AxisStatus, End, FaultCounts, Identity, MAX_PACKED, MoveOrder, Refusal,
-    Request, Stopping,
+    Answer, AxisConfig, AxisState, AxisStatus, End, FaultCounts, Identity, MAX_PACKED, MoveChange, MoveOrder,
+    Refusal, Request, Stopping,
 };
 
 const HEADER: RequestHeader = RequestHeader { number: 0xfe01, session: 0x8877_6655_4433_2211 };
@@ -19,8 +19,10 @@ fn said(bytes: &[u8]) -> Vec<Result<Vec<u8>, FrameError>> {
     bytes.iter().filter_map(|byte| deframer.push(*byte).map(|said| said.map(<[u8]>::to_vec))).collect()
 }
 
-fn requests(packed: &[u8]) -> [Request<'_>; 10] {
+fn requests(packed: &[u8]) -> [Request<'_>; 11] {
     let order = MoveOrder { from: i64::MIN, last: i64::MAX, shortest_interval: u32::MAX };
+    let change =
+        MoveChange { number: u32::MAX, first: u32::MAX, last: i64::MIN, shortest_interval: u32::MAX };
     let (axis, revision, move_number) = (u8::MAX, u32::MAX, u32::MAX);
     [
         Request::Identify,
@@ -32,6 +34,7 @@ fn requests(packed: &[u8]) -> [Request<'_>; 10] {
         Request::Segments { axis, move_number, first: u32::MAX, packed },
         Request::Begin { at: u64::MAX, moves: [u32::MAX; 4] },
         Request::Stop { moves: [u32::MAX; 4] },
+        Request::Retarget { axis, move_number, change },
         Request::FaultsRead { axis, read: FaultCounts { late: u32::MAX, ..FaultCounts::default() } },
     ]
 }
@@ -92,18 +95,18 @@ fn every_answer_fits_a_frame_and_comes_back() {
 
 #[test]
 fn the_bytes_of_a_frame_stay_what_they_are() {
-    // Version 1, number 2, session 3, `Status` (the third request) of axis 1. The CRC-32 of these bytes is that of zip:
-    // python3 -c 'import zlib; print(hex(zlib.crc32(bytes([1,2,0,3,0,0,0,0,0,0,0,2,1]))))'.
+    // Version 2, number 2, session 3, `Status` (the third request) of axis 1. The CRC-32 of these bytes is that of zip:
+    // python3 -c 'import zlib; print(hex(zlib.crc32(bytes([2,2,0,3,0,0,0,0,0,0,0,2,1]))))'.
     let frame =
         Encoded::request(RequestHeader { number: 2, session: 3 }, &Request::Status { axis: 1 }).unwrap();
     let crc = CRC_OF_THE_EXAMPLE.to_le_bytes();
-    let mut expected = vec![0, 3, 1, 2, 2, 3, 1, 1, 1, 1, 1, 1, 7, 2, 1];
+    let mut expected = vec![0, 3, 2, 2, 2, 3, 1, 1, 1, 1, 1, 1, 7, 2, 1];
     expected.extend(crc);
     expected.push(0);
     assert_eq!(frame.bytes(), expected);
 }
 
-const CRC_OF_THE_EXAMPLE: u32 = 0x90df_e88f;
+const CRC_OF_THE_EXAMPLE: u32 = 0x2d15_8441;
 
 #[test]
 fn another_version_is_told_by_its_number_and_never_read() {

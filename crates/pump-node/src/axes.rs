@@ -1,7 +1,7 @@
 //! The axes of a node on one timer.
 
 use pump_ctl::step::Segment;
-use pump_link::message::{AXES, AxisStatus, End, FaultCounts, MoveOrder, Refusal, Stopping};
+use pump_link::message::{AXES, AxisStatus, End, FaultCounts, MoveChange, MoveOrder, Refusal, Stopping};
 
 use crate::axis::{Axis, NEVER, Setup, ns_in_ticks, rate_hz};
 use crate::board::{Board, Edge, Pins};
@@ -184,20 +184,39 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
         move_number: u32,
         order: MoveOrder,
     ) -> Result<(u32, u16), Refusal> {
-        let (number, tick_hz) = (axis, self.tick_hz);
         if !self.axis(axis)?.may_prepare(move_number, &order)? {
             self.estop_is_released()?;
-            let others = self.axes.iter().enumerate().filter(|(n, _)| *n != usize::from(number));
-            let rates =
-                others.filter_map(|(_, axis)| axis.reserved_interval()).map(|ticks| rate_hz(ticks, tick_hz));
-            let sum_hz = rates.fold(rate_hz(order.shortest_interval, tick_hz), u32::saturating_add);
-            if sum_hz > MAX_STEP_HZ {
-                return Err(Refusal::StepRate { sum_hz, allowed_hz: MAX_STEP_HZ });
-            }
+            self.has_rate(axis, order.shortest_interval)?;
             let now = self.board.now();
             self.axis(axis)?.prepare(move_number, order, now)?;
         }
         self.accepted(axis)
+    }
+
+    /// Changes a move under way. Returns the same as [`Self::accepted`].
+    pub(crate) fn retarget(
+        &mut self,
+        axis: u8,
+        move_number: u32,
+        change: &MoveChange,
+    ) -> Result<(u32, u16), Refusal> {
+        if !self.axis(axis)?.may_change(move_number, change)? {
+            self.has_rate(axis, change.shortest_interval)?;
+            self.axis(axis)?.change(change)?;
+        }
+        self.accepted(axis)
+    }
+
+    /// Refuses steps of an axis that would be more than the axes can make together.
+    fn has_rate(&self, number: u8, shortest_interval: u32) -> Result<(), Refusal> {
+        let others = self.axes.iter().enumerate().filter(|(n, _)| *n != usize::from(number));
+        let rates = others.filter_map(|(_, axis)| axis.reserved_interval());
+        let rates = rates.map(|ticks| rate_hz(ticks, self.tick_hz));
+        let sum_hz = rates.fold(rate_hz(shortest_interval, self.tick_hz), u32::saturating_add);
+        if sum_hz > MAX_STEP_HZ {
+            return Err(Refusal::StepRate { sum_hz, allowed_hz: MAX_STEP_HZ });
+        }
+        Ok(())
     }
 
     /// Returns the number of the segment that comes next, and the room for segments.

@@ -187,6 +187,10 @@ impl Node {
             Request::Segments { axis, move_number, first, packed } => {
                 segments(axis, move_number, first, packed, shared)
             }
+            Request::Retarget { axis, move_number, change } => {
+                let (next, room) = shared.with(|axes| axes.retarget(axis, move_number, &change))?;
+                Ok(Answer::Accepted { next, room })
+            }
             Request::Begin { at, moves } => shared.with(|axes| axes.begin(at, moves)).map(|()| Answer::Begun),
             Request::Stop { moves } => {
                 shared.with(|axes| axes.stop(moves)).map(|ends| Answer::Stopped { ends })

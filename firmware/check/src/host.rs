@@ -196,6 +196,12 @@ impl Host {
         }
     }
 
+    /// Begins moves that are loaded.
+    pub(crate) fn begin_moves(&mut self, moves: [u32; AXES]) -> Result<Answer, Box<dyn Error>> {
+        let at = self.heard_at + BEGIN;
+        self.ask(&Request::Begin { at, moves })
+    }
+
     /// Makes moves that begin at one tick, and feeds them until all motors stand. Returns the tick, and how each
     /// move ended.
     pub(crate) fn make(

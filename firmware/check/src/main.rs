@@ -12,6 +12,7 @@ mod emulator;
 mod host;
 mod lockstep;
 mod parts;
+mod retarget;
 mod ripple;
 mod size;
 mod slow;

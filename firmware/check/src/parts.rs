@@ -7,10 +7,10 @@ use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use crate::{axes, cuts, doses, slow, together, usb};
+use crate::{axes, cuts, doses, retarget, slow, together, usb};
 
 /// Names of the parts, those that take longest first.
-const PARTS: [&str; 8] = ["slow", "cuts", "doses", "even", "stops", "usb", "axes", "smooth"];
+const PARTS: [&str; 9] = ["slow", "cuts", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
 
 /// Number of stops, and of cuts of the link and kills of the host.
 const STOPS: u32 = 30;
@@ -27,6 +27,7 @@ pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<
         "usb" => usb::dose(firmware),
         "even" => together::evens(firmware),
         "axes" => axes::axes(firmware),
+        "retarget" => retarget::retarget(firmware),
         "smooth" => together::smooth(firmware),
         "stops" => cuts::stops(firmware, count(STOPS)?),
         "cuts" => cuts::cuts(firmware, count(CUTS)?),

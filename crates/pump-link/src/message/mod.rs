@@ -18,7 +18,7 @@ pub use axis_status::{AxisState, AxisStatus, End};
 pub use faults::FaultCounts;
 pub use identity::Identity;
 pub use refusal::Refusal;
-pub use request::{MoveOrder, Request};
+pub use request::{MoveChange, MoveOrder, Request};
 
 /// Largest number of axes of a node.
 pub const AXES: usize = 4;

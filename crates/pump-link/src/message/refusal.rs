@@ -109,4 +109,14 @@ pub enum Refusal {
     /// The angle was lost since the axis was configured.
     #[error("the rotor may have turned since the axis was configured; configure it anew and find its angle")]
     AngleLost,
+    /// The change of a move leads back, or replaces segments that the node holds.
+    #[error(
+        "the move cannot be changed there: its segments up to {next} are taken, and lead to position {position}"
+    )]
+    Change {
+        /// Number of the segment that comes next.
+        next: u32,
+        /// Position after the segments taken, signed steps.
+        position: i64,
+    },
 }

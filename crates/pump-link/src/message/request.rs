@@ -84,6 +84,32 @@ pub enum Request<'a> {
         /// Number of faults of each kind since power-up that the host has read.
         read: FaultCounts,
     },
+    /// Gives a move another end, and another plan from a segment on. The segments before it stay as they are.
+    Retarget {
+        /// Axis.
+        axis: u8,
+        /// Number of the move.
+        move_number: u32,
+        /// Bounds of the rest.
+        change: MoveChange,
+    },
+}
+
+/// The change of a move under way: another plan takes over just after a segment.
+///
+/// No segment of the old plan from `first` on was ever sent, so a number means one segment, however often and in
+/// whatever order frames arrive. Segments of the new plan are sent once the change was accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MoveChange {
+    /// Number of the change in its move, from 1. A repeated one is ignored.
+    pub number: u32,
+    /// Number of the first segment of the new plan.
+    pub first: u32,
+    /// Position after the last step of the new plan, signed steps. Nothing makes the motor go beyond it.
+    pub last: i64,
+    /// Shortest interval between two steps of the new plan, whole ticks. The shorter of the old and the new plan's
+    /// reserves the axis's share of the steps that the node can make.
+    pub shortest_interval: u32,
 }
 
 /// The bounds of a move, known before its first segment.

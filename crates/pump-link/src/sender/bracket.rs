@@ -45,6 +45,21 @@ impl Bracket {
         self.sent = self.farther(self.sent, end);
     }
 
+    /// Notes that the move is to end at `last`, before the node is told. The farther of both ends counts from now on.
+    ///
+    /// ```
+    /// use pump_link::sender::Bracket;
+    ///
+    /// let mut bracket = Bracket::new(0, 100, 20);
+    /// bracket.sent(90);
+    /// bracket.retargeted(200);
+    /// bracket.sent(150);
+    /// assert_eq!(bracket.range(), (0, 170));
+    /// ```
+    pub fn retargeted(&mut self, last: i64) {
+        self.last = self.farther(self.last, last);
+    }
+
     /// Returns the least and the largest position at which the motor may be.
     ///
     /// A motor that runs out of segments at speed needs steps to come to rest. They count as long as the move has

@@ -10,5 +10,5 @@ mod window;
 pub use bracket::Bracket;
 pub use clocks::{Clocks, Relation};
 pub use demand::{Demand, FRAME_OVERHEAD, RESERVE_MS, TooFast};
-pub use stream::{Chunk, Stream, StreamError};
+pub use stream::{Chunk, Stream, StreamError, Takeover};
 pub use window::{Answered, LOST_ANSWERS, LinkLost, MOST_SENDS, RESEND_NS, Window, WindowError};

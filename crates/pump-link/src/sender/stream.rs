@@ -56,6 +56,19 @@ pub struct Stream<const N: usize> {
     limit: u32,
     /// Position after the segments that the node has taken, signed steps.
     taken_end: i64,
+    /// Number of segments that were ever sent. It stays when some are sent again.
+    reached: u32,
+    /// Number of the first segment of a new plan that the node has not accepted yet.
+    held_from: Option<u32>,
+}
+
+/// The segment at which a new plan takes over from the old one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Takeover {
+    /// Number of the first segment of the new plan.
+    pub first: u32,
+    /// Position after the last step of the old plan, signed steps.
+    pub position: i64,
 }
 
 impl<const N: usize> Stream<N> {
@@ -70,6 +83,8 @@ impl<const N: usize> Stream<N> {
             pushed: 0,
             limit: 0,
             taken_end: from,
+            reached: 0,
+            held_from: None,
         }
     }
 
@@ -115,13 +130,14 @@ impl<const N: usize> Stream<N> {
         let mut rest = bytes;
         let mut codec = Codec::new(Grain::Fine);
         let first = self.sent;
-        while self.sent < self.pushed.min(self.limit) {
+        while self.sent < self.pushed.min(self.limit).min(self.held_from.unwrap_or(u32::MAX)) {
             let segment = self.held.get(self.sent as usize % N)?;
             if codec.write(segment, &mut rest).is_err() {
                 break;
             }
             self.sent += 1;
         }
+        self.reached = self.reached.max(self.sent);
         let segments = self.sent - first;
         (segments > 0).then(|| Chunk {
             first,
@@ -163,6 +179,40 @@ impl<const N: usize> Stream<N> {
         self.accepted(next, room)?;
         self.sent = next;
         Ok(())
+    }
+
+    /// Drops the segments that were never sent, and returns where a new plan takes over: after all that were. Its
+    /// segments are pushed from now on, and sent once the node has accepted the change ([`Self::go_on`]).
+    ///
+    /// ```
+    /// use pump_ctl::step::Segment;
+    /// use pump_link::sender::{Stream, Takeover};
+    ///
+    /// let mut stream = Stream::<8>::new(0);
+    /// stream.accepted(0, 8)?;
+    /// for _ in 0..3 {
+    ///     stream.push(Segment { count: 5, interval: 500, add: 0, frac: 0 })?;
+    /// }
+    /// // One of them fits into the frame.
+    /// let mut frame = [0; 5];
+    /// assert_eq!(stream.chunk(&mut frame).map(|chunk| chunk.segments), Some(1));
+    /// assert_eq!(stream.retarget(), Takeover { first: 1, position: 5 });
+    /// stream.push(Segment { count: 9, interval: 500, add: 0, frac: 0 })?;
+    /// assert_eq!(stream.chunk(&mut frame), None);
+    /// stream.go_on();
+    /// assert_eq!(stream.chunk(&mut frame).map(|chunk| chunk.end), Some(14));
+    /// # Ok::<(), pump_link::sender::StreamError>(())
+    /// ```
+    pub fn retarget(&mut self) -> Takeover {
+        self.pushed = self.reached.max(self.taken);
+        self.rounder = Rounder::default();
+        self.held_from = Some(self.pushed);
+        Takeover { first: self.pushed, position: self.end_of(self.pushed) }
+    }
+
+    /// Lets the segments of a new plan go, since the node has accepted the change.
+    pub fn go_on(&mut self) {
+        self.held_from = None;
     }
 
     /// Returns the position after segment `number`, which is held or the last one taken.

@@ -25,6 +25,8 @@ pub struct Axis<P, const Q: usize> {
     pub(super) move_number: u32,
     pub(super) order: MoveOrder,
     pub(super) expected: Expected,
+    /// Number of the last change of the move.
+    pub(super) changes: u32,
     /// Position after the segments taken, signed steps.
     pub(super) taken_end: i64,
     /// True if the last move was begun.
@@ -60,6 +62,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             move_number: 0,
             order: NO_ORDER,
             expected: Expected::default(),
+            changes: 0,
             taken_end: 0,
             begun: false,
             stopping: Stopping { last_step_at: 0, final_count: 0 },

@@ -4,7 +4,7 @@ use core::convert::Infallible;
 
 use pump_ctl::drive::{Actuator, Fault, Timer};
 use pump_ctl::step::{Direction, PushError, Segment};
-use pump_link::message::{AxisState, End, MoveOrder, Refusal, Stopping};
+use pump_link::message::{AxisState, End, MoveChange, MoveOrder, Refusal, Stopping};
 use pump_link::receiver::{Arrival, Expected};
 
 use super::axis::Axis;
@@ -73,6 +73,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.move_number = move_number;
         self.order = order;
         self.expected = Expected::default();
+        self.changes = 0;
         self.taken_end = order.from;
         self.begun = false;
         self.state = AxisState::Prepared;
@@ -126,6 +127,42 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.taken_end = end;
         self.expected.taken();
         Ok(true)
+    }
+
+    /// Checks that a move can be changed. Returns true if it has the change already.
+    pub(crate) fn may_change(&mut self, move_number: u32, change: &MoveChange) -> Result<bool, Refusal> {
+        self.is_configured()?;
+        let newest = self.move_number;
+        let lives = matches!(self.state, AxisState::Prepared | AxisState::Moving);
+        match move_number {
+            _ if move_number < newest => return Err(Refusal::Old { newest }),
+            _ if move_number != newest || !lives => return Err(Refusal::NoSuchMove { newest }),
+            _ if change.number == self.changes && self.changes != 0 => return Ok(true),
+            _ if change.number <= self.changes => return Err(Refusal::Old { newest: self.changes }),
+            _ => {}
+        }
+        let (next, position) = (self.expected.next(), self.taken_end);
+        let goes_on =
+            if self.order.last >= self.order.from { change.last > position } else { change.last < position };
+        // The motor comes to rest where the plan ends on its queue.
+        if change.first < next || !goes_on || position == self.order.last {
+            return Err(Refusal::Change { next, position });
+        }
+        if u64::from(change.shortest_interval) < self.times.pulse.max(1) {
+            return Err(Refusal::Pulse);
+        }
+        Ok(false)
+    }
+
+    /// Changes a move that [`Self::may_change`]. The segments that were taken stay.
+    pub(crate) fn change(&mut self, change: &MoveChange) -> Result<(), Refusal> {
+        let newest = self.move_number;
+        let ended = self.configured()?.stepper().set_end(change.last);
+        ended.map_err(|_| Refusal::NoSuchMove { newest })?;
+        self.order.last = change.last;
+        self.order.shortest_interval = self.order.shortest_interval.min(change.shortest_interval);
+        self.changes = change.number;
+        Ok(())
     }
 
     /// Checks that a move can begin at tick `at`. Returns true if it has begun already.

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use pump_link::frame::{AnswerHeader, Deframer, body};
-use pump_link::message::{
-    AXES, Answer, AxisConfig, AxisState, AxisStatus, End, MAX_PACKED, MoveOrder, Refusal, Request, Stopping,
-};
+use pump_link::message::{AXES, Answer, AxisConfig, AxisState, End, MAX_PACKED, MoveOrder, Refusal, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::sender::{Bracket, Clocks, Stream, Window};
 
+use crate::host_axis::HostAxis;
 use crate::plans::{PlanData, TICK_HZ};
 use crate::world::QUEUE;
 
@@ -31,35 +30,6 @@ pub(crate) enum Phase {
 }
 
 #[derive(Debug)]
-pub(crate) struct HostAxis {
-    pub(crate) plan: &'static PlanData,
-    /// Segments of the plan that were pushed.
-    pushed: usize,
-    pub(crate) stream: Stream<64>,
-    pub(crate) bracket: Bracket,
-    pub(crate) from: i64,
-    pub(crate) status: Option<AxisStatus>,
-    pub(crate) stopping: Option<Stopping>,
-    brake_sent: u8,
-    config_sent: bool,
-    configured: bool,
-    /// True once the move's order is made.
-    ordered: bool,
-    /// True once the node has the move's order.
-    prepared: bool,
-}
-
-impl HostAxis {
-    pub(crate) fn last(&self) -> i64 {
-        self.from + self.plan.steps
-    }
-
-    fn has_ended(&self) -> bool {
-        self.status.is_some_and(|status| matches!(status.state, AxisState::Ended(_)))
-    }
-}
-
-#[derive(Debug)]
 pub(crate) struct Host {
     pub(crate) window: Window<8>,
     deframer: Deframer,
@@ -70,6 +40,8 @@ pub(crate) struct Host {
     asked: BTreeMap<u16, (usize, Kind)>,
     move_number: u32,
     dead_man_ms: u16,
+    /// Most changes of each move.
+    pub(crate) changes: u32,
     pub(crate) stop: bool,
     pub(crate) begin_at: Option<u64>,
     next_status_ns: u64,
@@ -89,26 +61,14 @@ pub(crate) enum Kind {
     Brake,
     Prepare,
     Segments,
+    Retarget,
     Begin,
     Stop,
 }
 
 impl Host {
     pub(crate) fn new(session: u64, plans: &[&'static PlanData], dead_man_ms: u16) -> Self {
-        let axes = plans.iter().map(|plan| HostAxis {
-            plan,
-            pushed: 0,
-            stream: Stream::new(0),
-            bracket: Bracket::new(0, plan.steps, 0),
-            from: 0,
-            status: None,
-            stopping: None,
-            brake_sent: 0,
-            config_sent: false,
-            configured: false,
-            ordered: false,
-            prepared: false,
-        });
+        let axes = plans.iter().map(|plan| HostAxis::new(plan));
         Self {
             window: Window::new(session),
             deframer: Deframer::new(),
@@ -118,6 +78,7 @@ impl Host {
             asked: BTreeMap::new(),
             move_number: 1,
             dead_man_ms,
+            changes: 0,
             stop: false,
             begin_at: None,
             next_status_ns: 0,
@@ -185,6 +146,10 @@ impl Host {
             Answer::Accepted { next, room } => {
                 axis.stream.accepted(next, room).unwrap();
                 axis.prepared = true;
+                if let (Kind::Retarget, Some(change)) = (kind, &mut axis.change) {
+                    change.accepted = true;
+                    axis.stream.go_on();
+                }
             }
             Answer::Begun => self.phase = Phase::Run,
             Answer::Stopped { ends } => {
@@ -254,8 +219,7 @@ impl Host {
             Phase::Prepare => self.prepare(),
             Phase::Load => {
                 self.feed();
-                let full =
-                    |axis: &HostAxis| axis.stream.taken() as usize >= QUEUE.min(axis.plan.segments.len());
+                let full = |axis: &HostAxis| axis.stream.taken() as usize >= QUEUE.min(axis.segments.len());
                 self.status_every(now_ns, 10_000_000);
                 if self.axes.iter().all(full) {
                     self.phase = Phase::Begin;
@@ -271,6 +235,7 @@ impl Host {
                 }
             }
             Phase::Run => {
+                self.change();
                 self.feed();
                 self.status_every(now_ns, 20_000_000);
                 let over = |axis: &HostAxis| {
@@ -373,17 +338,36 @@ impl Host {
                 axis.from = axis.status.unwrap().position;
                 let brake_steps = axis.plan.brake.climb().map(|entry| entry.steps()).sum();
                 axis.stream = Stream::new(axis.from);
-                axis.bracket = Bracket::new(axis.from, axis.last(), brake_steps);
+                (axis.last, axis.farthest) = (axis.from + axis.plan.steps, axis.from + axis.plan.steps);
+                axis.planned_from = axis.from;
+                axis.bracket = Bracket::new(axis.from, axis.last, brake_steps);
                 axis.pushed = 0;
-                push(axis);
+                axis.push();
             }
             let order = MoveOrder {
                 from: axis.from,
-                last: axis.last(),
+                last: axis.last,
                 shortest_interval: axis.plan.shortest_interval,
             };
             let request = Request::Prepare { axis: n as u8, move_number: self.move_number, order };
             self.ask(&request, n, Kind::Prepare);
+        }
+    }
+
+    /// Changes moves under way, and tells the node of changes that it has not accepted.
+    fn change(&mut self) {
+        for n in 0..self.axes.len() {
+            let axis = &mut self.axes[n];
+            if axis.tried < self.changes && !self.stop && axis.changes_now() {
+                axis.change();
+            }
+            let told = axis.change.filter(|change| !change.accepted && !axis.has_ended() && !self.stop);
+            let is_asked = self.asked.values().any(|asked| *asked == (n, Kind::Retarget));
+            if let Some(change) = told.filter(|_| !is_asked) {
+                let (axis, move_number) = (n as u8, self.move_number);
+                let request = Request::Retarget { axis, move_number, change: change.order };
+                self.ask(&request, n, Kind::Retarget);
+            }
         }
     }
 
@@ -394,7 +378,7 @@ impl Host {
             let live = axis
                 .status
                 .is_none_or(|status| matches!(status.state, AxisState::Prepared | AxisState::Moving));
-            push(axis);
+            axis.push();
             if !live
                 || self.stop
                 || self.asked.values().filter(|asked| asked.1 == Kind::Segments).count() >= 4
@@ -434,6 +418,7 @@ impl Host {
         self.begin_at = other.begin_at;
         for (axis, before) in self.axes.iter_mut().zip(&other.axes) {
             axis.from = before.from;
+            (axis.last, axis.farthest) = (before.last, before.farthest);
             axis.bracket = before.bracket;
         }
     }
@@ -450,12 +435,5 @@ impl Host {
         let complete =
             |axis: &HostAxis| axis.status.is_some_and(|s| s.state == AxisState::Ended(End::Complete));
         self.phase == Phase::Over && self.axes.iter().all(complete)
-    }
-}
-
-fn push(axis: &mut HostAxis) {
-    while axis.stream.room() > 0 && axis.pushed < axis.plan.segments.len() {
-        axis.stream.push(axis.plan.segments[axis.pushed]).unwrap();
-        axis.pushed += 1;
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
 use pump_ctl::step::{Brake, Segment, TickRate};
 use pump_model::Pump;
 
@@ -16,7 +16,27 @@ pub(crate) struct PlanData {
     pub(crate) steps: i64,
     pub(crate) brake: Brake,
     pub(crate) shortest_interval: u32,
+    pub(crate) plan: Plan,
+    pub(crate) motor: Motor,
+    pub(crate) volume_ml: f64,
+    pub(crate) ml_s: f64,
 }
+
+/// Returns true if a full queue never lasts less than 120 ms.
+pub(crate) fn lasts_long_enough(segments: &[Segment]) -> bool {
+    let lasts = |part: &[Segment]| part.iter().map(|segment| segment.duration().whole).sum::<u64>();
+    segments.windows(QUEUE).all(|part| lasts(part) >= 120_000)
+}
+
+/// Returns the shortest interval of segments. Rounding to the link's grain makes an interval shorter by less than a
+/// tick.
+pub(crate) fn shortest_interval(segments: &[Segment]) -> u32 {
+    let ends = segments.iter().flat_map(|s| [s.interval_before(1), s.interval_before(s.steps())]);
+    u32::try_from(ends.map(|ticks| ticks.whole).min().unwrap() - 1).unwrap()
+}
+
+/// Pump of the plans.
+pub(crate) static PUMP: LazyLock<Pump> = LazyLock::new(Pump::three_roller);
 
 impl std::fmt::Debug for PlanData {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -26,7 +46,7 @@ impl std::fmt::Debug for PlanData {
 
 /// Plans of some hundred steps: smooth and even, forward and reverse, on a quick motor and on a sluggish one.
 pub(crate) static PLANS: LazyLock<Vec<PlanData>> = LazyLock::new(|| {
-    let pump = Pump::three_roller();
+    let pump = *PUMP;
     let mut plans = Vec::new();
     for acceleration in [500.0, 20.0] {
         let motor = Motor::new(3_200.0, 17.8, acceleration);
@@ -42,18 +62,18 @@ pub(crate) static PLANS: LazyLock<Vec<PlanData>> = LazyLock::new(|| {
             let request = Request::new(volume_ml, Cruise::Flow { ml_s }).with_smooth(smooth);
             let plan = doser.plan(Phase::known(0.3), &request).unwrap();
             let segments: Vec<_> = plan.segments(TICK_RATE).collect();
-            let lasts = |part: &[Segment]| part.iter().map(|segment| segment.duration().whole).sum::<u64>();
-            if segments.windows(QUEUE).any(|part| lasts(part) < 120_000) {
+            if !lasts_long_enough(&segments) {
                 continue;
             }
-            let ends = segments.iter().flat_map(|s| [s.interval_before(1), s.interval_before(s.steps())]);
-            // Rounding to the link's grain makes an interval shorter by less than a tick.
-            let shortest = ends.map(|ticks| ticks.whole).min().unwrap() - 1;
             plans.push(PlanData {
                 steps: plan.steps(),
                 brake: motor.brake(TICK_RATE).unwrap(),
-                shortest_interval: u32::try_from(shortest).unwrap(),
+                shortest_interval: shortest_interval(&segments),
                 segments,
+                plan,
+                motor,
+                volume_ml,
+                ml_s,
             });
         }
     }

@@ -1,6 +1,6 @@
 //! Nothing moves by itself, and no pin is an output before the host says so.
 
-use pump_link::frame::{Encoded, RequestHeader};
+use pump_link::frame::{Encoded, RequestHeader, VERSION};
 use pump_link::message::{Answer, AxisConfig, AxisState, Refusal, Request};
 use pump_node::Levels;
 
@@ -42,16 +42,16 @@ fn an_unknown_version_is_answered_by_its_number_and_does_nothing() {
     let begun = direct.now();
     let header = RequestHeader { number: 9, session: SESSION };
     let frame = Encoded::request(header, &Request::Stop { moves: [1, 0, 0, 0] }).unwrap();
-    // The frame anew with version 2, by hand: COBS of payload and CRC.
+    // The frame anew with another version, by hand: COBS of payload and CRC.
     let mut decoded = frame.bytes()[1..frame.bytes().len() - 1].to_vec();
     let len = cobs_decode(&mut decoded);
     let mut payload = decoded[..len - 4].to_vec();
-    payload[0] = 2;
+    payload[0] = 9;
     payload.extend(crc32(&payload).to_le_bytes());
     let answers = direct.bytes(&[&[0], &cobs_encode(&payload)[..], &[0]].concat());
-    assert_eq!(answers, [Answer::Refused(Refusal::Version { known: 1 })]);
+    assert_eq!(answers, [Answer::Refused(Refusal::Version { known: VERSION })]);
     // With another checksum nothing is answered.
-    payload[0] = 1;
+    payload[0] = VERSION;
     assert!(direct.bytes(&[&[0], &cobs_encode(&payload)[..], &[0]].concat()).is_empty());
     assert_eq!(direct.status(0).state, AxisState::Moving);
     // Neither feeds the dead-man timer.
