@@ -150,7 +150,8 @@ pub enum DoseError {
     AngleIsKnown,
     /// The dose would use up the tube.
     #[error(
-        "the tube has {} {used:.1} {unit}, and this dose of {planned:.4} {unit} would use up the {} {unit} that it lasts",
+        "the tube has {} {used:.1} {unit}, and this dose of {planned:.4} {unit} would use up the \
+         {} {unit} that it lasts",
         unit.verb(), Shown(*life)
     )]
     TubeWorn {

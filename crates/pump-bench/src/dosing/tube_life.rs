@@ -94,8 +94,8 @@ impl TubeLife {
         let after = self.after();
         (after >= WARNED_FROM * life).then(|| {
             let text = format!(
-                "with this dose the tube will have {} {after:.1} {unit} of the {life} {unit} that it lasts, {:.1} {unit} \
-                 are left",
+                "with this dose the tube will have {} {after:.1} {unit} of the {life} {unit} that it \
+                 lasts, {:.1} {unit} are left",
                 unit.verb(),
                 (life - after).max(0.0)
             );
@@ -149,8 +149,8 @@ mod tests {
         let spent = TubeLife::nearest(&table, wear(0.0, 99.5, 0.0), planned).unwrap().check().unwrap_err();
         assert_eq!(
             spent.to_string(),
-            "the tube has turned 99.5 revolutions, and this dose of 1.0000 revolutions would use up the 100 revolutions \
-             that it lasts"
+            "the tube has turned 99.5 revolutions, and this dose of 1.0000 revolutions would use up the \
+             100 revolutions that it lasts"
         );
     }
 }

@@ -1,9 +1,9 @@
 //! The announcements of a long motion, of which the journal keeps the last ones.
 //!
-//! Each announcement makes the ones before it void, so a run of a day need not leave all of them. The first one of a long
-//! motion stands in a slot: a line of fixed length within one sector of the disk. Once enough others stand behind it,
-//! the last announcement takes the slot, and what stands behind is cut off. A process or a computer that ends between
-//! the two leaves all lines, of which the last one counts as ever.
+//! Each announcement makes the ones before it void, so a run of a day need not leave all of them. The first one of a
+//! long motion stands in a slot: a line of fixed length within one sector of the disk. Once enough others stand behind
+//! it, the last announcement takes the slot, and what stands behind is cut off. A process or a computer that ends
+//! between the two leaves all lines, of which the last one counts as ever.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
