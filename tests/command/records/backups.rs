@@ -151,9 +151,9 @@ fn a_restore_that_is_killed_at_any_write_leaves_the_old_records_or_the_new_ones_
         let found = named(&user.path("state"));
         assert!(found == old || found == new, "{how}: {:?}", found.keys());
         if found == old {
-            olds += 1
+            olds += 1;
         } else {
-            news += 1
+            news += 1;
         }
         // The records go on as if nothing had been.
         assert_eq!(user.types(&["status"]).code, 0, "{how}");
