@@ -7,14 +7,16 @@ use pump_bench::report::{TubeReport, carry_dropped_text, rotor_text};
 use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
+use crate::options::files::{Files, PlotOption};
 use crate::options::limits::TubeLimit;
 use crate::options::report::FormatOption;
+use crate::outputs::Outputs;
 use crate::terminal::{noted, print_json, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct TubeArgs {
     /// The tube is new: it has pumped nothing, and nothing is carried
-    #[arg(long, conflicts_with = "format")]
+    #[arg(long, conflicts_with_all = ["format", "plot"])]
     new: bool,
     #[command(flatten)]
     bench: BenchOptions,
@@ -22,6 +24,8 @@ pub(crate) struct TubeArgs {
     tube_limit: TubeLimit,
     #[command(flatten)]
     format: FormatOption,
+    #[command(flatten)]
+    plot: PlotOption,
 }
 
 impl TubeArgs {
@@ -31,6 +35,16 @@ impl TubeArgs {
         let bench = self.bench.bench_of(file)?;
         if !self.new {
             let tube = TubeReport::of(&bench)?;
+            if let Some(path) = &self.plot.plot {
+                let state_dir = Some(self.bench.record.folder(&self.bench.pump.config()?)?);
+                let pump = self.bench.pump.path()?;
+                let config = self.bench.pump.config_path();
+                let outputs = [("--plot", Some(path.as_path()))];
+                Files { outputs: &outputs, inputs: &[pump.as_deref()], config, state_dir }.check()?;
+                let mut outputs = Outputs::default();
+                outputs.drawing(path, tube.svg())?;
+                outputs.put()?;
+            }
             return if self.format.json() { print_json(&(tube.json() + "\n")) } else { tell(&tube.text()) };
         }
         let mut session = bench.session()?;

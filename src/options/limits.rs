@@ -58,11 +58,34 @@ impl DayLimit {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct TubeLimit {
-    /// Volume that a tube lasts, as 100L
-    #[arg(long_help = "Volume that a tube lasts, as 100L. Doses warn from 90 % of it on, and are refused \
-        beyond. The default is the pump file's.")]
-    #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
-    tube_limit: Option<f64>,
+    /// Life of a tube, as 100L, 500h or 1e6rev
+    #[arg(
+        long_help = "Life of a tube, as 100L, 500h or 1e6rev. Doses warn from 90 % of it on, and are refused \
+        beyond. The default is the pump file's, of which the first that is reached counts."
+    )]
+    #[arg(long, value_name = "LIFE", value_parser = tube_life)]
+    tube_limit: Option<AskedLife>,
+}
+
+/// A life of a tube that was asked for.
+#[derive(Debug, Clone, Copy)]
+enum AskedLife {
+    /// Volume, in mL.
+    Volume(f64),
+    /// Time in motion, in h.
+    Time(f64),
+    /// Revolutions.
+    Turns(f64),
+}
+
+/// Reads a volume, a time, or a number of revolutions.
+fn tube_life(text: &str) -> Result<AskedLife, units::QuantityError> {
+    let is_turns = text.trim_end().ends_with("rev");
+    match (units::time_s(text), units::angle_rad(text)) {
+        (Ok(time_s), _) => Ok(AskedLife::Time(time_s / 3600.0)),
+        (_, Ok(turn_rad)) if is_turns => Ok(AskedLife::Turns(turn_rad / std::f64::consts::TAU)),
+        _ => units::volume_ml(text).map(AskedLife::Volume),
+    }
 }
 
 impl PressureOptions {
@@ -79,6 +102,11 @@ impl PressureOptions {
 impl TubeLimit {
     /// Puts the life that is named in place of the pump file's.
     pub(crate) fn change(&self, file: &mut PumpFile) {
-        file.tube.life_ml = self.tube_limit.or(file.tube.life_ml);
+        match self.tube_limit {
+            None => {}
+            Some(AskedLife::Volume(life_ml)) => file.tube.life_ml = Some(life_ml),
+            Some(AskedLife::Time(life_h)) => file.tube.life_h = Some(life_h),
+            Some(AskedLife::Turns(life_rev)) => file.tube.life_rev = Some(life_rev),
+        }
     }
 }

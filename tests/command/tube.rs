@@ -70,6 +70,45 @@ fn the_pump_file_says_how_long_a_tube_lasts_and_the_option_overrides_it() {
 }
 
 #[test]
+fn a_tube_may_last_for_hours_or_revolutions_and_the_first_that_is_reached_counts() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let write = |lives: &str| {
+        let text = three.replace("outer_radius_mm = 7.0\n", &format!("outer_radius_mm = 7.0\n{lives}\n"));
+        fs::write(user.path("my.toml"), text).unwrap();
+    };
+    // 25 mL are 1.2 revolutions in some 5 s.
+    write("life_ml = 1000.0\nlife_rev = 2.0\nlife_h = 1.0");
+    user.json(&["25mL", "--pump", "my.toml"]);
+    let refused = user.is_refused(&["25mL", "--pump", "my.toml"]);
+    assert!(
+        refused.contains("has turned 1.2 revolutions") && refused.contains("the 2 revolutions that it"),
+        "{refused}"
+    );
+    let tube = user.json(&["tube", "--pump", "my.toml"]);
+    assert!((number(&tube, "used_part") - number(&tube, "revolutions") / 2.0).abs() < 1e-12, "{tube}");
+    write("life_ml = 1000.0\nlife_h = 0.002");
+    let refused = user.is_refused(&["25mL", "--pump", "my.toml"]);
+    assert!(refused.contains("would use up the 0.002 h that it lasts"), "{refused}");
+    for (limit, words) in
+        [("2rev", "the 2 revolutions that it lasts"), ("7s", "h that it lasts"), ("30mL", "30 mL")]
+    {
+        let refused = user.is_refused(&["25mL", "--tube-limit", limit]);
+        assert!(refused.contains(words), "{limit}: {refused}");
+    }
+    let status = user.json(&["status", "--tube-limit", "500h"]);
+    assert_eq!((number(&status, "tube_life_h"), &status["tube_life_ml"]), (500.0, &serde_json::Value::Null));
+    // A run until it is stopped ends before the tube does.
+    let run = user.json(&["run", "--rate", "5mL/s", "--dry-run", "--tube-limit", "1h"]);
+    assert!((number(&run, "motion_s") / 3600.0 - 0.98).abs() < 0.02, "{run}");
+    for key in ["life_h", "life_rev"] {
+        write(&format!("{key} = 0.0"));
+        let message = user.is_refused(&["10mL", "--pump", "my.toml"]);
+        assert!(message.contains(&format!("[tube] {key} is ")), "{message}");
+    }
+}
+
+#[test]
 fn a_new_tube_has_pumped_nothing_and_doses_owe_nothing() {
     let user = User::new();
     let before = user.json(&["10mL"]);
@@ -164,6 +203,12 @@ fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
         text.contains(&format!("calibrate again by {by}")) && text.contains("in 30 days (k = 2)"),
         "{text}"
     );
+    // The picture falls from its left to its right.
+    let rows: Vec<&str> = text.lines().filter(|line| line.contains('|') && line.contains('o')).collect();
+    assert!(rows.len() == 3 && rows[0].find('o') < rows[2].find('o'), "{text}");
+    assert!(text.contains("0 to 60 days"), "{text}");
+    assert_eq!(user.types(&["tube", "--plot", "tube.svg"]).code, 0);
+    assert!(fs::read_to_string(user.path("tube.svg")).unwrap().contains("days since the first calibration"));
     // A new tube has none of them.
     assert_eq!(user.types(&["tube", "--new"]).code, 0);
     assert_eq!(user.json(&["tube"])["tube"], 2);

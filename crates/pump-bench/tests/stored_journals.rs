@@ -34,6 +34,9 @@ fn journals_of_the_first_version_give_the_status_that_it_printed() {
         let added = ["carry_half_width_ml", "unfinished_calibration", "last_by_weight"]
             .map(|key| found.as_object_mut().unwrap().remove(key));
         assert_eq!(added, [Some(Value::from(0.0)), Some(Value::Null), Some(Value::Null)]);
+        let lives =
+            ["tube_life_h", "tube_life_revolutions"].map(|key| found.as_object_mut().unwrap().remove(key));
+        assert_eq!(lives, [Some(Value::Null), Some(Value::Null)]);
         // All that the tube has pumped counts as if it were pumped now.
         let safety = found.as_object_mut().unwrap().remove("safety").unwrap();
         let pumped_ml = found["wear"]["volume_ml"].as_f64().unwrap();

@@ -108,3 +108,89 @@ fn a_backup_that_is_cut_or_changed_anywhere_is_refused_and_changes_nothing() {
         "a path out of the folder"
     );
 }
+
+/// Files of a folder by their names within it.
+fn named(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let within = |(path, bytes): (PathBuf, Vec<u8>)| (path.strip_prefix(folder).unwrap().to_owned(), bytes);
+    files(folder).into_iter().map(within).collect()
+}
+
+/// Puts the old records back in place, alone.
+fn reset(user: &User, old: &BTreeMap<PathBuf, Vec<u8>>) {
+    for entry in fs::read_dir(user.folder.path()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            fs::remove_dir_all(path).unwrap();
+        }
+    }
+    for (name, bytes) in old {
+        let path = user.path("state").join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_restore_that_is_killed_at_any_write_leaves_the_old_records_or_the_new_ones_whole() {
+    use std::process::{Command, Stdio};
+    use std::thread::sleep;
+    use std::time::{Duration, Instant};
+
+    let user = User::new();
+    user.types(&["5mL"]);
+    user.types(&["1mL", "--pump", "two-roller"]);
+    let old = named(&user.path("state"));
+    user.types(&["5mL"]);
+    user.types(&["3mL"]);
+    user.types(&["backup", "new.backup"]);
+    let new = named(&user.path("state"));
+    assert_ne!(old, new);
+    let (mut olds, mut news) = (0, 0);
+    let mut check = |how: &str| {
+        let found = named(&user.path("state"));
+        assert!(found == old || found == new, "{how}: {:?}", found.keys());
+        if found == old {
+            olds += 1;
+        } else {
+            news += 1;
+        }
+        // The records go on as if nothing had been.
+        assert_eq!(user.types(&["status"]).code, 0, "{how}");
+        reset(&user, &old);
+    };
+    reset(&user, &old);
+    // The system kills a process that writes beyond a limit of file size (SIGXFSZ). Each length of a file, and one byte
+    // less, is a limit, so that each write is the last of one process.
+    let lengths =
+        new.values().map(|bytes| bytes.len() as u64).flat_map(|length| [length.saturating_sub(1), length]);
+    let mut limits: Vec<u64> = lengths.chain([0, 1, 100]).collect();
+    limits.sort_unstable();
+    limits.dedup();
+    for limit in limits {
+        let command = user.command(&["restore", "new.backup"]);
+        let mut limited = Command::new("bash");
+        let script = "ulimit -c 0; prlimit --fsize=$0 --pid $$; exec \"$@\"";
+        limited.args(["-c", script, &limit.to_string()]).arg(command.get_program()).args(command.get_args());
+        limited.current_dir(user.folder.path()).env_remove("DOSE_PUMP").env_remove("DOSE_CONFIG");
+        limited.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+        let ended = limited.stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap();
+        assert!(ended.code().is_none() || ended.success(), "{limit} bytes: {ended}");
+        check(&format!("a write beyond {limit} bytes"));
+    }
+    // Syncs and renames are met by kills over the time that a whole restore takes.
+    let began = Instant::now();
+    assert_eq!(user.types(&["restore", "new.backup"]).code, 0);
+    let whole = began.elapsed();
+    check("a whole restore");
+    const KILLS: u32 = 60;
+    for kill in 0..KILLS {
+        let mut child = user.command(&["restore", "new.backup"]);
+        let mut child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        sleep(whole.mul_f64(1.2 * f64::from(kill) / f64::from(KILLS)).max(Duration::from_micros(50)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        check(&format!("kill {kill}"));
+    }
+    assert!(olds > 10 && news > 0, "{olds} found the old records, {news} the new ones");
+}

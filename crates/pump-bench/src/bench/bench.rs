@@ -21,7 +21,7 @@ use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::{BOARDS, Folder};
 use crate::record::{Clock, SystemClock};
 use crate::record::{PhaseSource, Purpose};
-use crate::record::{PumpState, Story};
+use crate::record::{PumpState, Story, Wear};
 
 /// File in the journal's folder that holds the device settings of the last time.
 const SETTINGS_RECORD: &str = "board-settings.json";
@@ -382,13 +382,12 @@ impl Bench {
         Err(DoseError::Unfinished { requested_ml: dose.intent.whole_requested_ml(), least_ml, most_ml })
     }
 
-    /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.
-    pub(super) fn tube_life(&self, state: Option<PumpState>, prepared: &Prepared) -> Option<TubeLife> {
-        Some(TubeLife {
-            life_ml: self.file.tube.life_ml?,
-            pumped_ml: state.map_or(0.0, |state| state.wear.volume_ml),
-            planned_ml: prepared.plan.planned_ml().abs(),
-        })
+    /// Returns the life of the tube with the planned dose, by the measure of which most is used. `None` without a life.
+    fn tube_life(&self, state: Option<PumpState>, prepared: &Prepared) -> Option<TubeLife> {
+        let plan = &prepared.plan;
+        let revolutions = plan.steps().unsigned_abs() as f64 / plan.steps_per_rev();
+        let planned = Wear { volume_ml: plan.planned_ml().abs(), revolutions, motion_s: prepared.motion_s() };
+        TubeLife::nearest(&self.file.tube, state.map_or(Wear::default(), |state| state.wear), planned)
     }
 }
 

@@ -88,6 +88,8 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             modulus_mpa: Some(3.5),
             poisson_ratio: Some(0.49),
             life_ml: None,
+            life_h: None,
+            life_rev: None,
         },
         rollers: RollersTable {
             count: rollers,

@@ -21,6 +21,7 @@ use crate::record::Stamp;
 use crate::safety::Stand;
 
 use super::flow_profile::ProfileError;
+use super::tube_life::LifeUnit;
 
 pub use no_rest_by_weight::NoRestByWeight;
 pub use weight_fault::WeightFault;
@@ -149,17 +150,19 @@ pub enum DoseError {
     AngleIsKnown,
     /// The dose would use up the tube.
     #[error(
-        "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the \
-         {} mL that it lasts",
-        Shown(*life_ml)
+        "the tube has {} {used:.1} {unit}, and this dose of {planned:.4} {unit} would use up the \
+         {} {unit} that it lasts",
+        unit.verb(), Shown(*life)
     )]
     TubeWorn {
-        /// Life of the tube, in mL.
-        life_ml: f64,
-        /// Volume that the tube has pumped, in mL.
-        pumped_ml: f64,
-        /// Volume of the planned dose in either direction, in mL.
-        planned_ml: f64,
+        /// Measure of the life.
+        unit: LifeUnit,
+        /// Life of the tube.
+        life: f64,
+        /// Part that the tube has behind it.
+        used: f64,
+        /// Part that the planned dose takes, in either direction.
+        planned: f64,
     },
     /// The rotor has moved since the dose was prepared.
     #[error(

@@ -30,6 +30,7 @@ pub use ripple::{RippleAt, RippleReport};
 pub use schedule::{MAX_DOSES, Missed, Schedule, ScheduleAction, ScheduleError};
 pub(crate) use stands::Stands;
 pub(crate) use swept::Swept;
+pub use tube_life::LifeUnit;
 pub(crate) use tube_life::TubeLife;
 #[cfg(test)]
 pub(crate) use uncertainty::Budget;

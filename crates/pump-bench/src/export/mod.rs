@@ -11,6 +11,8 @@ pub(crate) use csv::TRACE_HEADER;
 pub use csv::{write_flow_steps, write_samples, write_steps};
 pub use fitted::{Axes, Fitted};
 #[cfg(feature = "plot")]
+pub(crate) use pictures::tube_svg;
+#[cfg(feature = "plot")]
 pub use pictures::{
     BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION, fit_svg, section_svg, waveform_svg,
 };

@@ -48,6 +48,10 @@ pub struct Status {
     pub wear: Wear,
     /// Volume that a tube lasts, mL; null if nobody has said it.
     pub tube_life_ml: Option<f64>,
+    /// Time in motion that a tube lasts, h; null if nobody has said it.
+    pub tube_life_h: Option<f64>,
+    /// Revolutions that a tube lasts; null if nobody has said it.
+    pub tube_life_revolutions: Option<f64>,
     /// Calibration that doses use; null if they use none.
     pub calibration: Option<CalibrationStatus>,
     /// Dose that was begun and not finished; null if there is none.
@@ -196,6 +200,8 @@ impl Status {
             carry_half_width_ml: state.carry_within_ml(bench.model()),
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
+            tube_life_h: bench.file().tube.life_h,
+            tube_life_revolutions: bench.file().tube.life_rev,
             calibration: bench.calibrations().active()?.map(CalibrationStatus::of),
             unfinished,
             last_by_weight: LastByWeight::of(&state),

@@ -58,7 +58,11 @@ impl Status {
             format!("{:.1} h", motion_s / 3600.0)
         };
         let life = self.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {life_ml} mL"));
-        format!("tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion")
+        let turns = self.tube_life_revolutions.map_or(String::new(), |turns| format!(" of {turns}"));
+        let hours = self.tube_life_h.map_or(String::new(), |hours| format!(" (of {hours} h)"));
+        format!(
+            "tube: {volume_ml:.1} mL{life} in {revolutions:.1}{turns} revolutions and {time}{hours} of motion"
+        )
     }
 
     fn unfinished_dose(&self, dose: &UnfinishedStatus, words: Wording) -> String {

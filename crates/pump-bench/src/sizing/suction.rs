@@ -45,6 +45,8 @@ pub(super) fn suction(file: &PumpFile, steady: &SteadyState) -> Suction {
         modulus_mpa: Some(hose.modulus_mpa),
         poisson_ratio: Some(hose.poisson_ratio),
         life_ml: None,
+        life_h: None,
+        life_rev: None,
     });
     Suction {
         vapour_kpa,

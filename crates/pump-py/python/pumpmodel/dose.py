@@ -441,6 +441,8 @@ class Status(Record):
     carry_half_width_ml: float
     wear: Wear
     tube_life_ml: float | None
+    tube_life_h: float | None
+    tube_life_revolutions: float | None
     calibration: CalibrationInUse | None
     unfinished: Unfinished | None
     last_by_weight: LastByWeight | None

@@ -12,7 +12,7 @@ use crate::bench::safety::RunBounds;
 use crate::dosing::{DoseError, DoseRequest, Prepared, cruise_of};
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
-use crate::record::PumpState;
+use crate::record::{PumpState, Wear};
 
 /// Most plans in the search for a time at constant ramps. Two or three are usual.
 const NEWTON_ROUNDS: u32 = 8;
@@ -81,8 +81,7 @@ impl Bench {
         }
         let step_ml = self.model().revolution_ml() / file.limits_with(request.pressures).motor.steps_per_rev;
         let flow_ml_s = self.flow_ml_s(file, state, request)?;
-        let worn_ml = state.map_or(0.0, |state| state.wear.volume_ml);
-        let left_ml = file.tube.life_ml.map_or(f64::INFINITY, |life_ml| life_ml - worn_ml);
+        let left_ml = self.tube_left_ml(file, state, flow_ml_s);
         let counted_ml =
             most.and_then(|most| most.steps).map_or(f64::INFINITY, |steps| steps as f64 * step_ml);
         let any_ml = MAX_VOLUME_ML.min(MAX_STEPS * step_ml).min(MAX_DURATION_S * flow_ml_s);
@@ -108,6 +107,17 @@ impl Bench {
             plan.warnings.push(text.into());
         }
         Ok(plan)
+    }
+
+    /// Returns the volume for which the tube lasts at a flow, in mL. Infinite if the pump file gives no life.
+    fn tube_left_ml(&self, file: &PumpFile, state: Option<PumpState>, flow_ml_s: f64) -> f64 {
+        let worn = state.map_or(Wear::default(), |state| state.wear);
+        let left_ml = file.tube.life_ml.map(|life_ml| life_ml - worn.volume_ml);
+        let left_rev = file.tube.life_rev.map(|life_rev| life_rev - worn.revolutions);
+        let left_s = file.tube.life_h.map(|life_h| 3600.0 * life_h - worn.motion_s);
+        let of_time_ml = left_s.map(|left_s| left_s * flow_ml_s);
+        let of_turns_ml = left_rev.map(|left_rev| left_rev * self.model().revolution_ml());
+        [left_ml, of_turns_ml, of_time_ml].into_iter().flatten().fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the mean flow of the cruise that a request asks for, in mL/s, positive.

@@ -5,10 +5,10 @@ use pump_model::Pump;
 
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
-use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared};
+use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared, TubeLife};
 use crate::drives::DriveError;
 use crate::pump_file::PumpFile;
-use crate::record::{Asked, PumpState};
+use crate::record::{Asked, PumpState, Wear};
 
 /// Rows between two looks whether the user asked to stop.
 const ROWS_A_LOOK: usize = 64;
@@ -140,12 +140,16 @@ impl Bench {
         let motion = prepared.motion();
         let (prediction, margins) =
             motion.predict(&prepared.whole.model, &limits).map_err(DoseError::Flow)?;
-        let back_flow = motion.back_flow(&prepared.whole.model)?;
+        let (back_flow, motion_s) = (motion.back_flow(&prepared.whole.model)?, motion.duration_s());
         let whole = &mut prepared.whole;
         (whole.prediction, whole.margins, whole.back_flow) = (prediction, margins, back_flow);
-        self.tube_life(state, whole).map_or(Ok(()), |tube| tube.check())?;
-        let of_tube = self.tube_life(state, whole).and_then(|tube| tube.warning());
-        whole.warnings.extend(of_tube);
+        let plan = &whole.plan;
+        let revolutions = plan.steps().unsigned_abs() as f64 / plan.steps_per_rev();
+        let planned = Wear { volume_ml: plan.planned_ml().abs(), revolutions, motion_s };
+        let worn = state.map_or(Wear::default(), |state| state.wear);
+        let tube = TubeLife::nearest(&self.file().tube, worn, planned);
+        tube.map_or(Ok(()), |tube| tube.check())?;
+        whole.warnings.extend(tube.and_then(|tube| tube.warning()));
         Ok(prepared)
     }
 

@@ -24,6 +24,12 @@ pub struct TubeTable {
     /// Volume that a tube lasts, pumped either way, in mL. `None` if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub life_ml: Option<f64>,
+    /// Time in motion that a tube lasts, in h. Of several lives the first that is reached counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub life_h: Option<f64>,
+    /// Revolutions of the pump head, either way, that a tube lasts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub life_rev: Option<f64>,
 }
 
 impl TubeTable {
@@ -34,7 +40,14 @@ impl TubeTable {
 
     /// Refuses the first value outside its range, and a modulus without a ratio or a ratio without a modulus.
     pub(in crate::pump_file) fn check(&self) -> Result<(), WrongValue> {
-        self.life_ml.map_or(Ok(()), |life_ml| positive("[tube] life_ml", life_ml))?;
+        let lives = [
+            ("[tube] life_ml", self.life_ml),
+            ("[tube] life_h", self.life_h),
+            ("[tube] life_rev", self.life_rev),
+        ];
+        for (key, life) in lives {
+            life.map_or(Ok(()), |life| positive(key, life))?;
+        }
         within_if_given("[tube] modulus_mpa", self.modulus_mpa, 1e-3..=1e6)?;
         within_if_given("[tube] poisson_ratio", self.poisson_ratio, 0.0..=0.5)?;
         let missing = |key| Err(WrongValue::missing(key, "a number: modulus and ratio go together"));

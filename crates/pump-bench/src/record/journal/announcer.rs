@@ -46,6 +46,8 @@ impl Journal {
                     if tell.send(written).is_err() {
                         return;
                     }
+                    // The announcement is on the disk whatever becomes of the ones before it.
+                    let _ = self.compact();
                 }
             };
             thread::Builder::new().name("journal".to_owned()).spawn_scoped(scope, write).map_err(

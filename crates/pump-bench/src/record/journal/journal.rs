@@ -6,6 +6,8 @@
 //! process ends, the next one knows the bounds of the volume that was delivered. Only the order of the entries
 //! counts, never a clock.
 //!
+//! A long motion keeps the last of its announcements, as [`compaction`](super::compaction) says.
+//!
 //! The first line tells the format. Each line has the number after that of the line before, so that a line that
 //! is missing shows. A journal that has grown long is kept as `journal-1.jsonl`, `journal-2.jsonl` and so on.
 //! The new one begins with the last rest of the one before.
@@ -17,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 use pump_model::Pump;
 
+use super::compaction::Compaction;
 use super::story::{FORMAT, JournalError, Story};
 use super::{Entry, line, rotation};
 use crate::files::{Staged, open_plain};
@@ -61,6 +64,9 @@ pub(crate) struct Journal {
     long: u64,
     /// Last entry, if it is a rest.
     rest: Option<Entry>,
+    /// Last announcement of the motion under way.
+    progress: Option<Entry>,
+    compaction: Compaction,
     storage: Box<dyn Storage>,
 }
 
@@ -80,6 +86,8 @@ impl Journal {
             length: story.length,
             long: LONG,
             rest: story.rest.clone(),
+            progress: None,
+            compaction: Compaction::Off,
             storage: Box::new(Disk),
         };
         Ok((journal, story))
@@ -109,6 +117,26 @@ impl Journal {
         }
         self.write(entry).map_err(writes)?;
         self.rest = rest_of(entry);
+        self.progress = matches!(entry, Entry::Progress { .. }).then(|| entry.clone());
+        Ok(())
+    }
+
+    /// Keeps the last announcement of a long motion alone, once there are many. The journal tells the same.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError::File`] if the file cannot be written.
+    pub(super) fn compact(&mut self) -> Result<(), JournalError> {
+        let (Some(file), Some(last)) = (&mut self.file, &self.progress) else { return Ok(()) };
+        let compacted = self.compaction.compact(file, self.storage.as_mut(), last, self.length);
+        if compacted.is_err() {
+            // The next announcement meets the same disk, and says so.
+            self.compaction = Compaction::Off;
+        }
+        let failed = |source| JournalError::File { action: "write", path: self.path.clone(), source };
+        if let Some((next, length)) = compacted.map_err(failed)? {
+            (self.next, self.length) = (next, length);
+        }
         Ok(())
     }
 
@@ -130,6 +158,7 @@ impl Journal {
             staged.put()?;
         }
         self.file = None;
+        self.compaction = Compaction::Off;
         (self.format, self.next, self.length) = (FORMAT, next, text.len() as u64);
         self.rest = entries.last().and_then(|entry| rest_of(entry));
         Ok(())
@@ -141,6 +170,7 @@ impl Journal {
             1 => line::encode(entry)?,
             _ => line::encode_numbered(self.next, entry)?,
         };
+        let line = self.compaction.laid_out(entry, line, self.length);
         let file = match self.file.take() {
             Some(file) => file,
             None => self.writable()?,
@@ -155,6 +185,10 @@ impl Journal {
             let _ = file.set_len(self.length);
             return Err(error);
         }
+        self.compaction = match self.format {
+            1 => Compaction::Off,
+            _ => self.compaction.after(entry, self.next, &line, self.length),
+        };
         self.length += line.len() as u64;
         self.next += 1;
         Ok(())

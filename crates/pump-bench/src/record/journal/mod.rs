@@ -1,6 +1,7 @@
 //! The journal of a pump: an append-only file of entries, and the thread that announces the steps ahead.
 
 mod announcer;
+mod compaction;
 mod entry;
 mod journal;
 mod line;

@@ -48,9 +48,9 @@ impl Explain for DoseError {
             Self::RunsTheOtherWay { asked_ml, .. } => {
                 of(ErrorKind::Plan).value(format!("{} mL", Shown(*asked_ml)))
             }
-            Self::TubeWorn { life_ml, pumped_ml, planned_ml } => of(ErrorKind::Limit)
-                .value(format!("{:.1} mL", pumped_ml + planned_ml))
-                .allowed(format!("{life_ml} mL at most")),
+            Self::TubeWorn { unit, life, used, planned } => of(ErrorKind::Limit)
+                .value(format!("{:.1} {unit}", used + planned))
+                .allowed(format!("{life} {unit} at most")),
             Self::Stale { planned_deg, stands_deg } => of(ErrorKind::Plan)
                 .value(format!("{planned_deg:.4} deg"))
                 .allowed(format!("{stands_deg:.4} deg")),

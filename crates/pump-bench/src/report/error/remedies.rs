@@ -185,6 +185,7 @@ impl CalibrationError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dosing::LifeUnit;
     use crate::report::Explain;
 
     fn not_written(kind: io::ErrorKind) -> DoseError {
@@ -206,7 +207,8 @@ mod tests {
     #[test]
     fn the_text_of_an_error_names_no_command() {
         let unfinished = DoseError::Unfinished { requested_ml: 25.0, least_ml: 3.0, most_ml: 4.0 };
-        let worn = DoseError::TubeWorn { life_ml: 1000.0, pumped_ml: 990.0, planned_ml: 20.0 };
+        let worn =
+            DoseError::TubeWorn { unit: LifeUnit::Millilitres, life: 1000.0, used: 990.0, planned: 20.0 };
         let full = not_written(io::ErrorKind::StorageFull);
         for error in [unfinished, DoseError::AngleIsKnown, worn, full] {
             let text = error.to_string();

@@ -1,12 +1,14 @@
 //! The life of a tube: what it has pumped, its calibrations, its drift, and when to calibrate again.
 
+mod picture;
+
 use serde::Serialize;
 
 use crate::bench::Bench;
 use crate::calibration::{DRIFT_NEEDS, Drift, FactorAtTime, Stored};
-use crate::dosing::DoseError;
+use crate::dosing::{DoseError, TubeLife};
 use crate::numbers::significant;
-use crate::record::{LogLine, Stamp};
+use crate::record::{LogLine, Stamp, Wear};
 
 /// Coverage factor of the uncertainties (GUM, 6.2).
 const COVERAGE: f64 = 2.0;
@@ -30,8 +32,14 @@ pub struct TubeReport {
     pub life_l: Option<f64>,
     /// Revolutions of the pump head in either direction.
     pub revolutions: f64,
+    /// Revolutions that the tube lasts; null if nobody has said it.
+    pub life_revolutions: Option<f64>,
     /// Time in motion, h.
     pub motion_h: f64,
+    /// Time in motion that the tube lasts, h; null if nobody has said it.
+    pub life_h: Option<f64>,
+    /// Part of its life that the tube has behind it, by the measure that is nearest to its end; null without a life.
+    pub used_part: Option<f64>,
     /// Calibrations of this tube, oldest first, at the speed of the last one.
     pub calibrations: Vec<TubeCalibration>,
     /// Speed at which the calibrations are compared, r/min; null without one.
@@ -91,7 +99,10 @@ impl TubeReport {
             volume_l: 1e-3 * wear.volume_ml,
             life_l: bench.file().tube.life_ml.map(|life_ml| 1e-3 * life_ml),
             revolutions: wear.revolutions,
+            life_revolutions: bench.file().tube.life_rev,
             motion_h: wear.motion_s / 3600.0,
+            life_h: bench.file().tube.life_h,
+            used_part: TubeLife::nearest(&bench.file().tube, wear, Wear::default()).map(|life| life.part()),
             speed_rpm,
             drift_per_30_days: drift.map(|drift| 30.0 * drift.per_day / last_factor),
             expanded_drift_per_30_days: drift
@@ -117,17 +128,28 @@ impl TubeReport {
             let left_l = (life_l - self.volume_l).max(0.0);
             format!(" of {} L, {} L left,", significant(life_l, 4), significant(left_l, 4))
         });
+        let of =
+            |life: Option<f64>| life.map_or(String::new(), |life| format!(" of {}", significant(life, 4)));
         let mut text = format!(
-            "tube {} of {}: {} L{life} in {} revolutions and {} h of motion\n",
+            "tube {} of {}: {} L{life} in {}{} revolutions and {}{} h of motion\n",
             self.tube,
             self.pump,
             significant(self.volume_l, 4),
             significant(self.revolutions, 4),
-            significant(self.motion_h, 3)
+            of(self.life_revolutions),
+            significant(self.motion_h, 3),
+            of(self.life_h)
         );
+        if let Some(part) = self.used_part {
+            text += &format!(
+                "{} % of its life is used; the first measure that is reached counts\n",
+                significant(100.0 * part, 3)
+            );
+        }
         for calibration in &self.calibrations {
             text += &calibration.line(self.speed_rpm.unwrap_or_default());
         }
+        text += &self.picture();
         let percent = |part: Option<f64>| part.map(|part| significant(100.0 * part, 2));
         let drift = percent(self.drift_per_30_days).zip(percent(self.expanded_drift_per_30_days));
         text += &match (drift, &self.calibrate_again_by) {

@@ -218,3 +218,64 @@ fn a_process_that_ends_while_it_keeps_a_journal_loses_and_doubles_nothing() {
     assert_eq!(entries(&folder.path().join("journal-1.jsonl")).len(), 5);
     assert!(!folder.path().join("journal-2.jsonl").exists());
 }
+
+/// Disk that tells what the file holds at each sync.
+#[derive(Debug, Clone, Default)]
+struct Watched(std::sync::Arc<std::sync::Mutex<Vec<Vec<u8>>>>);
+
+impl Storage for Watched {
+    fn sync(&mut self, file: &File) -> io::Result<()> {
+        use std::os::unix::fs::FileExt;
+        let mut bytes = vec![0; file.metadata()?.len() as usize];
+        // The file is open for writing alone, so its place tells the path.
+        let path = fs::read_link(format!("/proc/self/fd/{}", std::os::fd::AsRawFd::as_raw_fd(file)))?;
+        File::open(path)?.read_exact_at(&mut bytes, 0)?;
+        self.0.lock().unwrap().push(bytes);
+        Ok(())
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_long_motion_keeps_its_last_announcements_and_tells_them_at_every_sync() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("journal.jsonl");
+    let (mut journal, _) = open(&path).unwrap();
+    for n in 0..7 {
+        move_to(&mut journal, 0.1 * f64::from(n));
+    }
+    let Entry::Intent(intent) = INTENT else { unreachable!() };
+    let steps = 400_000_000;
+    journal.append(&Entry::Intent(Intent { steps, motion_s: 86_400.0, ..intent })).unwrap();
+    let watched = Watched::default();
+    journal.store_by(Box::new(watched.clone()));
+    // Four announcements a second for 50 min.
+    let (mut longest, mut compacted) = (0, 0);
+    for n in 0..12_000_u64 {
+        let (made, may) = (1000 * n, 1000 * n + 5000);
+        journal.append(&Entry::Progress { made, may }).unwrap();
+        journal.compact().unwrap();
+        let syncs = std::mem::take(&mut *watched.0.lock().unwrap());
+        longest = longest.max(syncs.iter().map(Vec::len).max().unwrap_or(0));
+        if syncs.len() > 1 {
+            compacted += 1;
+        } else if n % 300 > 2 {
+            continue;
+        }
+        // Wherever a process ends, the last announcement on the disk is the one that counts.
+        for bytes in &syncs {
+            let story = Story::from_bytes(bytes, &Pump::three_roller(), fresh()).unwrap();
+            let (_, part) = story.cut_off.unwrap();
+            assert_eq!((part.made_least, part.made_most), (made as i64, may as i64));
+        }
+    }
+    assert!(longest < 300_000, "{longest} bytes");
+    assert!((3..6).contains(&compacted), "{compacted}");
+    journal.append(&rest(9, 3.0)).unwrap();
+    let (_, story) = open(&path).unwrap();
+    assert!(story.cut_off.is_none() && !story.torn);
+    assert_eq!(story.state.unwrap().angle_rad, 3.0);
+    // The numbers go on, so that a line which is missing shows.
+    let numbers: Vec<_> = entries(&path).iter().map(|(number, _)| number.unwrap()).collect();
+    assert!(numbers.windows(2).all(|pair| pair[0] + 1 == pair[1]));
+}
