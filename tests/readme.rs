@@ -9,6 +9,7 @@ fn every_example_prints_what_it_shows() {
         .env("COLUMNS", "100")
         .case("README.md")
         .case("docs/continuous.md")
+        .case("docs/racks.md")
         .case("docs/sizing.md");
 }
 

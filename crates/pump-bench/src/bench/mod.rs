@@ -16,6 +16,7 @@ mod recorded_motion;
 mod rehearsal;
 mod rest;
 mod safety;
+mod series;
 mod session;
 mod stretches;
 
@@ -27,6 +28,6 @@ pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use log::LogReading;
 pub use rehearsal::Rehearsal;
-pub use safety::Cleared;
 pub(crate) use safety::system_now_s;
+pub use safety::{Cleared, TimedVolume};
 pub use session::{Accepted, NewTube, Session};

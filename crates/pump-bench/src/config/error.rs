@@ -54,6 +54,17 @@ pub enum ConfigError {
         /// Names of the built-in pumps.
         built_in: String,
     },
+    /// No rack is configured under the name, and it is no file.
+    #[error(
+        "there is no rack `{name}`; {}; or name the file of a rack",
+        if configured.is_empty() { "the configuration names none in [racks]".to_owned() } else { format!("configured: {configured}") }
+    )]
+    UnknownRack {
+        /// Name that was given.
+        name: String,
+        /// Names that the configuration has.
+        configured: String,
+    },
     /// Two names of the configuration lead to one record.
     #[error(
         "the pumps `{name}` ({}) and `{other}` ({}) of the configuration have one id, `{id}`, so they would share a \
