@@ -9,8 +9,17 @@ fn every_example_prints_what_it_shows() {
         .env("COLUMNS", "100")
         .case("README.md")
         .case("docs/continuous.md")
-        .case("docs/racks.md")
         .case("docs/sizing.md");
+}
+
+#[test]
+fn every_example_of_racks_prints_what_it_shows() {
+    let state = tempfile::tempdir().expect("a folder for the records");
+    trycmd::TestCases::new()
+        .env("DOSE_STATE_DIR", state.path().to_string_lossy())
+        .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
+        .env("COLUMNS", "100")
+        .case("docs/racks.md");
 }
 
 #[test]
