@@ -50,7 +50,7 @@ pub enum RackError {
         /// Key in the file, with the number of its step.
         key: String,
         /// Fault of the quantity.
-        source: QuantityError,
+        source: Box<QuantityError>,
     },
     /// A pump of the rack cannot be found or used.
     #[error("pump `{pump}` of the rack")]
@@ -58,7 +58,7 @@ pub enum RackError {
         /// Name of the pump in the rack.
         pump: String,
         /// Fault of the pump.
-        source: ConfigError,
+        source: Box<ConfigError>,
     },
     /// Two pumps of the rack share something that one pump alone can have.
     #[error("the pumps `{pump}` and `{other}` of the rack {shared}; {instead}")]
@@ -120,7 +120,7 @@ pub enum RackError {
         /// Number of the step, from 1. `None` if no single step is refused.
         step: Option<usize>,
         /// Refusal.
-        source: DoseError,
+        source: Box<DoseError>,
     },
     /// Somebody asked to stop before anything moved.
     #[error("stopped by the user before anything moved")]

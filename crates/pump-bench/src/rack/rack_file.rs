@@ -123,7 +123,7 @@ impl RackFile {
     pub fn pump_files(&self, config: &Config) -> Result<Vec<PumpFile>, RackError> {
         let read = |(name, pump): &(String, String)| {
             let file: Result<PumpFile, ConfigError> = config.pump(&self.place(pump));
-            file.map_err(|source| RackError::Pump { pump: name.clone(), source })
+            file.map_err(|source| RackError::Pump { pump: name.clone(), source: Box::new(source) })
         };
         self.pumps.iter().map(read).collect()
     }

@@ -85,7 +85,7 @@ impl Rack {
 
     /// Returns the error of a pump.
     pub(super) fn dose_error(&self, pump: usize, step: Option<usize>, source: DoseError) -> RackError {
-        RackError::Dose { pump: self.members()[pump].name.clone(), step, source }
+        RackError::Dose { pump: self.members()[pump].name.clone(), step, source: Box::new(source) }
     }
 
     /// Returns the stop that all pumps hear.

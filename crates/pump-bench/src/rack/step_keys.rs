@@ -52,7 +52,7 @@ impl WrongKey {
         let (path, key) = (path.to_owned(), self.key);
         match self.fault {
             Fault::Value { value, allowed } => RackError::Value { path, key, value, allowed },
-            Fault::Quantity(source) => RackError::Quantity { path, key, source },
+            Fault::Quantity(source) => RackError::Quantity { path, key, source: Box::new(source) },
         }
     }
 }
