@@ -2,9 +2,9 @@
 //! volume lies within the bounds on record.
 //!
 //! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive, 500 on simulated
-//! boards, 200 racks, and 40 on each firmware that this machine has as a simulator. The program starts itself again as a
-//! child that it can kill. It compares the record with the words of the child and with the board's count of
-//! steps.
+//! boards, 200 racks, and 40 on each firmware that this machine has as a simulator. The program starts itself
+//! again as a child that it can kill. It compares the record with the words of the child and with the board's
+//! count of steps.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
 

@@ -1,5 +1,5 @@
-//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it; by a flow over time;
-//! and a rack.
+//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it; by a flow over
+//! time; and a rack.
 
 mod end;
 mod profile;

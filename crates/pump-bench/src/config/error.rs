@@ -57,7 +57,10 @@ pub enum ConfigError {
     /// No rack is configured under the name, and it is no file.
     #[error(
         "there is no rack `{name}`; {}; or name the file of a rack",
-        if configured.is_empty() { "the configuration names none in [racks]".to_owned() } else { format!("configured: {configured}") }
+        match configured.as_str() {
+            "" => "the configuration names none in [racks]".to_owned(),
+            names => format!("configured: {names}"),
+        }
     )]
     UnknownRack {
         /// Name that was given.

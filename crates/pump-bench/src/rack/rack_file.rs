@@ -80,8 +80,8 @@ impl RackFile {
     ///
     /// # Errors
     ///
-    /// [`RackError::Syntax`] if the text is not the TOML of a rack. [`RackError::Value`] and [`RackError::Quantity`] for
-    /// a value that is not allowed.
+    /// [`RackError::Syntax`] if the text is not the TOML of a rack. [`RackError::Value`] and [`RackError::Quantity`]
+    /// for a value that is not allowed.
     pub fn parse(text: &str, path: &Path) -> Result<Self, RackError> {
         let keys: RackKeys = toml::from_str(text).map_err(|error| RackError::Syntax {
             path: path.to_owned(),

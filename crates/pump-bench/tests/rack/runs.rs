@@ -7,7 +7,8 @@ use crate::rig::Desk;
 #[test]
 fn a_ratio_of_three_pumps_delivers_its_shares_together() {
     let desk = Desk::new();
-    let steps = "[[step]]\nratio = { acid = 3, base = 2, salt = 1 }\nvolume = \"12mL\"\nrate = \"6mL/s\"\nsmooth = true\n";
+    let steps = "[[step]]\nratio = { acid = 3, base = 2, salt = 1 }\nvolume = \"12mL\"\nrate = \"6mL/s\"\nsmooth = \
+                 true\n";
     let report = desk.rack(steps).unwrap().run(|_| {}).unwrap();
     assert_eq!((report.end, report.total.requested_ml), (RackEnd::Completed, 12.0));
     for (row, asked_ml) in report.pumps.iter().zip([6.0, 4.0, 2.0]) {

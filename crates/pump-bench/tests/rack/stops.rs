@@ -11,7 +11,8 @@ use pump_bench::{DoseRequest, built_in};
 
 use crate::rig::{Desk, Failing, HEAD, PUMPS};
 
-const LONG: &str = "[[step]]\nratio = { acid = 2, base = 1, salt = 1 }\nvolume = \"40mL\"\nrate = \"8mL/s\"\n[[step]]\npump \
+const LONG: &str = "[[step]]\nratio = { acid = 2, base = 1, salt = 1 }\nvolume = \"40mL\"\nrate = \"8mL/s\"\n[[step]]\n\
+                    pump \
                     = \"salt\"\nvolume = \"1mL\"\n";
 
 #[test]
