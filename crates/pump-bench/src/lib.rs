@@ -87,7 +87,8 @@ pub mod words;
 
 pub use bench::{
     Accepted, AngleSet, Bench, Cleared, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
-    PreparedByWeight, PreparedProfile, Rehearsal, Session, TimedVolume, ToleranceBy,
+    PreparedByWeight, PreparedProfile, Rehearsal, SeriesMotion, SeriesRequest, Session, TimedVolume,
+    ToleranceBy,
 };
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};

@@ -13,6 +13,7 @@ use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfi
 use super::bench::Bench;
 use super::device::Device;
 use super::log::SessionLog;
+use super::patience::Patience;
 use super::safety::RunBounds;
 
 /// Bench that no other process can move meanwhile.
@@ -42,6 +43,8 @@ pub struct Session<'a> {
     pub(super) moved: bool,
     /// Log of the doses.
     pub(super) log: SessionLog,
+    /// Patience that is left with another process.
+    pub(super) patience: Patience,
     _lock: Lock,
 }
 
@@ -88,7 +91,8 @@ impl Bench {
 
 impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
-        let lock = bench.folder().lock()?;
+        let mut patience = bench.patience();
+        let lock = patience.try_until(&bench.opening().stop, || Ok(bench.folder().lock()?))?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
         let (log, note) = SessionLog::open(bench.folder(), &story);
         Ok(Self {
@@ -105,6 +109,7 @@ impl<'a> Session<'a> {
             notes: note.into_iter().collect(),
             moved: false,
             log,
+            patience,
             _lock: lock,
         })
     }

@@ -30,6 +30,7 @@
 
 mod clock;
 mod error;
+mod gradient;
 mod member;
 mod pace;
 mod player;

@@ -10,15 +10,14 @@ use super::error::RackError;
 use super::pace::RackPace;
 use super::progress::RackProgress;
 use super::rack::Rack;
-use super::rehearsal::timings;
+use super::rehearsal::{report, timings};
 use super::report::{RackDose, RackEnd, RackFault, RackPumpReport, RackReport};
 use super::timetable::{Timetable, Timing};
-use crate::bench::{Bench, Session, TimedVolume};
-use crate::dosing::{DoseError, Prepared};
+use crate::bench::{Bench, SeriesMotion, Session, TimedVolume};
+use crate::dosing::DoseError;
 use crate::drives::Drive;
 use crate::notice::Notice;
 use crate::numbers::significant;
-use crate::report::DoseReport;
 
 /// Time from the order to the begin, in which each pump announces its first motion. Simulated motors need none.
 const LEAD: Duration = Duration::from_millis(500);
@@ -242,16 +241,18 @@ impl Player<'_> {
     fn run(
         &self,
         session: &mut Session<'_>,
-        planned: &[Prepared],
+        planned: &[SeriesMotion],
         begins_s: &[f64],
         clock: &RackClock,
         played: &mut Played,
         on_progress: &(dyn Fn(RackProgress<'_>) + Sync),
     ) {
         let steps: Vec<usize> = self.rack.parts(self.pump).collect();
+        let requests = self.rack.requests(self.pump);
         for (place, ((planned, begin_s), step)) in planned.iter().zip(begins_s).zip(steps).enumerate() {
             // A part after the first begins where the one before has left the pump.
-            let prepared = if place == 0 { Ok(planned.clone()) } else { session.prepare(planned.request) };
+            let prepared =
+                if place == 0 { Ok(planned.clone()) } else { session.prepare_motion(&requests[place]) };
             let ran = prepared.and_then(|prepared| {
                 let part = Part { player: self, clock, begin_s: *begin_s, step, prepared: &prepared };
                 part.run(session, on_progress, &mut played.warnings)
@@ -289,7 +290,7 @@ struct Part<'p> {
     begin_s: f64,
     /// Number of the step, from 0.
     step: usize,
-    prepared: &'p Prepared,
+    prepared: &'p SeriesMotion,
 }
 
 impl Part<'_> {
@@ -307,10 +308,10 @@ impl Part<'_> {
             return Ok(None);
         }
         let mut late_s: f64 = 0.0;
-        let delivered = session.run(prepared, |made| {
+        let delivered = session.run_motion(prepared, |made| {
             if made == 0 || is_simulated {
                 late_s = if made == 0 { clock.now_s() - begin_s } else { late_s };
-                clock.reach(player.pump, begin_s + self.due_s(made))?;
+                clock.reach(player.pump, begin_s + prepared.time_of(made))?;
             }
             self.tell(made, on_progress);
             clock.flow()
@@ -323,21 +324,14 @@ impl Part<'_> {
                 significant(late_s, 2)
             )));
         }
-        let dose = DoseReport::new(player.bench, prepared, Some(&delivered));
+        let dose = report(player.bench, prepared, Some(&delivered));
         Ok(Some(RackDose { step: self.step + 1, begin_s, dose }))
     }
 
-    /// Returns the time of a step since the part began, in s.
-    fn due_s(&self, made: u64) -> f64 {
-        let plan = &self.prepared.plan;
-        plan.profile().time_of(made as f64 * plan.step_rad())
-    }
-
     fn tell(&self, made: u64, on_progress: &(dyn Fn(RackProgress<'_>) + Sync)) {
-        let Prepared { plan, model, .. } = self.prepared;
         let pump = &self.player.rack.members()[self.player.pump].name;
-        let (steps, volume_ml) = (plan.steps().unsigned_abs(), plan.delivered_ml(model, made));
-        let warnings = if made == 0 { &self.prepared.warnings[..] } else { &[] };
+        let (steps, volume_ml) = (self.prepared.steps(), self.prepared.delivered_ml(made));
+        let warnings = if made == 0 { &self.prepared.whole().warnings[..] } else { &[] };
         on_progress(RackProgress { pump, step: self.step + 1, made, steps, volume_ml, warnings });
     }
 }

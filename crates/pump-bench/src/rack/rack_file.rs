@@ -180,10 +180,14 @@ mod tests {
         text
     }
 
+    fn over_time(keys: &str) -> String {
+        format!("rate = \"2mL/s\"\nfor = \"10s\"\n{keys}")
+    }
+
     #[test]
     fn each_wrong_step_has_one_message_that_names_the_value() {
         for (step, told) in [
-            ("volume = \"1mL\"", "step 1 is `neither pump nor ratio`"),
+            ("volume = \"1mL\"", "step 1 is `neither pump nor ratio nor gradient`"),
             ("pump = \"acid\"\nratio = { acid = 1, base = 1 }", "step 1 is `pump and ratio`"),
             ("pump = \"salt\"\nvolume = \"1mL\"", "step 1, pump is `salt`; allowed: acid, base"),
             ("pump = \"acid\"", "step 1 is `no volume`"),
@@ -209,6 +213,23 @@ mod tests {
             ("at = \"-1s\"\npump = \"acid\"\nvolume = \"1mL\"", "step 1, at: `-1s`"),
             ("at = \"1s\"\nafter = \"1s\"\npump = \"acid\"\nvolume = \"1mL\"", "step 1 is `at and after`"),
             ("speed = 1", "unknown field `speed`"),
+            (
+                &over_time("gradient = { acid = [1, 0], base = [nan, 1] }"),
+                "step 1, gradient of base is `NaN`",
+            ),
+            (&over_time("gradient = { acid = [1, 0], base = [0, 0] }"), "step 1, gradient of base is `0`"),
+            (
+                &over_time("gradient = { acid = [1, 0], base = [1, 0] }"),
+                "step 1, gradient is `nothing flows`",
+            ),
+            (
+                &over_time("gradient = { acid = [1, 0], base = [0, 1] }\nramp = \"6s\""),
+                "step 1, ramp is `6 s`",
+            ),
+            (
+                &over_time("gradient = { acid = [1, 0], base = [0, 1] }\nvolume = \"1mL\""),
+                "is `a flow over time`",
+            ),
         ] {
             let text = refused(step);
             assert!(text.contains(told), "{text}\nwanted: {told}");

@@ -5,8 +5,8 @@ use super::error::RackError;
 use super::rack::Rack;
 use super::report::{RackDose, RackEnd, RackPumpReport, RackReport};
 use super::timetable::{Timetable, Timing};
-use crate::bench::TimedVolume;
-use crate::dosing::{DoseError, DoseRequest, Prepared};
+use crate::bench::{Bench, Delivered, SeriesMotion, SeriesRequest, TimedVolume};
+use crate::dosing::DoseError;
 use crate::report::DoseReport;
 
 impl Rack {
@@ -32,7 +32,7 @@ impl Rack {
             let parts = self.parts(pump).zip(prepared).map(|(step, prepared)| RackDose {
                 step: step + 1,
                 begin_s: timetable.begins_s[step],
-                dose: DoseReport::new(&member.bench, prepared, None),
+                dose: report(&member.bench, prepared, None),
             });
             rows.push(RackPumpReport::of(member, prepared.len(), self.requested_ml(pump), parts.collect()));
         }
@@ -46,7 +46,7 @@ impl Rack {
     }
 
     /// Returns the requests to a pump in the order of its steps.
-    pub(super) fn requests(&self, pump: usize) -> Vec<DoseRequest> {
+    pub(super) fn requests(&self, pump: usize) -> Vec<SeriesRequest> {
         let of = |step: &super::step::RackStep| {
             step.flows.iter().find(|flow| flow.pump == pump).map(|flow| flow.request(step.smooth))
         };
@@ -55,7 +55,7 @@ impl Rack {
 
     /// Returns the volume that all steps ask of a pump, in mL.
     pub(super) fn requested_ml(&self, pump: usize) -> f64 {
-        self.requests(pump).iter().map(|request| request.volume_ml).sum()
+        self.requests(pump).iter().map(|asked| asked.request.volume_ml).sum()
     }
 
     /// Returns the volumes of a pump with their times.
@@ -95,12 +95,23 @@ impl Rack {
 }
 
 /// Returns the times of planned motions.
-pub(super) fn timings(prepared: &[Prepared]) -> Vec<Timing> {
-    let of = |prepared: &Prepared| Timing {
-        motion_s: prepared.plan.profile().duration_s(),
-        // Nobody waits for a line that does not come to rest.
-        settle_s: Some(prepared.prediction.settle_s).filter(|settle_s| settle_s.is_finite()).unwrap_or(0.0),
-        planned_ml: prepared.plan.planned_ml(),
+pub(super) fn timings(motions: &[SeriesMotion]) -> Vec<Timing> {
+    let of = |motion: &SeriesMotion| {
+        let settle_s = motion.whole().prediction.settle_s;
+        Timing {
+            motion_s: motion.motion_s(),
+            // Nobody waits for a line that does not come to rest.
+            settle_s: if settle_s.is_finite() { settle_s } else { 0.0 },
+            planned_ml: motion.planned_ml(),
+        }
     };
-    prepared.iter().map(of).collect()
+    motions.iter().map(of).collect()
+}
+
+/// Reports a motion that was planned or made.
+pub(super) fn report(bench: &Bench, motion: &SeriesMotion, delivered: Option<&Delivered>) -> DoseReport {
+    match motion {
+        SeriesMotion::Dose(prepared) => DoseReport::new(bench, prepared, delivered),
+        SeriesMotion::Flow(prepared) => DoseReport::by_profile(bench, prepared, delivered),
+    }
 }

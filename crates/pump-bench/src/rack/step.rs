@@ -2,7 +2,9 @@
 
 use pump_ctl::plan::Cruise;
 
-use crate::dosing::DoseRequest;
+use crate::bench::SeriesRequest;
+use crate::dosing::{DoseRequest, FlowProfile};
+use crate::record::Purpose;
 
 /// Step of a rack.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +34,7 @@ pub enum Begin {
 }
 
 /// Flow of one pump in a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Flow {
     /// Number of the pump in the rack, from 0.
@@ -41,12 +43,18 @@ pub struct Flow {
     pub volume_ml: f64,
     /// Cruise flow, in mL/s. `None` takes the pump file's default rate.
     pub rate_ml_s: Option<f64>,
+    /// Flow over time that the pump follows at its rollers. `None` for a dose.
+    pub profile: Option<FlowProfile>,
 }
 
 impl Flow {
     /// Returns the request to the pump's bench.
-    pub(super) fn request(&self, smooth: bool) -> DoseRequest {
+    pub(super) fn request(&self, smooth: bool) -> SeriesRequest {
         let cruise = self.rate_ml_s.map(|ml_s| Cruise::Flow { ml_s });
-        DoseRequest::dose(self.volume_ml).with_cruise(cruise).with_smooth(smooth)
+        let request = match self.profile {
+            None => DoseRequest::dose(self.volume_ml).with_cruise(cruise).with_smooth(smooth),
+            Some(_) => DoseRequest::new(Purpose::Run, self.volume_ml),
+        };
+        SeriesRequest { request, profile: self.profile.clone() }
     }
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::error::RackError;
+use super::gradient::Gradient;
 use super::step::{Begin, Flow, RackStep};
 use crate::units::{QuantityError, flow_ml_s, instant_s, time_s, volume_ml};
 
@@ -17,6 +18,8 @@ pub(super) struct StepKeys {
     after: Option<String>,
     pump: Option<String>,
     ratio: Option<BTreeMap<String, f64>>,
+    gradient: Option<BTreeMap<String, [f64; 2]>>,
+    ramp: Option<String>,
     volume: Option<String>,
     rate: Option<String>,
     #[serde(rename = "for")]
@@ -57,6 +60,9 @@ impl WrongKey {
     }
 }
 
+/// Volume of a step, in mL, its rate, in mL/s, and its time, in s.
+type Quantities = (Option<f64>, Option<f64>, Option<f64>);
+
 /// Total volume of a step, in mL, and its total flow, in mL/s. `None` takes the pump file's default rate.
 type Amount = (f64, Option<f64>);
 
@@ -65,19 +71,55 @@ impl StepKeys {
     pub(super) fn read(&self, number: usize, pumps: &[&str]) -> Result<RackStep, WrongKey> {
         let begin = self.begin(number)?;
         let shares = self.shares(number, pumps)?;
+        let flows = if self.gradient.is_some() || self.ramp.is_some() {
+            self.flows_over_time(number, &shares)?
+        } else {
+            self.doses(number, &shares)?
+        };
+        Ok(RackStep { begin, flows, smooth: self.smooth })
+    }
+
+    /// Returns the flows of doses with these shares.
+    fn doses(&self, number: usize, shares: &[Share]) -> Result<Vec<Flow>, WrongKey> {
         let (whole_ml, rate_ml_s) = self.amount(number)?;
         if shares.len() > 1 && rate_ml_s.is_none() {
             let allowed = "a ratio with two of volume, rate and for";
             return Err(WrongKey::value(&format!("step {number}"), "a ratio without rate", allowed));
         }
-        let sum: f64 = shares.iter().map(|(_, share)| share).sum();
-        let sign = if self.reverse { -1.0 } else { 1.0 };
-        let flow = |(pump, share): (usize, f64)| Flow {
-            pump,
-            volume_ml: sign * whole_ml * share / sum,
-            rate_ml_s: rate_ml_s.map(|rate_ml_s| rate_ml_s * share / sum),
+        let sum: f64 = shares.iter().map(|share| share.first).sum();
+        let flow = |share: &Share| Flow {
+            pump: share.pump,
+            volume_ml: self.sign() * whole_ml * share.first / sum,
+            rate_ml_s: rate_ml_s.map(|rate_ml_s| rate_ml_s * share.first / sum),
+            profile: None,
         };
-        Ok(RackStep { begin, flows: shares.into_iter().map(flow).collect(), smooth: self.smooth })
+        Ok(shares.iter().map(flow).collect())
+    }
+
+    /// Returns the flows over time of these shares.
+    fn flows_over_time(&self, number: usize, shares: &[Share]) -> Result<Vec<Flow>, WrongKey> {
+        if self.smooth {
+            let allowed = "smooth for doses: a flow over time follows the rollers anyhow";
+            return Err(WrongKey::value(&format!("step {number}, smooth"), "true", allowed));
+        }
+        let ramp_s = self.ramp.as_ref().map(|text| read(number, "ramp", text, time_s)).transpose()?;
+        let gradient = Gradient::of(number, self.quantities(number)?, ramp_s.unwrap_or(USUAL_RAMP_S))?;
+        let sum = |of: fn(&Share) -> f64| shares.iter().map(of).sum::<f64>();
+        let (first, last) = (sum(|share| share.first), sum(|share| share.last));
+        if first <= 0.0 || last <= 0.0 {
+            let allowed = "a share above 0 of one pump or more at the begin, and at the end";
+            return Err(WrongKey::value(&format!("step {number}, gradient"), "nothing flows", allowed));
+        }
+        let flow = |share: &Share| {
+            let (volume_ml, profile) =
+                gradient.flow(number, share.first / first, share.last / last, self.sign());
+            Flow { pump: share.pump, volume_ml, rate_ml_s: None, profile: Some(profile) }
+        };
+        Ok(shares.iter().map(flow).collect())
+    }
+
+    fn sign(&self) -> f64 {
+        if self.reverse { -1.0 } else { 1.0 }
     }
 
     fn begin(&self, number: usize) -> Result<Begin, WrongKey> {
@@ -91,46 +133,71 @@ impl StepKeys {
         }
     }
 
-    /// Returns the numbers of the pumps that take part, each with its share of the step.
-    fn shares(&self, number: usize, pumps: &[&str]) -> Result<Vec<(usize, f64)>, WrongKey> {
+    /// Returns the pumps that take part, each with its share of the step.
+    fn shares(&self, number: usize, pumps: &[&str]) -> Result<Vec<Share>, WrongKey> {
         let place = |key: &str, name: &str| {
             let unknown = || WrongKey::value(&format!("step {number}, {key}"), name, &pumps.join(", "));
             pumps.iter().position(|pump| *pump == name).ok_or_else(unknown)
         };
-        match (&self.pump, &self.ratio) {
-            (Some(pump), None) => Ok(vec![(place("pump", pump)?, 1.0)]),
-            (None, Some(ratio)) if ratio.len() > 1 => ratio
-                .iter()
-                .map(|(name, share)| {
+        match (&self.pump, &self.ratio, &self.gradient) {
+            (Some(pump), None, None) => Ok(vec![Share { pump: place("pump", pump)?, first: 1.0, last: 1.0 }]),
+            (None, Some(ratio), None) => {
+                two_or_more(number, "ratio", ratio.len())?;
+                let share = |(name, share): (&String, &f64)| {
                     let pump = place("ratio", name)?;
-                    if *share > 0.0 && share.is_finite() && *share <= MOST_SHARE {
-                        return Ok((pump, *share));
-                    }
-                    let key = format!("step {number}, ratio of {name}");
-                    Err(WrongKey::value(&key, &share.to_string(), "a number above 0, 1e9 at most"))
-                })
-                .collect(),
-            (None, Some(ratio)) => Err(WrongKey::value(
-                &format!("step {number}, ratio"),
-                &format!("{} pump{}", ratio.len(), if ratio.len() == 1 { "" } else { "s" }),
-                "two pumps or more; a step of one names it as `pump`",
-            )),
-            (both, _) => Err(WrongKey::value(
-                &format!("step {number}"),
-                if both.is_some() { "pump and ratio" } else { "neither pump nor ratio" },
-                "pump = \"NAME\", or ratio = { NAME = 2, OTHER = 1 }",
-            )),
+                    let allowed = "a number above 0, 1e9 at most";
+                    let share = of_range(number, "ratio", name, *share, f64::MIN_POSITIVE, allowed)?;
+                    Ok(Share { pump, first: share, last: share })
+                };
+                ratio.iter().map(share).collect()
+            }
+            (None, None, Some(gradient)) => {
+                two_or_more(number, "gradient", gradient.len())?;
+                let share = |(name, ends): (&String, &[f64; 2])| {
+                    let pump = place("gradient", name)?;
+                    let allowed = "two numbers of 0 to 1e9, not both 0";
+                    let [first, last] = *ends;
+                    let first = of_range(number, "gradient", name, first, 0.0, allowed)?;
+                    let least = if first > 0.0 { 0.0 } else { f64::MIN_POSITIVE };
+                    let last = of_range(number, "gradient", name, last, least, allowed)?;
+                    Ok(Share { pump, first, last })
+                };
+                gradient.iter().map(share).collect()
+            }
+            _ => Err(self.not_one_kind(number)),
         }
     }
 
-    fn amount(&self, number: usize) -> Result<Amount, WrongKey> {
+    /// Returns the refusal of a step that is not one of pump, ratio and gradient.
+    fn not_one_kind(&self, number: usize) -> WrongKey {
+        let named = [
+            ("pump", self.pump.is_some()),
+            ("ratio", self.ratio.is_some()),
+            ("gradient", self.gradient.is_some()),
+        ];
+        let named: Vec<_> = named.iter().filter(|(_, is_named)| *is_named).map(|(key, _)| *key).collect();
+        let found = match named.len() {
+            0 => "neither pump nor ratio nor gradient".to_owned(),
+            _ => named.join(" and "),
+        };
+        let allowed = "one of pump = \"NAME\", ratio = { NAME = 2, OTHER = 1 } and gradient = { NAME = [1, 0], OTHER = \
+                       [0, 1] }";
+        WrongKey::value(&format!("step {number}"), &found, allowed)
+    }
+
+    /// Returns the volume, in mL, the rate, in mL/s, and the time, in s, as far as they are given.
+    fn quantities(&self, number: usize) -> Result<Quantities, WrongKey> {
         let volume_ml =
             self.volume.as_ref().map(|text| read(number, "volume", text, volume_ml)).transpose()?;
         let rate_ml_s = self.rate.as_ref().map(|text| read(number, "rate", text, flow_ml_s)).transpose()?;
         let for_s = self.time.as_ref().map(|text| read(number, "for", text, time_s)).transpose()?;
+        Ok((volume_ml, rate_ml_s, for_s))
+    }
+
+    fn amount(&self, number: usize) -> Result<Amount, WrongKey> {
         let allowed = "two of volume, rate and for; a step of one pump may have its volume alone";
         let wrong = |value| Err(WrongKey::value(&format!("step {number}"), value, allowed));
-        match (volume_ml, rate_ml_s, for_s) {
+        match self.quantities(number)? {
             (Some(_), Some(_), Some(_)) => wrong("volume, rate and for"),
             (Some(volume_ml), rate_ml_s, None) => Ok((volume_ml, rate_ml_s)),
             (Some(volume_ml), None, Some(for_s)) => Ok((volume_ml, Some(volume_ml / for_s))),
@@ -144,6 +211,43 @@ impl StepKeys {
 
 /// Largest number of a ratio.
 const MOST_SHARE: f64 = 1e9;
+
+/// Time of the ramps of a flow over time that names none, in s.
+const USUAL_RAMP_S: f64 = 1.0;
+
+/// Share of a pump in a step, at its begin and at its end.
+#[derive(Debug, Clone, Copy)]
+struct Share {
+    /// Number of the pump in the rack, from 0.
+    pump: usize,
+    first: f64,
+    last: f64,
+}
+
+/// Refuses a ratio of fewer than two pumps.
+fn two_or_more(number: usize, key: &str, pumps: usize) -> Result<(), WrongKey> {
+    if pumps > 1 {
+        return Ok(());
+    }
+    let found = format!("{pumps} pump{}", if pumps == 1 { "" } else { "s" });
+    let allowed = "two pumps or more; a step of one names it as `pump`";
+    Err(WrongKey::value(&format!("step {number}, {key}"), &found, allowed))
+}
+
+/// Refuses a share that is out of its range.
+fn of_range(
+    number: usize,
+    key: &str,
+    name: &str,
+    share: f64,
+    least: f64,
+    allowed: &str,
+) -> Result<f64, WrongKey> {
+    if (least..=MOST_SHARE).contains(&share) {
+        return Ok(share);
+    }
+    Err(WrongKey::value(&format!("step {number}, {key} of {name}"), &share.to_string(), allowed))
+}
 
 /// Reads a quantity of a step.
 fn read(

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod gradients;
 mod refusals;
 mod rig;
 mod runs;
