@@ -157,8 +157,8 @@ impl Bench {
         Self { confirms_pump, ..self }
     }
 
-    /// Returns the bench whose sessions wait for `limit` in all while another process holds the pump or its port. `tell`
-    /// is told for whom. A request to stop ends the wait.
+    /// Returns the bench whose sessions wait for `limit` in all while another process holds the pump or its port.
+    /// `tell` is told for whom. A request to stop ends the wait.
     #[must_use]
     pub fn waiting(self, limit: Duration, tell: impl Fn(&str) + Send + Sync + 'static) -> Self {
         Self { patience: Patience::new(limit, tell), ..self }

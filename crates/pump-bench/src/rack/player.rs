@@ -325,7 +325,8 @@ impl Part<'_> {
             )));
         }
         let dose = report(player.bench, prepared, Some(&delivered));
-        Ok(Some(RackDose { step: self.step + 1, begin_s, dose }))
+        let unfinished = delivered.unfinished;
+        Ok(Some(RackDose { step: self.step + 1, begin_s, unfinished, dose }))
     }
 
     fn tell(&self, made: u64, on_progress: &(dyn Fn(RackProgress<'_>) + Sync)) {

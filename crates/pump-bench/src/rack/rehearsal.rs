@@ -32,6 +32,7 @@ impl Rack {
             let parts = self.parts(pump).zip(prepared).map(|(step, prepared)| RackDose {
                 step: step + 1,
                 begin_s: timetable.begins_s[step],
+                unfinished: false,
                 dose: report(&member.bench, prepared, None),
             });
             rows.push(RackPumpReport::of(member, prepared.len(), self.requested_ml(pump), parts.collect()));

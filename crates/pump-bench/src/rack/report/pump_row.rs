@@ -15,6 +15,8 @@ pub struct RackDose {
     pub step: usize,
     /// Planned begin since the rack began, s.
     pub begin_s: f64,
+    /// True if a rest of the dose is on record. A flow over time leaves none.
+    pub unfinished: bool,
     /// Report of the dose, `dose/1`.
     pub dose: DoseReport,
 }
@@ -97,9 +99,7 @@ impl RackPumpReport {
             steps,
             steps_completed,
             completed: steps_completed == steps,
-            unfinished: doses.last().is_some_and(|dose| {
-                dose.dose.delivered_ml.is_some() && !dose.dose.completed && dose.dose.steps_made != Some(0)
-            }),
+            unfinished: doses.last().is_some_and(|dose| dose.unfinished),
             error: None,
             warnings,
             doses,
