@@ -33,8 +33,19 @@ fn main() {
     let seed = env::var("FAULTS_SEED").map_or(u64::from(std::process::id()), |seed| seed.parse().unwrap());
     println!("FAULTS_SEED={seed}");
     let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
-    simulation::run(wanted.unwrap_or(40), &mut random);
-    racks::run(wanted.unwrap_or(12).min(200), &mut random);
-    boards::run(wanted.unwrap_or(16), &mut random);
-    simulators::run(wanted.unwrap_or(0).min(40));
+    // `FAULTS_OF=racks` runs that kind alone.
+    let of = env::var("FAULTS_OF").ok();
+    let runs = |kind: &str| of.as_deref().is_none_or(|only| only == kind);
+    if runs("simulation") {
+        simulation::run(wanted.unwrap_or(40), &mut random);
+    }
+    if runs("racks") {
+        racks::run(wanted.unwrap_or(12).min(200), &mut random);
+    }
+    if runs("boards") {
+        boards::run(wanted.unwrap_or(16), &mut random);
+    }
+    if runs("simulators") {
+        simulators::run(wanted.unwrap_or(0).min(40));
+    }
 }
