@@ -10,8 +10,8 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
-use super::patience::Patience;
 use super::safety::RunBounds;
+use super::session::Patience;
 use crate::calibration::{Calibrations, Stored};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;

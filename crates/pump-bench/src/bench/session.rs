@@ -1,6 +1,8 @@
 //! A session: this process holds the pump and runs doses. Every stretch of a dose is on record before it
 //! happens.
 
+mod patience;
+
 use libm::ceil;
 use pump_model::units::rpm;
 
@@ -10,10 +12,10 @@ use crate::drives::{BeginPlace, Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
+pub(super) use self::patience::Patience;
 use super::bench::Bench;
 use super::device::Device;
 use super::log::SessionLog;
-use super::patience::Patience;
 use super::safety::RunBounds;
 
 /// Bench that no other process can move meanwhile.

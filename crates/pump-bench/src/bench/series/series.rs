@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use pump_ctl::plan::{Plan, PlannedMotion};
 
-use super::bench::Bench;
-use super::by_profile::PreparedProfile;
-use super::delivery::Delivered;
-use super::session::Session;
+use crate::bench::bench::Bench;
+use crate::bench::by_profile::PreparedProfile;
+use crate::bench::delivery::Delivered;
+use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared};
 use crate::pump_file::PumpFile;
 use crate::record::{Intent, PumpState, Purpose};
@@ -204,7 +204,7 @@ impl Bench {
     }
 
     /// Returns the state of the pump once `prepared` is delivered as planned, with its retraction.
-    pub(super) fn after_motion(
+    pub(in crate::bench) fn after_motion(
         &self,
         before: Option<PumpState>,
         prepared: &Prepared,

@@ -18,7 +18,7 @@ const SLICE: Duration = Duration::from_millis(10);
 
 /// Patience with another process that holds the pump or its port. None by default.
 #[derive(Clone, Default)]
-pub(super) struct Patience {
+pub(in crate::bench) struct Patience {
     /// Time that is left to wait.
     left: Duration,
     /// Told for whom is waited, once for each holder.
@@ -27,12 +27,12 @@ pub(super) struct Patience {
 
 impl Patience {
     /// Makes the patience to wait for `limit` in all. `tell` is told for whom.
-    pub(super) fn new(limit: Duration, tell: impl Fn(&str) + Send + Sync + 'static) -> Self {
+    pub(in crate::bench) fn new(limit: Duration, tell: impl Fn(&str) + Send + Sync + 'static) -> Self {
         Self { left: limit, tell: Some(Arc::new(tell)) }
     }
 
     /// Tries until another process no longer holds what is needed, the time is over, or the user asks to stop.
-    pub(super) fn try_until<T>(
+    pub(in crate::bench) fn try_until<T>(
         &mut self,
         stop: &StopRequest,
         mut attempt: impl FnMut() -> Result<T, DoseError>,

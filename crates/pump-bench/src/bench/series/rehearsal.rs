@@ -1,7 +1,7 @@
 //! A rehearsal: a batch of doses that moves nothing.
 
-use super::bench::Bench;
-use super::session::Session;
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
 use crate::record::PumpState;
 
