@@ -16,13 +16,16 @@ const TRY_EVERY: Duration = Duration::from_millis(100);
 /// Time between two looks for a stop.
 const SLICE: Duration = Duration::from_millis(10);
 
+/// Words for a person, given to whoever shows them.
+type Tell = Arc<dyn Fn(&str) + Send + Sync>;
+
 /// Patience with another process that holds the pump or its port. None by default.
 #[derive(Clone, Default)]
 pub(in crate::bench) struct Patience {
     /// Time that is left to wait.
     left: Duration,
     /// Told for whom is waited, once for each holder.
-    tell: Option<Arc<dyn Fn(&str) + Send + Sync>>,
+    tell: Option<Tell>,
 }
 
 impl Patience {
