@@ -17,7 +17,7 @@ const LONGEST: Duration = Duration::from_secs(10);
 const LOOK: Duration = Duration::from_millis(20);
 
 /// A command of the shell that is run once a dose has failed.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct OnFail {
     command: String,
     /// The pump's name.
@@ -27,6 +27,11 @@ pub(crate) struct OnFail {
 impl OnFail {
     pub(crate) fn new(command: &str, pump: &str) -> Self {
         Self { command: command.to_owned(), pump: pump.to_owned() }
+    }
+
+    /// The command for the failure of something else, as a rack.
+    pub(crate) fn of(self, name: &str) -> Self {
+        Self { pump: name.to_owned(), ..self }
     }
 
     /// Runs the command with the reason of a failure. Its own failure is a warning: the dose has failed anyway.

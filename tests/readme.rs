@@ -13,6 +13,16 @@ fn every_example_prints_what_it_shows() {
 }
 
 #[test]
+fn every_example_of_racks_prints_what_it_shows() {
+    let state = tempfile::tempdir().expect("a folder for the records");
+    trycmd::TestCases::new()
+        .env("DOSE_STATE_DIR", state.path().to_string_lossy())
+        .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
+        .env("COLUMNS", "100")
+        .case("docs/racks.md");
+}
+
+#[test]
 fn equal_bits_are_promised_for_the_libm_that_is_locked() {
     let read = |file: &str| std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file}: {error}"));
     for lock in ["Cargo.lock", "examples/firmware/Cargo.lock"] {

@@ -1,6 +1,7 @@
 //! The bench that a command works on: a pump, its record and its motor.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use pump_bench::Bench;
@@ -10,6 +11,7 @@ use super::motor::{DriverOption, MotorOptions, PortOption};
 use super::pump::{PumpOption, RecordOption};
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::terminal::say;
 
 /// A bench whose motor may turn.
 #[derive(Debug, Args)]
@@ -41,7 +43,7 @@ impl BenchOptions {
 
     /// The bench with this pump file.
     pub(crate) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
-        let MotorOptions { driver, port, configure, accept_settings, confirm_pump } = &self.motor;
+        let MotorOptions { driver, port, configure, accept_settings, wait, confirm_pump } = &self.motor;
         let given = [
             ("--port", port.port.is_some()),
             ("--configure", *configure),
@@ -50,6 +52,11 @@ impl BenchOptions {
         ];
         refuse_unless_real(&file, driver, &given)?;
         let bench = Bench::new(file, driver.driver, &self.record.folder(&self.pump.config()?)?)?;
+        let limit = wait.map(|wait_s| Duration::try_from_secs_f64(wait_s).unwrap_or(Duration::MAX));
+        let bench = match limit {
+            Some(limit) => bench.waiting(limit, |text| say(&format!("{text}\n"))),
+            None => bench,
+        };
         Ok(bench
             .at_port(port.port.clone())
             .configuring(*configure)

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use pump_bench::calibration::Weighing;
+use pump_bench::config::Config;
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, PumpFile};
 
@@ -104,6 +105,22 @@ impl DosingOptions {
         self.day_limit.change(&mut file)?;
         self.fluid.change(&mut file)?;
         Ok(self.unattended.change(self.bench.bench_of(file)?))
+    }
+
+    /// The configuration.
+    pub(crate) fn config(&self) -> Result<Config, Failure> {
+        self.bench.pump.config()
+    }
+
+    /// The name of the pump as it was typed, and not only found in the environment.
+    pub(crate) fn typed_pump(&self) -> Option<&str> {
+        let of_environment = std::env::var("DOSE_PUMP").ok();
+        self.bench.pump.typed().filter(|typed| of_environment.as_deref() != Some(typed))
+    }
+
+    /// The bench of one pump of a rack.
+    pub(crate) fn bench_of_rack(&self, file: PumpFile) -> Result<Bench, Failure> {
+        self.bench.bench_of(file)
     }
 
     /// The command to run if the dose fails; none without one, and for a dry run.

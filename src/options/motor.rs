@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pump_bench::pump_file::DriverName;
+use pump_bench::units;
 
 use super::choice::choice;
 
@@ -50,6 +51,9 @@ pub(crate) struct MotorOptions {
     /// Accept another controller than the last time, or other settings of it
     #[arg(long)]
     pub(crate) accept_settings: bool,
+    /// Wait so long while another command has the pump or its port, as 60s [default: refuse at once]
+    #[arg(long, value_name = "TIME", value_parser = units::time_s)]
+    pub(crate) wait: Option<f64>,
     /// Say that the pump's values are those of your pump, where nobody wrote them
     #[arg(
         long_help = "Say that the pump's values are those of your pump. A real motor does not move while its steps \

@@ -16,6 +16,7 @@ mod identify;
 mod line;
 mod pins;
 mod pumps;
+mod racks;
 mod record;
 mod records;
 mod simulate;

@@ -2,14 +2,15 @@
 //! volume lies within the bounds on record.
 //!
 //! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive, 500 on simulated
-//! boards, and 40 on each firmware that this machine has as a simulator. The program starts itself again as a
-//! child that it can kill. It compares the record with the words of the child and with the board's count of
-//! steps.
+//! boards, 200 racks, and 40 on each firmware that this machine has as a simulator. The program starts itself
+//! again as a child that it can kill. It compares the record with the words of the child and with the board's
+//! count of steps.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
 
 mod boards;
 mod child;
+mod racks;
 mod random;
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;
@@ -25,11 +26,26 @@ fn main() {
     if arguments.get(1).is_some_and(|word| word == "child") {
         return child::main(&arguments[2..]);
     }
+    if arguments.get(1).is_some_and(|word| word == "rack") {
+        return racks::child(&arguments[2..]);
+    }
     let wanted: Option<u32> = env::var("FAULTS_RUNS").ok().map(|runs| runs.parse().unwrap());
     let seed = env::var("FAULTS_SEED").map_or(u64::from(std::process::id()), |seed| seed.parse().unwrap());
     println!("FAULTS_SEED={seed}");
     let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
-    simulation::run(wanted.unwrap_or(40), &mut random);
-    boards::run(wanted.unwrap_or(16), &mut random);
-    simulators::run(wanted.unwrap_or(0).min(40));
+    // `FAULTS_OF=racks` runs that kind alone.
+    let of = env::var("FAULTS_OF").ok();
+    let runs = |kind: &str| of.as_deref().is_none_or(|only| only == kind);
+    if runs("simulation") {
+        simulation::run(wanted.unwrap_or(40), &mut random);
+    }
+    if runs("racks") {
+        racks::run(wanted.unwrap_or(12).min(200), &mut random);
+    }
+    if runs("boards") {
+        boards::run(wanted.unwrap_or(16), &mut random);
+    }
+    if runs("simulators") {
+        simulators::run(wanted.unwrap_or(0).min(40));
+    }
 }

@@ -72,6 +72,7 @@ pub mod identification;
 pub mod notice;
 mod numbers;
 pub mod pump_file;
+pub mod rack;
 pub mod record;
 pub mod report;
 pub mod safety;
@@ -86,7 +87,8 @@ pub mod words;
 
 pub use bench::{
     Accepted, AngleSet, Bench, Cleared, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
-    PreparedByWeight, PreparedProfile, Rehearsal, Session, ToleranceBy,
+    PreparedByWeight, PreparedProfile, Rehearsal, SeriesMotion, SeriesRequest, Session, TimedVolume,
+    ToleranceBy,
 };
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};

@@ -1,8 +1,9 @@
 //! `dose status`: what is on record.
 
 use clap::Args;
-use pump_bench::Bench;
+use pump_bench::rack::RackFile;
 use pump_bench::report::{Explain, Status, StatusRow};
+use pump_bench::{Bench, PumpFile};
 
 use crate::advice;
 use crate::failure::Failure;
@@ -19,6 +20,9 @@ pub(crate) struct StatusArgs {
     /// Say it of every pump that the configuration names, a row each
     #[arg(long, conflicts_with_all = ["port", "tube_limit"])]
     all: bool,
+    /// Say it of every pump of a rack, a row each
+    #[arg(long, value_name = "RACK", conflicts_with_all = ["all", "port", "tube_limit"])]
+    rack: Option<String>,
     #[command(flatten)]
     port: PortOption,
     #[command(flatten)]
@@ -31,6 +35,9 @@ impl StatusArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if self.all {
             return self.tell_all();
+        }
+        if let Some(name) = &self.rack {
+            return self.tell_rack(name);
         }
         let mut file = self.record.pump.file()?;
         self.tube_limit.change(&mut file);
@@ -56,8 +63,25 @@ impl StatusArgs {
             let bench = Bench::new(file, self.record.driver(), &state_dir);
             bench.and_then(|bench| Status::of(&bench)).map_err(|error| error.told(advice::words))
         };
-        let rows: Vec<StatusRow> =
-            config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect();
+        let rows = config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect();
+        self.tell_rows(rows)
+    }
+
+    /// Tells a row of each pump of a rack.
+    fn tell_rack(&self, name: &str) -> Result<(), Failure> {
+        let config = self.record.pump.config()?;
+        let path = config.find_rack(name).map_err(Failure::of)?;
+        let rack = RackFile::read(&path).map_err(Failure::of)?;
+        let (files, state_dir) = (rack.pump_files(&config).map_err(Failure::of)?, self.record.folder()?);
+        let row = |(name, file): (&str, PumpFile)| {
+            let bench = Bench::new(file, self.record.driver(), &state_dir);
+            let status = bench.and_then(|bench| Status::of(&bench));
+            StatusRow::new(name, status.map_err(|error| error.told(advice::words)))
+        };
+        self.tell_rows(rack.pump_names().zip(files).map(row).collect())
+    }
+
+    fn tell_rows(&self, rows: Vec<StatusRow>) -> Result<(), Failure> {
         if self.format.json() {
             return print_json(&rows.iter().map(|row| row.json() + "\n").collect::<String>());
         }

@@ -1,8 +1,9 @@
-//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it; or by a
-//! flow over time.
+//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it; by a flow over
+//! time; and a rack.
 
 mod end;
 mod profile;
+mod rack;
 
 use std::path::PathBuf;
 
@@ -10,6 +11,7 @@ use clap::Args;
 use pump_bench::dosing::RunEnd;
 use pump_bench::record::Purpose;
 
+use self::rack::RackArgs;
 use super::delivery;
 use crate::failure::Failure;
 use crate::on_fail::OnFail;
@@ -26,6 +28,8 @@ const PROFILE_HELP: &str = "Follow a flow over time: CSV with the columns time_s
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
+    rack: RackArgs,
+    #[command(flatten)]
     time: ForOption,
     /// Stop after this volume, as 1L; negative runs in reverse
     #[arg(long, value_name = "VOLUME", help_heading = "Amount and speed", conflicts_with = "for")]
@@ -41,10 +45,15 @@ pub(crate) struct RunArgs {
 impl RunArgs {
     /// The command to run if this one fails.
     pub(crate) fn on_fail(&self) -> Option<OnFail> {
-        self.options.on_fail()
+        self.options
+            .on_fail()
+            .map(|on_fail| self.rack.name().map_or(on_fail.clone(), |name| on_fail.of(name)))
     }
 
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if let Some(name) = self.rack.name() {
+            return self.rack.run(name, &self.options);
+        }
         if let Some(path) = &self.profile {
             return profile::run(path, &self.options);
         }

@@ -35,7 +35,7 @@ fn the_short_help_lists_the_commands_and_ten_options_on_one_screen() {
 fn the_short_help_of_status_fits_a_third_of_a_screen() {
     for words in [&["status", "-h"][..], &["-h", "status"]] {
         let lines = shown(words);
-        fits(&lines, 17);
+        fits(&lines, 18);
         assert!(lines.iter().any(|line| line.contains("--tube-limit")), "{lines:?}");
         assert!(!lines.iter().any(|line| line.contains("--smooth")), "{lines:?}");
     }

@@ -4,12 +4,14 @@ mod calibrating;
 mod run_volume;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
 use super::safety::RunBounds;
+use super::session::Patience;
 use crate::calibration::{Calibrations, Stored};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
@@ -41,6 +43,8 @@ pub struct Bench {
     unfinished: bool,
     /// True if the user confirms the values of the pump that the program filled in.
     confirms_pump: bool,
+    /// Patience with another process that holds the pump or its port.
+    patience: Patience,
 }
 
 impl Bench {
@@ -63,7 +67,19 @@ impl Bench {
         let port_names = Some(PathBuf::from(PORT_NAMES));
         let opening = Opening { settings_record, boards, port_names, ..Opening::default() };
         let (is_given, unfinished, confirms_pump) = (false, false, false);
-        Ok(Self { file, model, drive, identity, is_given, folder, opening, unfinished, confirms_pump })
+        let patience = Patience::default();
+        Ok(Self {
+            file,
+            model,
+            drive,
+            identity,
+            is_given,
+            folder,
+            opening,
+            unfinished,
+            confirms_pump,
+            patience,
+        })
     }
 
     /// Returns the bench of the same pump that keeps the record of `drive`. [`Session::with_drive`] takes the drive.
@@ -136,6 +152,18 @@ impl Bench {
     #[must_use]
     pub fn confirming_pump(self, confirms_pump: bool) -> Self {
         Self { confirms_pump, ..self }
+    }
+
+    /// Returns the bench whose sessions wait for `limit` in all while another process holds the pump or its port.
+    /// `tell` is told for whom. A request to stop ends the wait.
+    #[must_use]
+    pub fn waiting(self, limit: Duration, tell: impl Fn(&str) + Send + Sync + 'static) -> Self {
+        Self { patience: Patience::new(limit, tell), ..self }
+    }
+
+    /// Returns the patience of a session with another process.
+    pub(super) fn patience(&self) -> Patience {
+        self.patience.clone()
     }
 
     /// Returns true if the user confirms the values of the pump that the program filled in.

@@ -55,6 +55,13 @@ impl<'a> Session<'a> {
         if self.device.is_some() {
             return Ok(());
         }
+        let mut patience = std::mem::take(&mut self.patience);
+        let connected = patience.try_until(&self.bench.opening().stop, || self.try_to_connect());
+        self.patience = patience;
+        connected
+    }
+
+    fn try_to_connect(&mut self) -> Result<(), DoseError> {
         let bench = self.bench;
         let drive = match self.given().map_err(DoseError::Connection)? {
             Some(drive) => Ok(drive),

@@ -13,9 +13,9 @@ mod lateness;
 mod log;
 mod ramps;
 mod recorded_motion;
-mod rehearsal;
 mod rest;
 mod safety;
+mod series;
 mod session;
 mod stretches;
 
@@ -26,7 +26,7 @@ pub use by_weight::{DeliveredByWeight, OrderByWeight, PreparedByWeight, Toleranc
 pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use log::LogReading;
-pub use rehearsal::Rehearsal;
-pub use safety::Cleared;
 pub(crate) use safety::system_now_s;
+pub use safety::{Cleared, TimedVolume};
+pub use series::{Rehearsal, SeriesMotion, SeriesRequest};
 pub use session::{Accepted, NewTube, Session};

@@ -1,6 +1,8 @@
 //! A session: this process holds the pump and runs doses. Every stretch of a dose is on record before it
 //! happens.
 
+mod patience;
+
 use libm::ceil;
 use pump_model::units::rpm;
 
@@ -10,6 +12,7 @@ use crate::drives::{BeginPlace, Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
+pub(super) use self::patience::Patience;
 use super::bench::Bench;
 use super::device::Device;
 use super::log::SessionLog;
@@ -42,6 +45,8 @@ pub struct Session<'a> {
     pub(super) moved: bool,
     /// Log of the doses.
     pub(super) log: SessionLog,
+    /// Patience that is left with another process.
+    pub(super) patience: Patience,
     _lock: Lock,
 }
 
@@ -88,7 +93,8 @@ impl Bench {
 
 impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
-        let lock = bench.folder().lock()?;
+        let mut patience = bench.patience();
+        let lock = patience.try_until(&bench.opening().stop, || Ok(bench.folder().lock()?))?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
         let (log, note) = SessionLog::open(bench.folder(), &story);
         Ok(Self {
@@ -105,6 +111,7 @@ impl<'a> Session<'a> {
             notes: note.into_iter().collect(),
             moved: false,
             log,
+            patience,
             _lock: lock,
         })
     }

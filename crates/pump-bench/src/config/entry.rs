@@ -62,7 +62,10 @@ impl Config {
             let mut pumps = before.pumps.clone();
             pumps.insert(name.to_owned(), wanted);
             let usual = before.default_pump.clone().or(Some(name.to_owned()));
-            after.pumps == pumps && after.default_pump == usual && after.same_folder(&before)
+            after.pumps == pumps
+                && after.racks == before.racks
+                && after.default_pump == usual
+                && after.same_folder(&before)
         });
         match after {
             Some(_) => Ok(text),

@@ -54,6 +54,20 @@ pub enum ConfigError {
         /// Names of the built-in pumps.
         built_in: String,
     },
+    /// No rack is configured under the name, and it is no file.
+    #[error(
+        "there is no rack `{name}`; {}; or name the file of a rack",
+        match configured.as_str() {
+            "" => "the configuration names none in [racks]".to_owned(),
+            names => format!("configured: {names}"),
+        }
+    )]
+    UnknownRack {
+        /// Name that was given.
+        name: String,
+        /// Names that the configuration has.
+        configured: String,
+    },
     /// Two names of the configuration lead to one record.
     #[error(
         "the pumps `{name}` ({}) and `{other}` ({}) of the configuration have one id, `{id}`, so they would share a \

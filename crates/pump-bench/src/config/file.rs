@@ -43,6 +43,7 @@ pub struct Config {
     state_dir: Option<PathBuf>,
     on_fail: Option<String>,
     pub(super) pumps: BTreeMap<String, PathBuf>,
+    pub(super) racks: BTreeMap<String, PathBuf>,
 }
 
 /// Keys of the file.
@@ -55,6 +56,8 @@ struct ConfigKeys {
     on_fail: Option<String>,
     #[serde(default)]
     pumps: BTreeMap<String, PathBuf>,
+    #[serde(default)]
+    racks: BTreeMap<String, PathBuf>,
 }
 
 impl Config {
@@ -103,6 +106,7 @@ impl Config {
             state_dir: keys.state_dir.map(|dir| folder.join(dir)),
             on_fail: keys.on_fail,
             pumps: keys.pumps.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
+            racks: keys.racks.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
         })
     }
 
@@ -119,6 +123,11 @@ impl Config {
     /// Returns the pump files by their names.
     pub fn pumps(&self) -> &BTreeMap<String, PathBuf> {
         &self.pumps
+    }
+
+    /// Returns the files of racks by their names.
+    pub fn racks(&self) -> &BTreeMap<String, PathBuf> {
+        &self.racks
     }
 
     /// Returns the folder of the records that the file names, or `None` if it names none.
@@ -168,6 +177,12 @@ impl ConfigKeys {
         if let Some((_, file)) = self.pumps.iter().find(|(_, file)| !is_plain(file)) {
             return Err(WrongValue::new("a file of [pumps]", file.display().to_string(), PLAIN));
         }
+        if let Some(name) = self.racks.keys().find(|name| !is_name(name)) {
+            return Err(WrongValue::new("a name of [racks]", name, NAMES));
+        }
+        if let Some((_, file)) = self.racks.iter().find(|(_, file)| !is_plain(file)) {
+            return Err(WrongValue::new("a file of [racks]", file.display().to_string(), PLAIN));
+        }
         if let Some(command) = self.on_fail.as_ref().filter(|command| command.trim().is_empty()) {
             return Err(WrongValue::new("on_fail", command, "a command of the shell"));
         }
@@ -189,6 +204,9 @@ impl ConfigKeys {
     }
 }
 
+/// Names that a configuration may hold.
+const NAMES: &str = "1 to 64 of a-z, 0-9, - and _";
+
 /// Paths that a configuration may hold.
 const PLAIN: &str =
     "a path, relative to the configuration's folder or from the root; `~` means nothing in it";
@@ -198,11 +216,16 @@ fn is_plain(path: &Path) -> bool {
     !path.as_os_str().is_empty() && !path.starts_with("~")
 }
 
+/// Returns true for a name of 1 to 64 letters a-z, digits, `-` and `_`, which is no path.
+pub(crate) fn is_name(name: &str) -> bool {
+    let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+    (1..=64).contains(&name.len()) && name.chars().all(letters)
+}
+
 /// Refuses a name that cannot be told from a path or a built-in pump.
 fn check_name(name: &str) -> Result<(), WrongValue> {
-    let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
-    if !(1..=64).contains(&name.len()) || !name.chars().all(letters) {
-        return Err(WrongValue::new("a name of [pumps]", name, "1 to 64 of a-z, 0-9, - and _"));
+    if !is_name(name) {
+        return Err(WrongValue::new("a name of [pumps]", name, NAMES));
     }
     if is_built_in(name) {
         return Err(WrongValue::new(

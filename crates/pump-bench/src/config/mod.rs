@@ -5,8 +5,10 @@ mod error;
 mod file;
 mod place;
 mod pumps;
+mod racks;
 
 pub use error::ConfigError;
 pub use file::Config;
+pub(crate) use file::is_name;
 pub use place::config_path;
 pub use pumps::{DEFAULT_PUMP, PumpPlace};

@@ -24,7 +24,7 @@ pub use crate::dosing::{RippleAt, RippleReport};
 pub use crate::notice::Remedy;
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
-pub use config::{ShownConfig, ShownPump};
+pub use config::{ShownConfig, ShownPump, ShownRack};
 pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, ProfileReport, RunReport, Until};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, with_sources};

@@ -90,22 +90,20 @@ impl SafetyAccount {
             .or_else(|| exceeded(SafetyLimit::Vessel, self.vessel_ml, vessel_ml, limits.vessel_ml))
     }
 
-    /// Returns the stand of a pump of which one of `count` doses of `volume_ml`, one every `every_s`, would exceed a
+    /// Returns the stand of a pump of which one of a series of volumes, each so many s after `now_s`, would exceed a
     /// limit. `None` if all stay within the limits.
-    pub(crate) fn stand_of_batch(
+    pub(crate) fn stand_of_series(
         &self,
         limits: &SafetyLimits,
         now_s: u64,
-        volume_ml: f64,
-        count: u64,
-        every_s: f64,
+        mut series: impl Iterator<Item = (f64, f64)>,
     ) -> Option<Stand> {
         if *limits == SafetyLimits::default() {
             return None;
         }
         let mut account = *self;
-        (0..count).find_map(|number| {
-            let at_s = now_s.saturating_add((number as f64 * every_s) as u64);
+        series.find_map(|(after_s, volume_ml)| {
+            let at_s = now_s.saturating_add(after_s as u64);
             let stand = account.stand_of(limits, at_s, volume_ml.abs(), volume_ml);
             account = account.pumped(at_s, 0, volume_ml.abs(), volume_ml);
             stand
@@ -189,8 +187,10 @@ mod tests {
 
     #[test]
     fn a_batch_stands_by_its_first_dose_that_would_not_fit() {
-        let stand =
-            |count, every_s| SafetyAccount::default().stand_of_batch(&LIMITS, 0, 10.0, count, every_s);
+        let stand = |count: u64, every_s: f64| {
+            let doses = (0..count).map(|number| (number as f64 * every_s, 10.0));
+            SafetyAccount::default().stand_of_series(&LIMITS, 0, doses)
+        };
         assert_eq!(stand(5, 60.0), None);
         assert_eq!(stand(6, 60.0).map(|stand| (stand.limit, stand.used_ml)), Some((SafetyLimit::Day, 50.0)));
         // Five in any 24 hours fit for ever, and the vessel holds twelve.

@@ -38,6 +38,16 @@ pub fn time_s(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Time)
 }
 
+/// Reads an instant, a time since a beginning that may be zero, and returns it in s.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no time, or a negative one.
+pub fn instant_s(text: &str) -> Result<f64, QuantityError> {
+    let value = QuantityText::new(text, Kind::Time)?.value()?;
+    let negative = || QuantityError::OutOfRange { text: shown(text), allowed: "a time, 0s or later" };
+    if value < 0.0 { Err(negative()) } else { Ok(value) }
+}
+
 /// Reads an angle, which may be zero or negative, and returns it in rad.
 ///
 /// # Errors

@@ -104,7 +104,7 @@ impl Bench {
 
     /// Plans a run that follows a flow over time as if `state` were on record. `file` is the pump file as the device
     /// allows it.
-    fn plan_profile(
+    pub(in crate::bench) fn plan_profile(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,

@@ -1,5 +1,6 @@
 //! The check of a motion against the safety limits, before it begins.
 
+use super::timed_volume::TimedVolume;
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::dosing::DoseError;
@@ -45,11 +46,26 @@ impl Bench {
         state: Option<&PumpState>,
         planned_ml: f64,
     ) -> Result<(), DoseError> {
+        self.would_all_be_safe(state, &[TimedVolume { at_s: 0.0, volume_ml: planned_ml }])
+    }
+
+    /// Refuses a series of volumes that a session would refuse now, as [`Session::keep_series_safe`] does. Nothing is
+    /// recorded.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stands`] with the limit. [`DoseError::Journal`] if the record cannot be read.
+    pub fn check_series_safe(&self, series: &[TimedVolume]) -> Result<(), DoseError> {
+        self.would_all_be_safe(self.story()?.state.as_ref(), series)
+    }
+
+    fn would_all_be_safe(&self, state: Option<&PumpState>, series: &[TimedVolume]) -> Result<(), DoseError> {
         let (now_s, account) = (system_now_s(), self.safety_account(state, system_now_s()));
         if let Some(stand) = account.stand {
             return Err(self.refusal(stand, false));
         }
-        let stand = account.stand_of(&self.safety_limits(), now_s, planned_ml.abs(), planned_ml);
+        let volumes = series.iter().map(|part| (part.at_s, part.volume_ml));
+        let stand = account.stand_of_series(&self.safety_limits(), now_s, volumes);
         stand.map_or(Ok(()), |stand| Err(self.refusal(self.as_said(stand), true)))
     }
 
@@ -91,7 +107,7 @@ impl Session<'_> {
     ///
     /// [`DoseError::Stands`] with the limit. The stand is on record.
     pub(in crate::bench) fn keep_safe(&mut self, planned_ml: f64) -> Result<(), DoseError> {
-        self.keep_doses_safe(planned_ml, 1, 0.0)
+        self.keep_volumes_safe(std::iter::once((0.0, planned_ml)))
     }
 
     /// Has the pump stand if one of `count` doses of `volume_ml`, one every `every_s` from now on, would exceed a
@@ -101,20 +117,36 @@ impl Session<'_> {
     ///
     /// [`DoseError::Stands`] with the limit. The stand is on record. [`DoseError::Unfinished`] if a dose is unfinished.
     pub fn keep_batch_safe(&mut self, volume_ml: f64, count: u64, every_s: f64) -> Result<(), DoseError> {
+        self.before_series()?;
+        self.keep_volumes_safe((0..count).map(|number| (number as f64 * every_s, volume_ml)))
+    }
+
+    /// Has the pump stand if one of a series of volumes would exceed a safety limit, each beside those before it and
+    /// those on record. A series is refused so before its first motion.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as for [`Session::keep_batch_safe`].
+    pub fn keep_series_safe(&mut self, series: &[TimedVolume]) -> Result<(), DoseError> {
+        self.before_series()?;
+        self.keep_volumes_safe(series.iter().map(|part| (part.at_s, part.volume_ml)))
+    }
+
+    /// Refuses a series on a pump that stands or has an unfinished dose.
+    fn before_series(&mut self) -> Result<(), DoseError> {
         self.check_stand()?;
         if self.cut_off.is_some() {
             // A device that still counts tells the steps of a motion that was cut off, before anything is recorded.
             self.connect()?;
         }
-        self.finished()?;
-        self.keep_doses_safe(volume_ml, count, every_s)
+        self.finished().map(drop)
     }
 
-    fn keep_doses_safe(&mut self, volume_ml: f64, count: u64, every_s: f64) -> Result<(), DoseError> {
+    fn keep_volumes_safe(&mut self, series: impl Iterator<Item = (f64, f64)>) -> Result<(), DoseError> {
         self.check_stand()?;
         let (now_s, state) = (self.log.clock.now().unix_s, self.stands());
         let (account, limits) = (state.safety_at(now_s), self.bench.safety_limits());
-        let Some(stand) = account.stand_of_batch(&limits, now_s, volume_ml, count, every_s) else {
+        let Some(stand) = account.stand_of_series(&limits, now_s, series) else {
             self.tell_of_clock(&account, now_s);
             return Ok(());
         };

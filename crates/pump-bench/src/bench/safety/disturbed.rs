@@ -12,6 +12,27 @@ use crate::numbers::significant;
 use crate::pump_file::HomePolicy;
 
 impl Session<'_> {
+    /// Refuses a motion without a person from an angle that was disturbed or is unknown, unless the pump file's
+    /// `[safety] home` accepts it. A turn to the index sensor would be a motion before its time, so it is refused too.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as for [`Session::follow_home_policy`].
+    pub fn keep_home_policy(&mut self) -> Result<(), DoseError> {
+        if self.bench.file().safety.home != Some(HomePolicy::Sensor) {
+            return self.follow_home_policy(|_| ControlFlow::Continue(()));
+        }
+        self.check_stand()?;
+        self.check_confirmed()?;
+        self.connect()?;
+        let (state, pitch_rad) = (self.stands(), self.bench.model().pitch_rad());
+        let is_known = state.phase().is_known(pitch_rad);
+        if state.disturbances == 0 && is_known {
+            return Ok(());
+        }
+        Err(DoseError::Disturbed { within_deg: is_known.then(|| degrees(state.half_width_rad)) })
+    }
+
     /// Does as the pump file's `[safety] home` says before a dose without a person, if the rollers' angle was disturbed
     /// since it was found, or is unknown. The next dose that is prepared tells what was done.
     ///

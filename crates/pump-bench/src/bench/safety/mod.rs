@@ -4,7 +4,9 @@ mod check;
 mod clear;
 mod disturbed;
 mod run_bounds;
+mod timed_volume;
 
 pub(crate) use check::system_now_s;
 pub use clear::Cleared;
 pub(crate) use run_bounds::RunBounds;
+pub use timed_volume::TimedVolume;

@@ -2,4 +2,4 @@
 
 mod shown;
 
-pub use shown::{ShownConfig, ShownPump};
+pub use shown::{ShownConfig, ShownPump, ShownRack};

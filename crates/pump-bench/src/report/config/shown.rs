@@ -29,6 +29,18 @@ pub struct ShownConfig {
     pub on_fail: Option<String>,
     /// Pumps of the configuration, in the order of their names.
     pub pumps: Vec<ShownPump>,
+    /// Racks of the configuration, in the order of their names.
+    pub racks: Vec<ShownRack>,
+}
+
+/// A rack of the configuration.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct ShownRack {
+    /// Name of the rack.
+    pub name: String,
+    /// File of the rack.
+    pub file: PathBuf,
 }
 
 /// A pump of the configuration.
@@ -60,6 +72,7 @@ impl ShownConfig {
             state_dir,
             on_fail: config.on_fail().map(str::to_owned),
             pumps: ShownPump::all(config),
+            racks: ShownRack::all(config),
         })
     }
 
@@ -79,7 +92,21 @@ impl ShownConfig {
         let on_fail =
             self.on_fail.as_ref().map_or(String::new(), |command| format!("on failure     {command}\n"));
         let pumps: String = self.pumps.iter().map(ShownPump::line).collect();
-        format!("configuration  {path}\ndefault pump   {default}\nrecords        {records}\n{on_fail}{pumps}")
+        let racks: String = self.racks.iter().map(ShownRack::line).collect();
+        format!(
+            "configuration  {path}\ndefault pump   {default}\nrecords        {records}\n{on_fail}{pumps}{racks}"
+        )
+    }
+}
+
+impl ShownRack {
+    fn all(config: &Config) -> Vec<Self> {
+        let shown = |(name, file): (&String, &PathBuf)| Self { name: name.clone(), file: file.clone() };
+        config.racks().iter().map(shown).collect()
+    }
+
+    fn line(&self) -> String {
+        format!("{:<24}{}, a rack\n", self.name, self.file.display())
     }
 }
 

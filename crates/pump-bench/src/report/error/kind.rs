@@ -21,6 +21,8 @@ pub enum ErrorKind {
     PumpFile,
     /// The configuration is wrong, or its names contradict one another.
     Config,
+    /// The file of a rack is wrong, or its pumps cannot run together.
+    Rack,
     /// A file cannot be read.
     Input,
     /// A file or the report cannot be written.
@@ -62,6 +64,7 @@ words_of_reports!(ErrorKind {
     Model = "model",
     PumpFile = "pump_file",
     Config = "config",
+    Rack = "rack",
     Input = "input",
     Output = "output",
     Table = "table",

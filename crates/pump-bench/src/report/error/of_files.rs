@@ -74,6 +74,9 @@ impl Explain for ConfigError {
             Self::UnknownPump { name, configured, built_in, .. } => {
                 ErrorFacts::of(ErrorKind::PumpFile).value(name).allowed(format!("{configured}, {built_in}"))
             }
+            Self::UnknownRack { name, configured } => {
+                ErrorFacts::of(ErrorKind::Rack).value(name).allowed(configured)
+            }
             Self::Taken { name, .. } => facts.value(name).allowed("a name that no pump has"),
             Self::NoRoom { line, .. } => facts.value(line),
             Self::NoLine { name, .. } => facts.value(name),

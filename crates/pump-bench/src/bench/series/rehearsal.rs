@@ -1,11 +1,9 @@
 //! A rehearsal: a batch of doses that moves nothing.
 
-use pump_ctl::plan::Plan;
-
-use super::bench::Bench;
-use super::session::Session;
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
-use crate::record::{Intent, PumpState, Purpose};
+use crate::record::PumpState;
 
 /// Session that moves and records nothing. Each dose is planned from where the one before would leave the
 /// pump.
@@ -46,17 +44,7 @@ impl<'a> Rehearsal<'a> {
     /// [`DoseError`] if the dose cannot be planned, or a dose is unfinished.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let prepared = self.bench.rehearse(self.state, request)?;
-        let correction = prepared.correction();
-        let mut made = |plan: &Plan, purpose, carry_out_ml| {
-            let intent = Intent::of(plan, correction, purpose, carry_out_ml, 0);
-            let all = plan.steps().abs();
-            let before = self.state.unwrap_or(self.bench.fresh());
-            self.state = Some(before.after_until(intent.unix_s, &intent, all, all, self.bench.model()));
-        };
-        made(&prepared.plan, request.purpose, prepared.carry_out_ml);
-        if let Some(back) = &prepared.retraction {
-            made(&back.plan, Purpose::Retract, back.carry_out_ml);
-        }
+        self.state = Some(self.bench.after_motion(self.state, &prepared, request.purpose));
         Ok(prepared)
     }
 }

@@ -1,0 +1,187 @@
+//! The clock that all pumps of a rack share, and the stop that ends them all.
+
+use std::ops::ControlFlow;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::pace::RackPace;
+use crate::drives::StopRequest;
+
+/// Longest sleep between two looks for a stop.
+const SLICE: Duration = Duration::from_millis(10);
+
+/// Time by which a simulated pump may be ahead of the slowest one, in s, and of the clock where it keeps real time.
+const AHEAD_S: f64 = 0.01;
+
+/// Cause of a stop of all pumps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// Somebody asked for it.
+    Asked,
+    /// The pump of this number failed.
+    Fault(usize),
+}
+
+/// Stop that all pumps of a rack hear.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SharedStop {
+    asked: StopRequest,
+    made: Arc<Mutex<Option<Stop>>>,
+}
+
+impl SharedStop {
+    /// Makes a stop that `asked` makes too.
+    pub(super) fn hearing(asked: StopRequest) -> Self {
+        Self { asked, made: Arc::default() }
+    }
+
+    /// Stops all pumps. The first cause stays.
+    pub(super) fn make(&self, cause: Stop) {
+        self.lock().get_or_insert(cause);
+    }
+
+    /// Returns the cause of the stop, once there is one.
+    pub(super) fn cause(&self) -> Option<Stop> {
+        let mut made = self.lock();
+        if made.is_none() && self.asked.is_made() {
+            *made = Some(Stop::Asked);
+        }
+        *made
+    }
+
+    /// Returns the request to stop that ends the waits for devices.
+    pub(super) fn request(&self) -> StopRequest {
+        let stop = self.clone();
+        StopRequest::new(move || stop.cause().is_some())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<Stop>> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Clock of a rack under way.
+#[derive(Debug)]
+pub(super) struct RackClock {
+    pace: RackPace,
+    began: Instant,
+    stop: SharedStop,
+    /// Times that the pumps have reached, in s. Infinite for a pump that is done.
+    reached_s: Mutex<Vec<f64>>,
+    moved_on: Condvar,
+}
+
+impl RackClock {
+    /// Makes a clock for so many pumps that begins `lead` from now.
+    pub(super) fn new(pace: RackPace, pumps: usize, lead: Duration, stop: SharedStop) -> Self {
+        let reached_s = Mutex::new(vec![0.0; pumps]);
+        Self { pace, began: Instant::now() + lead, stop, reached_s, moved_on: Condvar::new() }
+    }
+
+    /// Waits until the time of the rack is `time_s`, for a simulated pump up to a hundredth of a second before. Breaks
+    /// once all are to stop.
+    pub(super) fn reach(&self, pump: usize, time_s: f64) -> ControlFlow<()> {
+        match self.pace {
+            RackPace::Real => self.sleep_until(time_s),
+            RackPace::Fast => self.keep_step(pump, time_s),
+        }
+    }
+
+    /// Breaks once all are to stop.
+    pub(super) fn flow(&self) -> ControlFlow<()> {
+        if self.stop.cause().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Returns the time of the rack, in s: that of its slowest pump where no real time is kept. Infinite once all are
+    /// done.
+    pub(super) fn now_s(&self) -> f64 {
+        match self.pace {
+            RackPace::Real => {
+                let now = Instant::now();
+                let before_s = self.began.saturating_duration_since(now).as_secs_f64();
+                now.saturating_duration_since(self.began).as_secs_f64() - before_s
+            }
+            RackPace::Fast => slowest_s(&self.lock()),
+        }
+    }
+
+    /// Says that a pump is done, so that none waits for it.
+    pub(super) fn leave(&self, pump: usize) {
+        self.note(&mut self.lock(), pump, f64::INFINITY);
+    }
+
+    fn sleep_until(&self, time_s: f64) -> ControlFlow<()> {
+        loop {
+            self.flow()?;
+            let left_s = time_s - self.now_s();
+            // A sleep for each of many thousand steps a second would make them late.
+            if left_s <= 0.0 || (time_s > 0.0 && left_s < AHEAD_S / 10.0) {
+                return ControlFlow::Continue(());
+            }
+            sleep(SLICE.min(Duration::try_from_secs_f64(left_s).unwrap_or(SLICE)));
+        }
+    }
+
+    fn keep_step(&self, pump: usize, time_s: f64) -> ControlFlow<()> {
+        let mut reached_s = self.lock();
+        self.note(&mut reached_s, pump, time_s);
+        loop {
+            self.flow()?;
+            if slowest_s(&reached_s) + AHEAD_S >= time_s {
+                return ControlFlow::Continue(());
+            }
+            let waited = self.moved_on.wait_timeout(reached_s, SLICE);
+            reached_s = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    fn note(&self, reached_s: &mut [f64], pump: usize, time_s: f64) {
+        let before_s = slowest_s(reached_s);
+        if let Some(reached_s) = reached_s.get_mut(pump) {
+            *reached_s = time_s;
+        }
+        if slowest_s(reached_s) > before_s {
+            self.moved_on.notify_all();
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<f64>> {
+        self.reached_s.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn slowest_s(reached_s: &[f64]) -> f64 {
+    reached_s.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_cause_of_a_stop_stays_and_ends_every_wait() {
+        let stop = SharedStop::default();
+        let clock = RackClock::new(RackPace::Fast, 2, Duration::ZERO, stop.clone());
+        assert_eq!(clock.reach(0, 0.005), ControlFlow::Continue(()));
+        stop.make(Stop::Fault(1));
+        stop.make(Stop::Asked);
+        // Pump 1 stands at 0 s for ever.
+        assert_eq!((clock.reach(0, 1e9), stop.cause()), (ControlFlow::Break(()), Some(Stop::Fault(1))));
+    }
+
+    #[test]
+    fn a_fast_pump_waits_for_the_slowest_and_for_none_that_is_done() {
+        let clock = RackClock::new(RackPace::Fast, 2, Duration::ZERO, SharedStop::default());
+        std::thread::scope(|scope| {
+            let fast = scope.spawn(|| {
+                let went_on = clock.reach(0, 1.0);
+                (went_on, clock.lock()[1])
+            });
+            assert_eq!(clock.reach(1, 0.4), ControlFlow::Continue(()));
+            clock.leave(1);
+            assert_eq!(fast.join().unwrap(), (ControlFlow::Continue(()), f64::INFINITY));
+        });
+        assert_eq!(clock.now_s(), 1.0);
+    }
+}

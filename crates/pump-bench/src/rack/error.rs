@@ -1,0 +1,168 @@
+//! Racks that cannot be run.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::config::ConfigError;
+use crate::dosing::DoseError;
+use crate::notice::Remedy;
+use crate::report::{Ending, ErrorFacts, ErrorKind, Explain};
+use crate::units::QuantityError;
+
+/// Rack that cannot be run. Nothing has moved.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RackError {
+    /// The file cannot be read.
+    #[error("cannot read the rack {}", .path.display())]
+    Read {
+        /// Path of the file.
+        path: PathBuf,
+        /// Reason that the system gives.
+        source: std::io::Error,
+    },
+    /// The text is not TOML, or it has unknown, missing or mistyped keys.
+    #[error("rack {}: {message}", .path.display())]
+    Syntax {
+        /// Path of the file.
+        path: PathBuf,
+        /// Message of the parser, with line and column.
+        message: String,
+    },
+    /// A value is not allowed.
+    #[error("rack {}: {key} is `{value}`; allowed: {allowed}", .path.display())]
+    Value {
+        /// Path of the file.
+        path: PathBuf,
+        /// Key in the file, with the number of its step.
+        key: String,
+        /// Value in the file.
+        value: String,
+        /// Values that are allowed.
+        allowed: String,
+    },
+    /// A quantity cannot be read.
+    #[error("rack {}: {key}", .path.display())]
+    Quantity {
+        /// Path of the file.
+        path: PathBuf,
+        /// Key in the file, with the number of its step.
+        key: String,
+        /// Fault of the quantity.
+        source: Box<QuantityError>,
+    },
+    /// A pump of the rack cannot be found or used.
+    #[error("pump `{pump}` of the rack")]
+    Pump {
+        /// Name of the pump in the rack.
+        pump: String,
+        /// Fault of the pump.
+        source: Box<ConfigError>,
+    },
+    /// Two pumps of the rack share something that one pump alone can have.
+    #[error("the pumps `{pump}` and `{other}` of the rack {shared}; {instead}")]
+    Shared {
+        /// Name of a pump in the rack.
+        pump: String,
+        /// Name of the other pump.
+        other: String,
+        /// Thing that they share, in words.
+        shared: String,
+        /// Way out, in words.
+        instead: &'static str,
+    },
+    /// Real motors keep no other pace than that of time.
+    #[error(
+        "pump `{pump}` of the rack has a real motor, which takes its time; the pace `fast` is for simulated ones"
+    )]
+    RealPace {
+        /// Name of the pump in the rack.
+        pump: String,
+    },
+    /// A step begins before the one before it.
+    #[error(
+        "step {step} of the rack begins at {at_s} s, before step {before} at {before_s:.3} s; put the steps in the \
+         order of their times"
+    )]
+    TimeGoesBack {
+        /// Number of the step, from 1.
+        step: usize,
+        /// Begin of the step, in s.
+        at_s: f64,
+        /// Number of the step before.
+        before: usize,
+        /// Begin of the step before, in s.
+        before_s: f64,
+    },
+    /// A pump would begin a step before it is done with another one.
+    #[error(
+        "step {step} of the rack begins at {at_s} s, and pump `{pump}` is done with step {before} and its line has \
+         settled at {done_s:.3} s; begin it then or later"
+    )]
+    Overlap {
+        /// Name of the pump in the rack.
+        pump: String,
+        /// Number of the step, from 1.
+        step: usize,
+        /// Begin of the step, in s.
+        at_s: f64,
+        /// Number of the step that is under way.
+        before: usize,
+        /// End of that step, with the time in which the line settles, in s.
+        done_s: f64,
+    },
+    /// A pump refuses its part of the rack.
+    #[error("pump `{pump}` of the rack{}", .step.map_or(String::new(), |step| format!(", step {step}")))]
+    Dose {
+        /// Name of the pump in the rack.
+        pump: String,
+        /// Number of the step, from 1. `None` if no single step is refused.
+        step: Option<usize>,
+        /// Refusal.
+        source: Box<DoseError>,
+    },
+    /// Somebody asked to stop before anything moved.
+    #[error("stopped by the user before anything moved")]
+    Stopped,
+}
+
+impl Explain for RackError {
+    fn facts(&self) -> ErrorFacts {
+        let facts = ErrorFacts::of(ErrorKind::Rack);
+        match self {
+            Self::Read { path, source } => ErrorFacts::of_file(ErrorKind::Input, path, source),
+            Self::Syntax { .. } => facts,
+            Self::Value { value, allowed, .. } => facts.value(value).allowed(allowed),
+            Self::Quantity { source, .. } => source.facts(),
+            Self::Pump { source, .. } => source.facts(),
+            Self::Shared { other, .. } => facts.value(other),
+            Self::RealPace { .. } => facts.value("fast").allowed("real"),
+            Self::TimeGoesBack { at_s, before_s, .. } => {
+                facts.value(format!("{at_s} s")).allowed(format!("{before_s:.3} s or later"))
+            }
+            Self::Overlap { at_s, done_s, .. } => {
+                facts.value(format!("{at_s} s")).allowed(format!("{done_s:.3} s or later"))
+            }
+            Self::Dose { source, .. } => source.facts(),
+            Self::Stopped => ErrorFacts::of(ErrorKind::Stopped),
+        }
+    }
+
+    fn ending(&self) -> Ending {
+        match self {
+            Self::Dose { source, .. } => source.ending(),
+            Self::Stopped => Ending::Stopped,
+            _ => Ending::Refused,
+        }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::Dose { source, .. } => source.remedies(),
+            Self::Pump { source, .. } => source.remedies(),
+            Self::Quantity { source, .. } => source.remedies(),
+            _ => Vec::new(),
+        }
+    }
+}

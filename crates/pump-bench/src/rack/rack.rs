@@ -1,0 +1,88 @@
+//! A rack: its pumps with their benches, and the steps that they run.
+
+use super::clock::SharedStop;
+use super::error::RackError;
+use super::member::Member;
+use super::pace::RackPace;
+use super::rack_file::RackFile;
+use super::sharing;
+use super::step::RackStep;
+use crate::bench::Bench;
+use crate::drives::StopRequest;
+
+/// Rack of pumps that one process moves.
+#[derive(Debug, Clone)]
+pub struct Rack {
+    name: String,
+    members: Vec<Member>,
+    steps: Vec<RackStep>,
+    pub(super) pace: RackPace,
+    pub(super) stop: StopRequest,
+    /// True if nobody watches, so that each pump obeys the `home` of its safety limits.
+    pub(super) unattended: bool,
+}
+
+impl Rack {
+    /// Makes the rack of a file, with a bench for each of its pumps in the order of [`RackFile::pump_files`].
+    ///
+    /// # Errors
+    ///
+    /// [`RackError::Shared`] if two pumps are one, or are axes of one board that does not move them together.
+    pub fn new(file: RackFile, benches: Vec<Bench>) -> Result<Self, RackError> {
+        let members = file.pump_names().map(str::to_owned).zip(benches);
+        let members: Vec<Member> = members.map(|(name, bench)| Member { name, bench }).collect();
+        sharing::check(&members)?;
+        let (name, steps) = (file.name(), file.steps().to_vec());
+        Ok(Self {
+            name,
+            members,
+            steps,
+            pace: RackPace::default(),
+            stop: StopRequest::default(),
+            unattended: false,
+        })
+    }
+
+    /// Returns the rack with the pace of its simulated motors.
+    #[must_use]
+    pub fn paced(self, pace: RackPace) -> Self {
+        Self { pace, ..self }
+    }
+
+    /// Returns the rack with a request of the user to stop. It stops every pump.
+    #[must_use]
+    pub fn stopping_on(self, stop: StopRequest) -> Self {
+        Self { stop, ..self }
+    }
+
+    /// Returns the rack with or without a person who watches. Without one, each pump obeys `[safety] home`.
+    #[must_use]
+    pub fn unattended(self, unattended: bool) -> Self {
+        Self { unattended, ..self }
+    }
+
+    /// Returns the name of the rack.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the pumps.
+    pub fn members(&self) -> &[Member] {
+        &self.members
+    }
+
+    /// Returns the steps.
+    pub fn steps(&self) -> &[RackStep] {
+        &self.steps
+    }
+
+    /// Returns true if no motor moves.
+    pub fn is_simulated(&self) -> bool {
+        self.members.iter().all(|member| member.bench.is_simulated())
+    }
+
+    /// Returns the benches of a run. Their waits hear the stop of all.
+    pub(super) fn benches(&self, stop: &SharedStop) -> Vec<Bench> {
+        self.members.iter().map(|member| member.bench.clone().stopping_on(stop.request())).collect()
+    }
+}

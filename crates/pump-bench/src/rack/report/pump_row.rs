@@ -1,0 +1,132 @@
+//! The row of a pump in the report of a rack.
+
+use serde::Serialize;
+
+use crate::dosing::DoseError;
+use crate::notice::{Notice, Wording};
+use crate::rack::member::Member;
+use crate::report::{DoseReport, with_sources};
+
+/// Part of a step that a pump has run, or a rehearsal has planned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct RackDose {
+    /// Number of the step in the rack, from 1.
+    pub step: usize,
+    /// Planned begin since the rack began, s.
+    pub begin_s: f64,
+    /// True if a rest of the dose is on record. A flow over time leaves none.
+    pub unfinished: bool,
+    /// Report of the dose, `dose/1`.
+    pub dose: DoseReport,
+}
+
+/// Row of a pump.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct RackPumpReport {
+    /// Name of the pump in the rack.
+    pub name: String,
+    /// Id of the pump.
+    pub pump: String,
+    /// Name of the drive.
+    pub driver: String,
+    /// True if no motor moved.
+    pub simulated: bool,
+    /// Port to which the motor is connected; null if the motor is simulated.
+    pub device: Option<String>,
+    /// Volume that all steps ask of the pump, mL.
+    pub requested_ml: f64,
+    /// Volume that the pump has delivered, mL, or the planned one in a rehearsal. After a fault it is the middle of the
+    /// volumes that may have been delivered.
+    pub delivered_ml: f64,
+    /// Smallest volume that may have been delivered, mL.
+    pub delivered_least_ml: f64,
+    /// Largest volume that may have been delivered, mL.
+    pub delivered_most_ml: f64,
+    /// Expanded uncertainty of the volume, mL, as if every step erred the same way.
+    pub expanded_uncertainty_ml: f64,
+    /// Carry to the next dose, mL; null if no step was begun.
+    pub carry_ml: Option<f64>,
+    /// Number of steps in which the pump takes part.
+    pub steps: usize,
+    /// Number of steps that the pump has completed.
+    pub steps_completed: usize,
+    /// True if the pump has completed every step.
+    pub completed: bool,
+    /// True if a dose is unfinished: its rest is on record.
+    pub unfinished: bool,
+    /// Reason why the pump failed; null if it did not.
+    pub error: Option<String>,
+    /// Warnings for the user, those of the doses included.
+    pub warnings: Vec<Notice>,
+    /// Doses of the pump in the order of its steps.
+    pub doses: Vec<RackDose>,
+}
+
+impl RackPumpReport {
+    /// Sums the doses of a pump of which `requested_ml` were asked in `steps` steps.
+    pub(in crate::rack) fn of(
+        member: &Member,
+        steps: usize,
+        requested_ml: f64,
+        mut doses: Vec<RackDose>,
+    ) -> Self {
+        let bench = &member.bench;
+        let mut warnings = Vec::new();
+        for dose in &mut doses {
+            for warning in std::mem::take(&mut dose.dose.warnings) {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+        }
+        let volume_ml = |dose: &RackDose| dose.dose.delivered_ml.unwrap_or(dose.dose.planned_ml);
+        let delivered_ml: f64 = doses.iter().map(volume_ml).sum();
+        let steps_completed = doses.iter().filter(|dose| dose.dose.completed).count();
+        Self {
+            name: member.name.clone(),
+            pump: bench.file().pump.id.clone(),
+            driver: bench.drive_id().to_owned(),
+            simulated: bench.is_simulated(),
+            device: bench.board_port().map(|port| port.display().to_string()),
+            requested_ml,
+            delivered_ml,
+            delivered_least_ml: delivered_ml,
+            delivered_most_ml: delivered_ml,
+            expanded_uncertainty_ml: doses.iter().map(|dose| dose.dose.expanded_uncertainty_ml).sum(),
+            carry_ml: doses.last().map(|dose| dose.dose.carry_ml),
+            steps,
+            steps_completed,
+            completed: steps_completed == steps,
+            unfinished: doses.last().is_some_and(|dose| dose.unfinished),
+            error: None,
+            warnings,
+            doses,
+        }
+    }
+
+    /// Adds the fault of a motion.
+    pub(in crate::rack) fn failed(&mut self, error: &DoseError) {
+        self.error = Some(with_sources(error));
+        self.completed = false;
+        self.unfinished = matches!(
+            error,
+            DoseError::Drive { unfinished: true, .. }
+                | DoseError::SlowDisk { .. }
+                | DoseError::NotJournalled { .. }
+        );
+        let (least_ml, most_ml) = error.delivered_ml().unwrap_or((0.0, 0.0));
+        self.delivered_least_ml += least_ml;
+        self.delivered_most_ml += most_ml;
+        self.delivered_ml = 0.5 * (self.delivered_least_ml + self.delivered_most_ml);
+    }
+
+    /// Returns the row with its remedies in a front end's words.
+    pub(super) fn worded(mut self, words: Wording) -> Self {
+        self.warnings = self.warnings.iter().map(|notice| notice.told(words)).collect();
+        let dose = |part: RackDose| RackDose { dose: part.dose.worded(words), ..part };
+        self.doses = self.doses.into_iter().map(dose).collect();
+        self
+    }
+}

@@ -1,0 +1,71 @@
+//! The report of a rack in words: a row a pump, and the total.
+
+use super::pump_row::RackPumpReport;
+use super::rack_report::{RackEnd, RackReport};
+use crate::numbers::{microlitres, significant};
+
+impl RackReport {
+    /// Returns the report in words: a line of the rack, a row a pump, and the total. Warnings are not in it.
+    pub fn text(&self) -> String {
+        let width = self.pumps.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(5);
+        let rows: String = self.pumps.iter().map(|row| row.line(width, self.end)).collect();
+        let total = &self.total;
+        let volume = volume(total.delivered_ml, total.expanded_uncertainty_ml);
+        let requested = significant(total.requested_ml, 6);
+        let ended = match (self.end, &self.fault) {
+            (RackEnd::Planned, _) => "planned (dry run, nothing recorded)".to_owned(),
+            (RackEnd::Completed, _) => "completed".to_owned(),
+            (RackEnd::Stopped, _) => "stopped".to_owned(),
+            (RackEnd::Fault, Some(fault)) => format!("stopped by a fault of {}", fault.pump),
+            (RackEnd::Fault, None) => "stopped by a fault".to_owned(),
+        };
+        let (pumps, steps) = (counted(self.pumps.len(), "pump"), counted(self.steps, "step"));
+        let planned_s = self.planned_s;
+        format!(
+            "{}: {pumps}, {steps} in {planned_s:.3} s, {ended}\n{rows}{:<width$}  {volume}, {requested} mL asked\n",
+            self.rack, "total"
+        )
+    }
+
+    /// Returns the warnings, a line each, with the name of their pump.
+    pub fn warning_lines(&self) -> String {
+        let of = |row: &RackPumpReport| {
+            let line = |warning| format!("warning: {}: {warning}\n", row.name);
+            row.warnings.iter().map(line).collect::<String>()
+        };
+        self.pumps.iter().map(of).collect()
+    }
+}
+
+impl RackPumpReport {
+    fn line(&self, width: usize, end: RackEnd) -> String {
+        let name = &self.name;
+        let volume = volume(self.delivered_ml, self.expanded_uncertainty_ml);
+        let requested = significant(self.requested_ml, 6);
+        let done = match end {
+            RackEnd::Planned => counted(self.steps, "step"),
+            _ => format!("{} of {} done", self.steps_completed, counted(self.steps, "step")),
+        };
+        let carry = self.carry_ml.map_or(String::new(), |carry| format!(", carry {}", microlitres(carry)));
+        let state = match (&self.error, self.unfinished) {
+            (Some(_), true) => ", FAILED, its rest is on record",
+            (Some(_), false) => ", FAILED",
+            (None, true) => ", its rest is on record",
+            (None, false) => "",
+        };
+        format!("{name:<width$}  {volume}, {requested} mL asked, {done}{carry}{state}\n")
+    }
+}
+
+/// Words a volume with the digits of its uncertainty.
+fn volume(volume_ml: f64, expanded_ml: f64) -> String {
+    let decimals = match expanded_ml {
+        expanded_ml if expanded_ml > 0.0 => (1.0 - expanded_ml.log10().floor()).clamp(0.0, 4.0) as usize,
+        _ => 2,
+    };
+    format!("{volume_ml:.decimals$} mL ± {expanded_ml:.decimals$} mL")
+}
+
+fn counted(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}

@@ -1,0 +1,54 @@
+//! What two pumps of a rack must not share: a record, an axis, and a board that moves its axes one at a time.
+
+use super::error::RackError;
+use super::member::Member;
+use crate::bench::Bench;
+use crate::files::is_one_file;
+use crate::pump_file::DriverName;
+
+/// Refuses the first two pumps that share a record, an axis or a board.
+pub(super) fn check(members: &[Member]) -> Result<(), RackError> {
+    for (number, member) in members.iter().enumerate() {
+        for other in &members[..number] {
+            if let Some((shared, instead)) = shared(&other.bench, &member.bench) {
+                let (pump, other) = (other.name.clone(), member.name.clone());
+                return Err(RackError::Shared { pump, other, shared, instead });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns the thing that two pumps share, and the way out.
+fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
+    if one.folder() == other.folder() {
+        let shared = format!("are one pump, `{}`", one.file().pump.id);
+        return Some((shared, "name each pump once, or give each file a [pump] id of its own"));
+    }
+    let (port, at) = (one.board_port()?, other.board_port()?);
+    if port != at && !is_one_file(port, at) {
+        return None;
+    }
+    let (port, axis) = (port.display(), one.drive().axis);
+    let (driver, other_driver) = (one.drive().driver, other.drive().driver);
+    if driver != other_driver {
+        let shared = format!("are turned by {driver} and {other_driver} at one port, {port}");
+        return Some((shared, "give each board its own port"));
+    }
+    if axis == other.drive().axis {
+        return Some((
+            format!("name one axis, {axis} at {port}"),
+            "name the axis of each pump in its [drive]",
+        ));
+    }
+    if driver == DriverName::Grbl {
+        let shared =
+            format!("are axes of one grbl board, at {port}, which starts and stops all its axes as one");
+        return Some((
+            shared,
+            "give each pump a board of its own, or the axes of a node (driver = \"node\")",
+        ));
+    }
+    let shared = format!("are axes of one board, at {port}, which a rack does not begin together");
+    Some((shared, "give each pump a board of its own"))
+}

@@ -1,0 +1,81 @@
+//! The timetable of a rack: the begin of each step, and the check that no pump is asked for two at once.
+
+use super::error::RackError;
+use super::member::Member;
+use super::step::{Begin, RackStep};
+
+/// Time between two steps of a pump in which the second one is planned and announced, in s.
+const PLANNING_S: f64 = 0.25;
+
+/// Times of one pump's part of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Timing {
+    /// Time of the motion, in s.
+    pub(super) motion_s: f64,
+    /// Time in which the line settles, in s.
+    pub(super) settle_s: f64,
+    /// Planned volume, in mL. Negative in reverse.
+    pub(super) planned_ml: f64,
+}
+
+impl Timing {
+    fn done_s(self, begin_s: f64) -> f64 {
+        begin_s + self.motion_s + self.settle_s
+    }
+}
+
+/// Times of a rack.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Timetable {
+    /// Begin of each step, in s.
+    pub(super) begins_s: Vec<f64>,
+    /// End of the last motion, in s.
+    pub(super) ends_s: f64,
+}
+
+impl Timetable {
+    /// Lays out the steps. `timings` are those of each pump's parts in their order.
+    ///
+    /// # Errors
+    ///
+    /// [`RackError::TimeGoesBack`] and [`RackError::Overlap`].
+    pub(super) fn of(
+        steps: &[RackStep],
+        members: &[Member],
+        timings: &[Vec<Timing>],
+    ) -> Result<Self, RackError> {
+        let mut left: Vec<_> = timings.iter().map(|timings| timings.iter()).collect();
+        // Last step of each pump, with its end.
+        let mut done: Vec<Option<(usize, f64)>> = vec![None; members.len()];
+        let (mut begins_s, mut ends_s, mut settled_s) = (Vec::new(), 0.0_f64, 0.0_f64);
+        for (number, step) in (1..).zip(steps) {
+            let before_s = begins_s.last().copied().unwrap_or(0.0);
+            let begin_s = match step.begin {
+                Begin::At { time_s } if time_s < before_s => {
+                    return Err(RackError::TimeGoesBack {
+                        step: number,
+                        at_s: time_s,
+                        before: number - 1,
+                        before_s,
+                    });
+                }
+                Begin::At { time_s } => time_s,
+                Begin::After { time_s } if number == 1 => time_s,
+                Begin::After { time_s } => settled_s + PLANNING_S.max(time_s),
+            };
+            settled_s = begin_s;
+            for flow in &step.flows {
+                if let Some((before, done_s)) = done[flow.pump].filter(|(_, done_s)| *done_s > begin_s) {
+                    let pump = members[flow.pump].name.clone();
+                    return Err(RackError::Overlap { pump, step: number, at_s: begin_s, before, done_s });
+                }
+                let Some(timing) = left[flow.pump].next() else { continue };
+                let done_s = timing.done_s(begin_s);
+                done[flow.pump] = Some((number, done_s));
+                (settled_s, ends_s) = (settled_s.max(done_s), ends_s.max(begin_s + timing.motion_s));
+            }
+            begins_s.push(begin_s);
+        }
+        Ok(Self { begins_s, ends_s })
+    }
+}

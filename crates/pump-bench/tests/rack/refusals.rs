@@ -1,0 +1,141 @@
+//! Claims about racks that are refused before anything moves.
+
+use pump_bench::pump_file::{Axis, DriveTable, DriverName};
+use pump_bench::rack::{Rack, RackError, RackFile};
+use pump_bench::report::{Ending, Explain, with_sources};
+use pump_bench::{Bench, PumpFile, built_in};
+
+use crate::rig::{Desk, HEAD};
+
+const RATIO: &str = "[[step]]\nratio = { acid = 1, base = 1 }\nvolume = \"4mL\"\nrate = \"4mL/s\"\n";
+
+fn refused(desk: &Desk, steps: &str) -> RackError {
+    let error = desk.rack(steps).and_then(|rack| rack.run(|_| {})).unwrap_err();
+    assert!(desk.is_untouched(), "{error}");
+    error
+}
+
+#[test]
+fn all_steps_count_together_for_the_limit_of_a_day_before_anything_moves() {
+    let desk = Desk::new();
+    let limited = |name: &str, mut file: PumpFile| {
+        file.safety.max_ml_per_day = (name == "base").then_some(10.0);
+        file
+    };
+    // 6 mL are on record, and the rack asks for twice 2 mL: neither step alone is beyond 10 mL.
+    let before = desk.rack_of("[[step]]\npump = \"base\"\nvolume = \"6.5mL\"\n", limited).unwrap();
+    before.run(|_| {}).unwrap();
+    let rack = desk.rack_of(&[RATIO, RATIO].concat(), limited).unwrap();
+    for refused in [rack.rehearse().unwrap_err(), rack.run(|_| {}).unwrap_err()] {
+        assert_eq!(refused.ending(), Ending::Stands, "{refused}");
+        let text = with_sources(&refused);
+        assert!(text.starts_with("pump `base` of the rack: ") && text.contains("10 mL"), "{text}");
+    }
+    // No pump has moved, and the one beyond its limit stands until a person clears it.
+    assert!(desk.state("acid").is_none_or(|state| state.wear.volume_ml == 0.0));
+    assert!((desk.state("base").unwrap().wear.volume_ml - 6.5).abs() < 0.002);
+    assert_eq!(rack.run(|_| {}).unwrap_err().ending(), Ending::Stands);
+    let bench = &rack.members()[1].bench;
+    bench.session().unwrap().clear_safety("the bottle was changed").unwrap();
+    assert!(rack.run(|_| {}).unwrap().completed);
+}
+
+#[test]
+fn a_pump_that_another_command_holds_is_waited_for_by_nobody_and_named() {
+    let desk = Desk::new();
+    let bench = desk.bench("base");
+    let session = bench.session().unwrap();
+    let error = refused(&desk, RATIO);
+    assert_eq!(error.ending(), Ending::Busy);
+    assert!(with_sources(&error).contains("pump `base` of the rack: pump `two-roller` is in use by process"));
+    drop(session);
+    assert!(desk.rack(RATIO).unwrap().run(|_| {}).unwrap().completed);
+}
+
+#[test]
+fn an_unfinished_dose_of_one_pump_refuses_the_rack() {
+    let desk = Desk::new();
+    let bench = desk.bench("acid");
+    let mut session = bench.session().unwrap();
+    let prepared = session.prepare(pump_bench::DoseRequest::dose(5.0)).unwrap();
+    let stop = |made| {
+        if made > 500 { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
+    };
+    session.run(&prepared, stop).unwrap();
+    drop(session);
+    let error = desk.rack(RATIO).unwrap().run(|_| {}).unwrap_err();
+    assert_eq!(error.ending(), Ending::Unfinished);
+    assert!(desk.state("base").is_none_or(|state| state.wear.volume_ml == 0.0));
+}
+
+#[test]
+fn steps_that_overlap_or_go_back_or_cannot_be_planned_are_named() {
+    let desk = Desk::new();
+    let at =
+        |at: &str, pump: &str| format!("[[step]]\nat = \"{at}\"\npump = \"{pump}\"\nvolume = \"20mL\"\n");
+    let overlap = with_sources(&refused(&desk, &[at("0s", "acid"), at("1s", "acid")].concat()));
+    assert!(
+        overlap.starts_with("step 2 of the rack begins at 1 s, and pump `acid` is done with step 1"),
+        "{overlap}"
+    );
+    let back = with_sources(&refused(&desk, &[at("9s", "acid"), at("1s", "base")].concat()));
+    assert!(back.starts_with("step 2 of the rack begins at 1 s, before step 1 at 9.000 s"), "{back}");
+    let fast = "[[step]]\npump = \"acid\"\nvolume = \"1mL\"\n[[step]]\npump = \"base\"\nvolume = \"1mL\"\nrate = \
+                \"1L/s\"\n";
+    let fast = with_sources(&refused(&desk, fast));
+    assert!(fast.starts_with("pump `base` of the rack, step 2: "), "{fast}");
+    // Different pumps may run at once.
+    assert!(
+        desk.rack(&[at("0s", "acid"), at("1s", "base")].concat()).unwrap().run(|_| {}).unwrap().completed
+    );
+}
+
+#[test]
+fn two_pumps_share_no_record_no_axis_and_no_grbl_board() {
+    let desk = Desk::new();
+    let rack = |one: PumpFile, other: PumpFile| {
+        let head = "schema = \"rack/1\"\n[pumps]\nacid = \"a\"\nbase = \"b\"\n";
+        let file = RackFile::parse(&format!("{head}{RATIO}"), "mix.toml".as_ref()).unwrap();
+        let benches = [one, other].map(|file| Bench::new(file, None, desk.path()).unwrap());
+        Rack::new(file, benches.into()).unwrap_err().to_string()
+    };
+    let pump = |id: &str, drive: Option<DriveTable>| {
+        let mut file = built_in("three-roller").unwrap();
+        file.pump.id = id.to_owned();
+        file.drive = drive;
+        file
+    };
+    let board = |driver, axis| Some(DriveTable::of(driver).with_port("/dev/ttyUSB7").with_axis(axis));
+    for (one, other, told) in [
+        (pump("a", None), pump("a", None), "are one pump, `a`; name each pump once"),
+        (
+            pump("a", board(DriverName::Grbl, Axis::X)),
+            pump("b", board(DriverName::Grbl, Axis::X)),
+            "name one axis, X at /dev/ttyUSB7",
+        ),
+        (
+            pump("a", board(DriverName::Grbl, Axis::X)),
+            pump("b", board(DriverName::Grbl, Axis::Y)),
+            "axes of one grbl board, at /dev/ttyUSB7, which starts and stops all its axes as one; give each pump a \
+             board of its own, or the axes of a node",
+        ),
+        (
+            pump("a", board(DriverName::Node, Axis::X)),
+            pump("b", board(DriverName::Grbl, Axis::Y)),
+            "are turned by node and grbl at one port",
+        ),
+    ] {
+        let text = rack(one, other);
+        assert!(text.starts_with("the pumps `acid` and `base` of the rack "), "{text}");
+        assert!(text.contains(told), "{text}\nwanted: {told}");
+    }
+}
+
+#[test]
+fn an_unknown_pump_of_a_rack_is_named_with_those_that_are_known() {
+    let text = HEAD.replace("two-roller", "five-roller") + RATIO;
+    let file = RackFile::parse(&text, "mix.toml".as_ref()).unwrap();
+    let error = file.pump_files(&pump_bench::config::Config::default()).unwrap_err();
+    let text = with_sources(&error);
+    assert!(text.starts_with("pump `base` of the rack") && text.contains("five-roller"), "{text}");
+}

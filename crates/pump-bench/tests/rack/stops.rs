@@ -1,0 +1,85 @@
+//! Claims about racks that are stopped, and about faults.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use pump_bench::Bench;
+use pump_bench::drives::{Drive, StopRequest};
+use pump_bench::rack::{Rack, RackEnd, RackFile, RackPace};
+use pump_bench::report::Ending;
+use pump_bench::{DoseRequest, built_in};
+
+use crate::rig::{Desk, Failing, HEAD, PUMPS};
+
+const LONG: &str = "[[step]]\nratio = { acid = 2, base = 1, salt = 1 }\nvolume = \"40mL\"\nrate = \"8mL/s\"\n[[step]]\n\
+                    pump \
+                    = \"salt\"\nvolume = \"1mL\"\n";
+
+#[test]
+fn a_stop_stops_all_and_each_rest_is_made_afterwards() {
+    let desk = Desk::new();
+    let asked = Arc::new(AtomicBool::new(false));
+    let hears = asked.clone();
+    let rack = desk.rack(LONG).unwrap();
+    let rack = rack.stopping_on(StopRequest::new(move || hears.load(Ordering::SeqCst)));
+    let report = rack.run(|progress| {
+        if progress.pump == "base" && progress.made > 3000 {
+            asked.store(true, Ordering::SeqCst);
+        }
+    });
+    let report = report.unwrap();
+    assert_eq!((report.end, report.completed), (RackEnd::Stopped, false));
+    for row in &report.pumps {
+        // Every pump has run for as long as the others, to 20 ms and its ramp.
+        let dose = &row.doses[0].dose;
+        let base_s = report.pumps[1].doses[0].dose.measured_motion_s.unwrap();
+        assert!((dose.measured_motion_s.unwrap() - base_s).abs() < 0.05, "{}: {dose:?}", row.name);
+        assert!(row.unfinished && row.steps_completed == 0, "{}", row.name);
+        let asked_ml = dose.requested_ml;
+        let bench = desk.bench(&row.name);
+        let mut session = bench.session().unwrap();
+        let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+        let made = session.run(&rest, |_| std::ops::ControlFlow::Continue(())).unwrap();
+        assert!((row.delivered_ml + made.volume_ml - asked_ml).abs() < 0.002, "{}", row.name);
+    }
+    assert_eq!(report.pumps[2].doses.len(), 1, "the second step was not begun");
+}
+
+#[test]
+fn a_stop_before_the_begin_moves_nothing() {
+    let desk = Desk::new();
+    let rack = desk.rack(LONG).unwrap().stopping_on(StopRequest::new(|| true));
+    let error = rack.run(|_| {}).unwrap_err();
+    assert_eq!(pump_bench::report::Explain::ending(&error), Ending::Stopped);
+    assert!(desk.is_untouched());
+}
+
+#[test]
+fn a_fault_of_one_pump_stops_all_others_and_is_told() {
+    let desk = Desk::new();
+    let file = RackFile::parse(&format!("{HEAD}{LONG}"), "mix.toml".as_ref()).unwrap();
+    let benches = PUMPS.map(|(name, pump)| {
+        let bench = Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap();
+        if name == "base" { bench.driven_by(&Failing { after: 0 }).unwrap() } else { bench }
+    });
+    let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
+    let failing: Box<dyn Drive> = Box::new(Failing { after: 4000 });
+    let report = rack.run_with(vec![None, Some(failing), None], |_| {}).unwrap();
+    assert_eq!(report.end, RackEnd::Fault);
+    assert_eq!(report.fault.as_ref().map(|fault| fault.pump.as_str()), Some("base"));
+    let [acid, base, salt] = &report.pumps[..] else { panic!("{}", report.json()) };
+    let part_ml = 10.0 * 4000.0 / base_steps(&rack);
+    assert!(base.error.is_some() && base.unfinished && (base.delivered_ml - part_ml).abs() < 1.5, "{base:?}");
+    for row in [acid, salt] {
+        assert!(row.error.is_none() && row.unfinished && !row.completed, "{row:?}");
+        assert!(row.delivered_ml > 0.0 && row.delivered_ml < 0.9 * row.requested_ml, "{row:?}");
+        assert!(desk.state(&row.name).unwrap().unfinished.is_some());
+    }
+    assert!(report.json().contains("\"fault\":\"base\""));
+}
+
+/// Motor steps of 10 mL of the pump `base`.
+fn base_steps(rack: &Rack) -> f64 {
+    let model = rack.members()[1].bench.model();
+    10.0 / model.revolution_ml() * 12_800.0
+}
