@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::options::choice::choice;
 use crate::options::dosing::DosingOptions;
-use crate::terminal::{announce, print, tell, waiting, warn};
+use crate::terminal::{announce, print_json, tell, waiting, warn};
 
 /// The message after a signal.
 const STOPPED: &str = "stopped by the user; `dose resume --pump NAME` makes the rest of a pump, `dose discard --pump \
@@ -160,7 +160,7 @@ fn said(report: RackReport, json: bool, warned: &BTreeSet<String>) -> Result<Rac
         for line in &untold {
             warn(&[line.trim_start_matches("warning: ")]);
         }
-        print(&(report.json() + "\n"))?;
+        print_json(&(report.json() + "\n"))?;
         return Ok(report);
     }
     let headline = if report.simulated { "SIMULATED: no motor moved\n" } else { "" };
