@@ -110,7 +110,14 @@ fn check(folder: &Path, volume_ml: f64, random: &mut Random, cut: Cut) {
             );
             assert!(told.end() - told.start() <= 2000, "{told:?}");
         }
-        Some(_) => assert_eq!((least, after), (0, before), "the rest was not begun"),
+        // A rest that was begun in the second of the one before, and cut off before its first step, is on record as
+        // that one was. Only the number of doses differs.
+        Some(_) => {
+            let stands = |state: Option<PumpState>| {
+                state.map(|state| (state.angle_rad, state.half_width_rad, state.carry_ml, state.unfinished))
+            };
+            assert_eq!((least, stands(after)), (0, stands(before)), "the rest was not begun");
+        }
         None if after == before => assert_eq!(least, 0, "a dose is lost: {said}"),
         None => {
             // The dose is complete and on record. The child may have been killed before it could say so.
