@@ -78,7 +78,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              home --mark`"
         }
         Remedy::SayExactAngle => {
-            "`dose home --sensor` finds the angle, and `dose home --set ANGLE --tolerance 0deg` says it"
+            "`dose home --sensor` finds the angle, and `dose home --set <ANGLE> --tolerance 0deg` says it"
         }
         Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
         Remedy::HomeBySensorOrMark => "say `dose home`",

@@ -141,7 +141,7 @@ fn an_angle_that_is_not_known_to_a_step_is_refused_with_the_way_to_know_it() {
     user.types(&["home", "--set", "30deg"]);
     let refused = user.is_refused(&["run", "--profile", "flow.csv"]);
     assert!(refused.contains("to a motor step of 0.0281 degrees"), "{refused}");
-    assert!(refused.contains("dose home --set ANGLE --tolerance 0deg"), "{refused}");
+    assert!(refused.contains("dose home --set <ANGLE> --tolerance 0deg"), "{refused}");
     user.types(&["home", "--set", "30deg", "--tolerance", "0deg"]);
     assert_eq!(user.types(&["run", "--profile", "flow.csv"]).code, 0);
 }
