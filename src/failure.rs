@@ -11,7 +11,7 @@ use pump_bench::{DoseError, Session};
 
 use crate::advice;
 use crate::interrupt::{self, Unwatched};
-use crate::terminal::json_shown;
+use crate::shown::json_shown;
 
 /// The reason why a command did not do what was asked: words for people, facts for programs.
 #[derive(Debug)]

@@ -12,6 +12,7 @@ mod options;
 mod outputs;
 mod progress;
 mod refusals;
+mod shown;
 mod terminal;
 
 use std::ffi::OsString;

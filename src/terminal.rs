@@ -12,6 +12,7 @@ use pump_bench::{Bench, DoseError, Session};
 
 use crate::advice;
 use crate::failure::Failure;
+use crate::shown::{json_shown, shown};
 
 /// True once nobody reads standard output any more.
 static READER_GONE: AtomicBool = AtomicBool::new(false);
@@ -36,38 +37,6 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 /// True if the reader of standard output went away.
 pub(crate) fn is_reader_gone() -> bool {
     READER_GONE.load(Ordering::Relaxed)
-}
-
-/// Shows the control characters of a text instead of obeying them: names come from files and boards. The marks that
-/// turn the direction of writing are shown too, as they hide what a name is.
-pub(crate) fn shown(text: &str) -> Cow<'_, str> {
-    if !text.contains(steers) {
-        return Cow::Borrowed(text);
-    }
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        if steers(c) { out.extend(c.escape_default()) } else { out.push(c) }
-    }
-    Cow::Owned(out)
-}
-
-/// True for a character that moves a terminal's cursor or turns the direction of writing.
-fn steers(c: char) -> bool {
-    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    turns || c.is_control() && c != '\n'
-}
-
-/// Writes the characters of JSON that steer a terminal as JSON's own escapes. A program reads them as they were.
-pub(crate) fn json_shown(json: &str) -> Cow<'_, str> {
-    if !json.contains(steers) {
-        return Cow::Borrowed(json);
-    }
-    let mut out = String::with_capacity(json.len());
-    for c in json.chars() {
-        // All of these characters lie in the basic plane: four digits name them.
-        if steers(c) { out.push_str(&format!("\\u{:04x}", u32::from(c))) } else { out.push(c) }
-    }
-    Cow::Owned(out)
 }
 
 /// Prints a report for programs to standard output.
@@ -212,19 +181,6 @@ fn hanging_indent(line: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn control_characters_are_shown() {
-        assert_eq!(shown("a\u{1b}[2J\r\u{9b}\u{202e}\nb°"), "a\\u{1b}[2J\\r\\u{9b}\\u{202e}\nb°");
-    }
-
-    #[test]
-    fn control_characters_of_json_are_escaped_as_json_does() {
-        let json = serde_json::json!({ "name": "a\u{1b}[2J\u{9b}\u{7f}\u{202e}b°" });
-        let shown = json_shown(&format!("{json}\n")).into_owned();
-        assert_eq!(shown, "{\"name\":\"a\\u001b[2J\\u009b\\u007f\\u202eb°\"}\n");
-        assert_eq!(serde_json::from_str::<serde_json::Value>(&shown).unwrap(), json);
-    }
 
     #[test]
     fn lines_end_at_words_and_go_on_under_their_text() {

@@ -9,7 +9,8 @@ use pump_bench::report::{LOG_CSV_HEADER, LogTotals, log_csv, log_json, log_text}
 
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
-use crate::terminal::{say, shown};
+use crate::shown::shown;
+use crate::terminal::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct LogArgs {

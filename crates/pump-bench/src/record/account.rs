@@ -38,8 +38,8 @@ impl Account {
         self.correction.factor * self.corrected().half_width_ml(&self.correction.pulsed(pump))
     }
 
-    /// Returns by how much the sum of these doses and of later ones with the correction `to` is less sure, in mL: by the
-    /// change between the two displacements. Both corrections have one shape.
+    /// Returns by how much the sum of these doses and of later ones with the correction `to` is less sure, in mL:
+    /// by the change between the two displacements. Both corrections have one shape.
     pub(crate) fn changed_ml(&self, to: &Correction, pump: &Pump) -> f64 {
         let change = (to.factor / self.correction.factor - 1.0).abs();
         change * self.half_width_ml(pump)
