@@ -153,7 +153,7 @@ fn a_board_that_plans_its_own_ramps_is_refused_and_the_node_is_named() {
         ["run", "--profile", "flow.csv", "--driver", "grbl", "--dry-run", "--start-angle", "0deg+-0deg"];
     let refused = user.is_refused(&words);
     assert!(refused.contains("the grbl driver has no way to follow a flow over time"), "{refused}");
-    assert!(refused.contains("driver `node`"), "{refused}");
+    assert!(refused.contains("driver = \"node\""), "{refused}");
     let mut words = words;
     words[4] = "node";
     let planned = user.types(&words);
