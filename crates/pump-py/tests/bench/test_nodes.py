@@ -61,8 +61,8 @@ def test_a_smooth_dose_at_a_node_makes_the_steps_of_its_report(tmp_path: Path) -
     assert node.end() == [first.steps + second.steps, 0, 0, 0]
 
 
-def test_a_second_bench_on_the_port_is_refused(node: Node, tmp_path: Path) -> None:
+def test_a_second_bench_on_the_axis_is_refused(node: Node, tmp_path: Path) -> None:
     with open_bench(node, tmp_path / "one") as holding:
         holding.home_set(0.5)
-        with open_bench(node, tmp_path / "two") as refused, pytest.raises(pm.PumpError, match="is in use by"):
+        with open_bench(node, tmp_path / "two") as refused, pytest.raises(pm.PumpError, match="the axis X"):
             refused.home_set(0.5)
