@@ -134,7 +134,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::EndAtLowFlow => "`--finish low-flow` ends it there",
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
         Remedy::LeaveSmoothOut => "leave --smooth out, or resume with --rate or --speed",
-        Remedy::FlowByNode => "run at a --rate, or drive the motor by a board with driver = \"node\" in [drive]",
+        Remedy::FlowByNode => {
+            "run at a --rate, or drive the motor by a board with driver = \"node\" in [drive]"
+        }
         Remedy::LeaveRampsOut => {
             "leave --ramps out; `dose home --configure` sets the board's acceleration to the best for the \
              pump's default rate"
