@@ -162,7 +162,7 @@ mod tests {
             without(text).unwrap(),
             "# mine\nschema = \"config/1\"\n[pumps]\nbase = \"b.toml\" # acid = no\n"
         );
-        // What was added leaves no trace but the table.
+        // An addition leaves no trace but the table.
         let bare = "schema = \"config/1\"\n";
         assert_eq!(without(&added(bare).unwrap()).unwrap(), format!("{bare}\n[pumps]\n"));
         let inline = without("schema = \"config/1\"\npumps = { acid = \"b.toml\" }\n").unwrap_err();

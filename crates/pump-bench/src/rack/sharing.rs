@@ -1,4 +1,4 @@
-//! What two pumps of a rack must not share: a record, an axis, and a board that moves its axes one at a time.
+//! Claims of two pumps of a rack on one thing: a record, an axis, or a board that moves its axes one at a time.
 
 use super::error::RackError;
 use super::member::Member;

@@ -74,7 +74,7 @@ pub fn default_state_dir() -> Result<PathBuf, FolderError> {
 /// Returns true if a path leads to a file of a record in the folder of all records, through links and other spellings
 /// too.
 ///
-/// Of a record is what lies in `<state dir>/<pump id>/<driver>/`, and what is known of boards that several pumps
+/// A record is all that lies in `<state dir>/<pump id>/<driver>/`, and what is known of boards that several pumps
 /// share. The folder of a driver that is not one of this library is known by its journal or its lock.
 pub fn is_of_record(state_dir: &Path, path: &Path) -> bool {
     let (state_dir, path) = (place_of(state_dir), place_of(path));

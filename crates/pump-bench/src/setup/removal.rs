@@ -9,7 +9,7 @@ use super::folder::{SetupFolder, write};
 use crate::config::{Config, ConfigError};
 use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
 
-/// What became of the files of a pump that was removed.
+/// Pump that was removed, with the files that are gone and those that stay.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RemovedPump {
