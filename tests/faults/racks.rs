@@ -161,6 +161,13 @@ fn hear(said: &mut BTreeMap<String, Said>, line: &str) {
 fn compare(name: &str, before: Option<PumpState>, after: Option<PumpState>, said: Said) {
     let worn = |state: Option<PumpState>| state.map_or(0.0, |state| state.wear.revolutions * STEPS_PER_REV);
     let recorded = worn(after) - worn(before);
+    // A part is on record before the child says it, so a kill may come between the two.
+    let intended = after.and_then(|state| state.unfinished).map(|dose| dose.intent.steps.unsigned_abs());
+    let is_unsaid = intended.is_some_and(|steps| steps != said.steps) && said.made == said.steps;
+    let said = match intended {
+        Some(steps) if is_unsaid => Said { before: said.before + said.steps, made: 0, steps, ..said },
+        _ => said,
+    };
     let (least, most) = (said.made, (said.made + WORDS_EVERY).min(said.steps));
     match after.and_then(|state| state.unfinished) {
         Some(dose) => {

@@ -12,7 +12,7 @@ pub const MAX_STEP_HZ: u32 = 66_000;
 
 /// Time before a step at which the interrupt begins, ns. It covers the way into the interrupt. A firmware keeps its
 /// thread's critical sections clear of the alarm ([`crate::Shared`]).
-pub const LEAD_NS: u32 = 4_000;
+pub const LEAD_NS: u32 = 5_000;
 
 /// Time for which the interrupt counts a step at most, ns. Steps that come due within it are made before.
 const COUNT_NS: u32 = 8_000;

@@ -13,6 +13,7 @@
 
 mod axis_pins;
 mod boot;
+mod critical;
 mod flash_id;
 mod lights;
 mod pico;

@@ -18,10 +18,7 @@ pub(crate) const TICK_HZ: u32 = 1_000_000;
 const FARTHEST: u64 = 1 << 30;
 
 /// Time before the alarm of the steps in which the thread enters no critical section, ticks. Most take less.
-const CLEAR: u32 = 11;
-
-/// Longest time for which the thread waits until the alarm is not near, ticks.
-const PATIENCE: u32 = 250;
+const CLEAR: u32 = 10;
 
 type NodeAxes = Axes<'static, AxisPins, Pico, QUEUE, AXES>;
 
@@ -100,12 +97,15 @@ pub(crate) fn sleep_until(tick: u64) {
 }
 
 /// Returns the lower half of the tick.
-fn low() -> u32 {
+pub(crate) fn low() -> u32 {
     timer().timerawl().read().bits()
 }
 
 /// Returns true if the alarm of the steps has come, or comes soon.
-fn alarm_is_near() -> bool {
+pub(crate) fn alarm_is_near() -> bool {
+    if !NVIC::is_enabled(Interrupt::TIMER_IRQ_0) {
+        return false;
+    }
     let (timer, set) = (timer(), 1 << 0);
     // The alarm is disarmed when it comes.
     let is_armed = timer.armed().read().bits() & set != 0;
@@ -145,23 +145,13 @@ fn make(pins: AxisPins, place: &mut MaybeUninit<Axis<AxisPins, QUEUE>>) {
 
 impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
     fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, AxisPins, Pico, QUEUE, AXES>) -> R) -> R {
-        let (began, mut act) = (low(), Some(act));
-        loop {
-            // Where the alarm is near, the interrupt comes first.
-            let result = cortex_m::interrupt::free(|_| {
-                if alarm_is_near() && low().wrapping_sub(began) < PATIENCE {
-                    return None;
-                }
-                // SAFETY: `new` has put the axes there, and the interrupt is kept off.
-                let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
-                let result = act.take()?(axes);
-                set_alarm(axes.next_alarm());
-                Some(result)
-            });
-            if let Some(result) = result {
-                return result;
-            }
-        }
+        critical_section::with(|_| {
+            // SAFETY: `new` has put the axes there, and the interrupt is kept off.
+            let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
+            let result = act(axes);
+            set_alarm(axes.next_alarm());
+            result
+        })
     }
 }
 
