@@ -17,8 +17,9 @@ pub(crate) const TICK_HZ: u32 = 1_000_000;
 /// Farthest tick for which the alarm is set. It compares 32 bits.
 const FARTHEST: u64 = 1 << 30;
 
-/// Time before the alarm of the steps in which the thread enters no critical section, ticks. Most take less.
-const CLEAR: u32 = 10;
+/// Time before the alarm of the steps in which the thread enters no critical section, ticks. Most take less, and the
+/// clock tells whole ticks.
+const CLEAR: u32 = 12;
 
 type NodeAxes = Axes<'static, AxisPins, Pico, QUEUE, AXES>;
 
