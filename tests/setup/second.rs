@@ -1,5 +1,7 @@
 //! A second pump on the same board: what is known of the first is suggested.
 
+use std::fs;
+
 use crate::course::sees;
 use crate::person::Desk;
 use crate::simulated::Simulated;
@@ -114,6 +116,25 @@ fn the_pump_that_is_named_is_the_one_whose_answers_are_taken() {
 }
 
 #[test]
+fn answers_that_were_changed_in_the_pump_file_are_suggested_no_more() {
+    let desk = Desk::new();
+    file_alone(&desk, "acid", &["--altitude", "1200m"]);
+    let path = desk.path("config/pump-dose/pumps/acid.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    // What no question asks for may differ.
+    fs::write(&path, format!("{text}\n[safety]\nmax_ml_per_day = 50.0\n")).unwrap();
+    let base = ["setup", "base", "--no-motion", "--yes"];
+    let suggested = desk.types(&[&base[..], &["--driver", "sim"]].concat());
+    assert!(suggested.err.contains("1200m as of acid, taken by --yes"), "{}", suggested.err);
+    fs::write(&path, text.replace("altitude_m = 1200.0", "altitude_m = 300.0")).unwrap();
+    let lime = ["setup", "lime", "--no-motion", "--yes", "--like"];
+    let like = desk.types(&[&lime[..], &["acid"]].concat());
+    assert!(like.err.contains("Its pump file was changed since"), "{}", like.err);
+    let left = desk.answers(&["setup", "salt", "--no-motion"], &mut |_| Some("quit".to_owned()));
+    assert!(!left.err.contains("of `acid`, the pump that was set up last"), "{}", left.err);
+}
+
+#[test]
 fn an_axis_that_turns_another_pump_is_refused_by_options_too() {
     let desk = Desk::new();
     let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
@@ -157,4 +178,16 @@ fn an_axis_that_the_board_does_not_report_is_not_offered() {
     assert_eq!(second.code, 2, "{}", second.err);
     assert!(second.err.contains("each axis of the board at"), "{}", second.err);
     assert!(second.err.contains("`dose setup base` goes on"), "{}", second.err);
+    // A script's axis is looked at before its file is written.
+    let port = pump.port();
+    let words =
+        ["setup", "lime", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--axis", "Z"];
+    let more = ["--driver", "grbl", "--altitude", "0m", "--turned", "1", "--direction", "forward", "--yes"];
+    let scripted = desk.types(&[&words[..], &more, &["--port", &port]].concat());
+    assert!(
+        scripted.code == 2 && scripted.err.contains("has the axis X alone, and not Z"),
+        "{}",
+        scripted.err
+    );
+    assert_eq!(desk.configured("pumps/lime.toml"), None);
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pump_bench::drives::{DriveError, FoundBoard, find_boards, serial_ports};
 use pump_bench::pump_file::{Axis, DriverName};
+use pump_bench::setup::Answers;
 
 use super::asker::{Asked, Question, Usual};
 use super::course::{Course, heading, tell_person};
@@ -107,6 +108,25 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
         )),
         None => Err(format!("nobody was asked at {shown}")),
     }
+}
+
+/// Asks the board of a script for its axes, so that no file is written for an axis that it lacks. A board that does not
+/// answer is told of where it is to move.
+pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
+    let Answers { driver, port: Some(port), axis: Some(axis), .. } = &course.answers else { return Ok(()) };
+    if *driver == Some(DriverName::Sim) {
+        return Ok(());
+    }
+    let (port, axis) = (port.clone(), *axis);
+    let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
+    let Some((_, Ok(board))) = found else { return Ok(()) };
+    let axes = board.axes();
+    course.board = Some(board);
+    if axes.is_empty() || axes.contains(&axis) {
+        return Ok(());
+    }
+    let refused = format!("the board at {} has {}, and not {axis}", port.display(), in_words(axes));
+    Err(Failure::refused(refused).value(axis).allowed(in_words(axes)).into())
 }
 
 /// Takes the driver of the board that answers at the port.

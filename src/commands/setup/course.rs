@@ -22,8 +22,8 @@ pub(super) struct Course {
     pub(super) answers: Answers,
     pub(super) folder: SetupFolder,
     state_dir: PathBuf,
-    /// Answers of the pump that is named, or else of the one whose first run came to its end last. Answers are
-    /// suggested from them.
+    /// Answers of the pump that is named, or else of the one whose first run came to its end last and whose file still says
+    /// the same. Answers are suggested from them.
     pub(super) last: Option<Answers>,
     /// Other pumps of the configuration that boards turn.
     neighbours: Vec<Neighbour>,
@@ -46,8 +46,10 @@ impl Course {
         (state_dir, config): (PathBuf, &Config),
         like: Option<Answers>,
     ) -> Self {
-        let finished = |other: &Answers| other.name != answers.name && other.is_finished();
-        let last = like.or_else(|| folder.all().into_iter().find(finished));
+        // Answers that somebody has changed in the file since are those of no pump.
+        let is_known = |other: &Answers| other.is_finished() && folder.is_of_answers(other);
+        let last = like
+            .or_else(|| folder.all().into_iter().find(|other| other.name != answers.name && is_known(other)));
         let neighbours = Neighbour::all_but(config, &answers.name);
         let (board, has_moved, warned, runnable) = (None, false, Vec::new(), Runnable::default());
         Self { asker, answers, folder, state_dir, last, neighbours, board, has_moved, warned, runnable }

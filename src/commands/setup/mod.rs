@@ -177,6 +177,9 @@ impl SetupArgs {
         }
         course.take(answers)?;
         introduce(course, is_new, self.like.is_some());
+        if course.asker.is_silent() && !self.no_motion && course.answers.done.written.is_none() {
+            board::meet_said(course)?;
+        }
         written::write(course)?;
         if self.no_motion {
             say("Nothing was moved: this pump was not tried yet.\n");
@@ -252,6 +255,12 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
             "`{name}` takes the answers of `{}`, all but its axis and its direction.",
             last.name
         ));
+        if last.done.written.is_some() && !course.folder.is_of_answers(last) {
+            tell_person(&format!(
+                "Its pump file was changed since; what was changed there is not among the answers: {}",
+                course.folder.pump_file(&last.name).display()
+            ));
+        }
     }
     if course.asker.is_silent() {
         return;

@@ -9,6 +9,7 @@ use super::answers::Answers;
 use super::error::SetupError;
 use crate::config::Config;
 use crate::files::{MOST_PUMP_FILE_BYTES, Staged, create_folders, folder_of, read_text};
+use crate::pump_file::PumpFile;
 
 /// Folder of the configuration, in which first runs keep their files: `setup/NAME.toml` the answers, `pumps/NAME.toml`
 /// the pump file.
@@ -108,6 +109,20 @@ impl SetupFolder {
         answers.done.written = Some(crc32fast::hash(text.as_bytes()));
         self.keep(answers)?;
         Ok(path)
+    }
+
+    /// Returns true if the pump file says what these answers do. What no first run asks for may differ: the fluid, the
+    /// limits, the tube's life and the uncertainty.
+    pub fn is_of_answers(&self, answers: &Answers) -> bool {
+        let (Ok(found), Ok((own, _))) =
+            (PumpFile::read(&self.pump_file(&answers.name)), answers.pump_file(|_| ""))
+        else {
+            return false;
+        };
+        (found.pump.default_rate_ml_s, found.rollers, found.head, found.backplate)
+            == (own.pump.default_rate_ml_s, own.rollers, own.head, own.backplate)
+            && (found.motor, found.drive, found.ambient, found.inlet, found.outlet)
+                == (own.motor, own.drive, own.ambient, own.inlet, own.outlet)
     }
 
     /// Writes the name of a pump into the configuration.
