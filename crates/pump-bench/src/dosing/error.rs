@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
 use crate::displacement::DisplacementError;
-use crate::drives::DriveError;
+use crate::drives::{CommonBeginError, DriveError};
 use crate::numbers::{between, significant};
 use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
@@ -384,5 +384,10 @@ impl DoseError {
     /// Returns true if the user asked to stop before anything moved.
     pub(crate) fn is_stop(&self) -> bool {
         matches!(self, Self::Connection(DriveError::Interrupted))
+    }
+
+    /// Returns true if an axis that was to begin together with this one was stopped or failed, and nothing moved.
+    pub(crate) fn is_of_another_axis(&self) -> bool {
+        matches!(self, Self::Connection(error) if CommonBeginError::is_another(error))
     }
 }

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod appointments;
 mod clock;
 mod error;
 mod gradient;

@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
+use super::appointments::{self, Appointment};
 use super::clock::{RackClock, SharedStop, Stop};
 use super::error::RackError;
 use super::pace::RackPace;
@@ -32,8 +33,8 @@ const LATE_S: f64 = 0.1;
 enum Order {
     /// Check the volumes, with their times, against the safety limits.
     Check(Vec<TimedVolume>),
-    /// Run the parts at these times.
-    Go(Vec<f64>, Arc<RackClock>),
+    /// Run the parts, each as it was appointed.
+    Go(Vec<Appointment>, Arc<RackClock>),
 }
 
 /// Answer of the thread of a pump. A part is named by its place among the pump's parts.
@@ -120,9 +121,8 @@ impl Rack {
         }
         let lead = if self.is_simulated() { Duration::ZERO } else { LEAD };
         let clock = Arc::new(RackClock::new(self.pace, self.members().len(), lead, stop.clone()));
-        for (pump, order) in orders.iter().enumerate() {
-            let begins_s = self.parts(pump).map(|step| timetable.begins_s[step]).collect();
-            let _ = order.send(Order::Go(begins_s, clock.clone()));
+        for (order, appointments) in orders.iter().zip(appointments::of(self, &timetable.begins_s)) {
+            let _ = order.send(Order::Go(appointments, clock.clone()));
         }
         Ok(timetable)
     }
@@ -227,8 +227,8 @@ impl Player<'_> {
                     played.warnings.append(&mut session.notes());
                     let _ = self.answers.send((self.pump, safe.map(|()| Vec::new()).map_err(first)));
                 }
-                Order::Go(begins_s, clock) => {
-                    self.run(&mut session, &prepared, &begins_s, &clock, &mut played, on_progress);
+                Order::Go(appointments, clock) => {
+                    self.run(&mut session, &prepared, appointments, &clock, &mut played, on_progress);
                     clock.leave(self.pump);
                     break;
                 }
@@ -242,19 +242,23 @@ impl Player<'_> {
         &self,
         session: &mut Session<'_>,
         planned: &[SeriesMotion],
-        begins_s: &[f64],
+        appointments: Vec<Appointment>,
         clock: &RackClock,
         played: &mut Played,
         on_progress: &(dyn Fn(RackProgress<'_>) + Sync),
     ) {
         let steps: Vec<usize> = self.rack.parts(self.pump).collect();
         let requests = self.rack.requests(self.pump);
-        for (place, ((planned, begin_s), step)) in planned.iter().zip(begins_s).zip(steps).enumerate() {
+        for (number, ((planned, appointment), step)) in
+            planned.iter().zip(appointments).zip(steps).enumerate()
+        {
             // A part after the first begins where the one before has left the pump.
             let prepared =
-                if place == 0 { Ok(planned.clone()) } else { session.prepare_motion(&requests[place]) };
+                if number == 0 { Ok(planned.clone()) } else { session.prepare_motion(&requests[number]) };
             let ran = prepared.and_then(|prepared| {
-                let part = Part { player: self, clock, begin_s: *begin_s, step, prepared: &prepared };
+                let Appointment { begin_s, place } = appointment;
+                place.map_or(Ok(()), |place| session.begin_with(place))?;
+                let part = Part { player: self, clock, begin_s, step, prepared: &prepared };
                 part.run(session, on_progress, &mut played.warnings)
             });
             match ran {
@@ -266,7 +270,7 @@ impl Player<'_> {
                     }
                 }
                 Ok(None) => return,
-                Err(error) if error.is_stop() => return,
+                Err(error) if error.is_stop() || error.is_of_another_axis() => return,
                 Err(error) => {
                     self.stop.make(Stop::Fault(self.pump));
                     played.warnings.append(&mut session.notes());

@@ -25,11 +25,10 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
         let shared = format!("are one pump, `{}`", one.file().pump.id);
         return Some((shared, "name each pump once, or give each file a [pump] id of its own"));
     }
-    let (port, at) = (one.board_port()?, other.board_port()?);
-    if port != at && !is_one_file(port, at) {
+    if !is_one_board(one, other) {
         return None;
     }
-    let (port, axis) = (port.display(), one.drive().axis);
+    let (port, axis) = (one.board_port()?.display(), one.drive().axis);
     let (driver, other_driver) = (one.drive().driver, other.drive().driver);
     if driver != other_driver {
         let shared = format!("are turned by {driver} and {other_driver} at one port, {port}");
@@ -49,6 +48,11 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
             "give each pump a board of its own, or the axes of a node (driver = \"node\")",
         ));
     }
-    let shared = format!("are axes of one board, at {port}, which a rack does not begin together");
-    Some((shared, "give each pump a board of its own"))
+    None
+}
+
+/// Returns true if boards at one port turn both pumps. No board turns a simulated pump.
+pub(super) fn is_one_board(one: &Bench, other: &Bench) -> bool {
+    let ports = one.board_port().zip(other.board_port());
+    ports.is_some_and(|(port, at)| port == at || is_one_file(port, at))
 }

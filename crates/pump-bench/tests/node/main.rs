@@ -8,6 +8,7 @@ mod faults;
 mod flows;
 mod meeting;
 mod onlooker;
+mod racks;
 mod rig;
 mod sessions;
 mod several;

@@ -1,0 +1,68 @@
+//! The appointments of a rack: when each part of a pump begins, and with which axes of its board.
+
+use std::time::Duration;
+
+use super::member::Member;
+use super::rack::Rack;
+use super::sharing::is_one_board;
+use crate::drives::{BeginPlace, CommonBegin};
+use crate::pump_file::DriverName;
+
+/// Longest time for which axes that begin together wait for each other.
+const LIMIT: Duration = Duration::from_secs(5);
+
+/// Begin of a part.
+#[derive(Debug)]
+pub(super) struct Appointment {
+    /// Time of the rack, in s.
+    pub(super) begin_s: f64,
+    /// Place among the axes of a node that begin at this time.
+    pub(super) place: Option<BeginPlace>,
+}
+
+/// Parts that begin together: those of one board, at one time.
+struct Meeting {
+    board: usize,
+    begin_s: f64,
+    /// Number of the pump and of the part of each.
+    parts: Vec<(usize, usize)>,
+}
+
+/// Makes the appointments of each pump. `begins_s` are the times of the steps.
+pub(super) fn of(rack: &Rack, begins_s: &[f64]) -> Vec<Vec<Appointment>> {
+    let pumps = 0..rack.members().len();
+    let of_pump = |pump| {
+        let begins = rack.parts(pump).map(|step| Appointment { begin_s: begins_s[step], place: None });
+        begins.collect::<Vec<_>>()
+    };
+    let mut all: Vec<_> = pumps.map(of_pump).collect();
+    for meeting in meetings(rack.members(), &all).into_iter().filter(|meeting| meeting.parts.len() > 1) {
+        let places = CommonBegin::places(meeting.parts.len(), LIMIT);
+        for ((pump, part), place) in meeting.parts.into_iter().zip(places) {
+            all[pump][part].place = Some(place);
+        }
+    }
+    all
+}
+
+fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) -> Vec<Meeting> {
+    let mut meetings: Vec<Meeting> = Vec::new();
+    for (pump, (member, appointments)) in members.iter().zip(appointments).enumerate() {
+        let Some(board) = board(members, member) else { continue };
+        for (part, Appointment { begin_s, .. }) in appointments.iter().enumerate() {
+            let same = |meeting: &&mut Meeting| meeting.board == board && meeting.begin_s == *begin_s;
+            match meetings.iter_mut().find(same) {
+                Some(meeting) => meeting.parts.push((pump, part)),
+                None => meetings.push(Meeting { board, begin_s: *begin_s, parts: vec![(pump, part)] }),
+            }
+        }
+    }
+    meetings
+}
+
+/// Returns the number of the first pump on a pump's board. Only a node begins its axes together.
+fn board(members: &[Member], member: &Member) -> Option<usize> {
+    let is_node = !member.bench.is_simulated() && member.bench.drive().driver == DriverName::Node;
+    let first = members.iter().position(|other| is_one_board(&other.bench, &member.bench));
+    first.filter(|_| is_node)
+}
