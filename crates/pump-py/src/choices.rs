@@ -7,6 +7,7 @@ use pump_bench::calibration::Fit;
 use pump_bench::dosing::{Missed, ShareSource};
 use pump_bench::heads::Provenance;
 use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
+use pump_bench::rack::{RackEnd, RackPace};
 use pump_bench::record::{LogEnd, PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
 use pump_bench::simulation::{AskedMethod, ModelName};
@@ -38,6 +39,8 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("Port", words(&PORTS.map(|(word, _)| word))),
         ("Provenance", words(&Provenance::ALL)),
         ("Purpose", words(Purpose::ALL)),
+        ("RackEnd", words(RackEnd::ALL)),
+        ("RackPace", words(RackPace::ALL)),
         ("Ramps", words(&Ramps::ALL)),
         ("UncertaintySource", words(ShareSource::ALL)),
         ("UncheckedLimit", words(UncheckedLimit::ALL)),

@@ -53,6 +53,7 @@ from pumpmodel.identified import (
     identify_resistance,
 )
 from pumpmodel.plotting import plot, plot_map, plot_pump
+from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
 from pumpmodel.sweeps import Sweep, sweep
 from pumpmodel.volume_fit import VolumeFit
@@ -81,6 +82,11 @@ __all__ = [
     "Pump",
     "PumpError",
     "PumpFileError",
+    "Rack",
+    "RackDose",
+    "RackPump",
+    "RackReport",
+    "RackTotal",
     "Run",
     "SafetyError",
     "ShortDose",

@@ -56,6 +56,10 @@ LogEnd: TypeAlias = Literal["done", "weighed", "stopped", "fault", "cut-off"]
 
 #: Purpose of a motion.
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "run", "calibrate", "retract", "jog"]
+#: End of a rack. "planned" is a rehearsal.
+RackEnd: TypeAlias = Literal["planned", "completed", "stopped", "fault"]
+#: Pace of a rack's simulated motors: that of their plans, or as fast as they can.
+RackPace: TypeAlias = Literal["real", "fast"]
 #: Ramps in which a dose starts and stops.
 Ramps: TypeAlias = Literal["line-aware", "fastest"]
 #: Result of `sweep` and `Pump.steady_state`, for `plot_map`.

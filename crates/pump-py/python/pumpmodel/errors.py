@@ -1,8 +1,18 @@
 """Errors of pumpmodel. Bad arguments raise a plain ValueError."""
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pumpmodel.rack import RackReport
+
 
 class PumpError(Exception):
-    """Base of the errors of pumpmodel."""
+    """Base of the errors of pumpmodel.
+
+    `report` tells what each pump of a rack delivered, if one of them failed on the way; otherwise it is None.
+    """
+
+    report: "RackReport | None" = None
 
 
 class PlanError(PumpError):

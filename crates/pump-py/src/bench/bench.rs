@@ -75,16 +75,7 @@ impl Bench {
                 )));
             }
         }
-        let state_dir = match state_dir {
-            Some(dir) if dir.as_os_str().is_empty() => {
-                return Err(value("state_dir is empty; name a folder"));
-            }
-            Some(dir) => dir,
-            None => match std::env::var_os("DOSE_STATE_DIR").filter(|dir| !dir.is_empty()) {
-                Some(dir) => dir.into(),
-                None => Config::of_user(None).map_err(errors::config)?.state_dir().map_err(value)?,
-            },
-        };
+        let state_dir = self::state_dir(state_dir)?;
         let bench = DoseBench::new(file, driver, &state_dir).map_err(|error| errors::dose(py, error))?;
         let bench = bench.at_port(port).configuring(configure).accepting_settings(accept_settings);
         let bench = bench.confirming_pump(confirm_pump);
@@ -255,6 +246,18 @@ pub(super) fn note(delivered: &Delivered) -> String {
         )
     } else {
         format!("{volume_ml:.4} mL were delivered, the whole dose")
+    }
+}
+
+/// Returns the folder of all records: the one that is named, or else that of the environment or the configuration.
+pub(super) fn state_dir(named: Option<PathBuf>) -> PyResult<PathBuf> {
+    match named {
+        Some(dir) if dir.as_os_str().is_empty() => Err(value("state_dir is empty; name a folder")),
+        Some(dir) => Ok(dir),
+        None => match std::env::var_os("DOSE_STATE_DIR").filter(|dir| !dir.is_empty()) {
+            Some(dir) => Ok(dir.into()),
+            None => Config::of_user(None).map_err(errors::config)?.state_dir().map_err(value),
+        },
     }
 }
 

@@ -7,6 +7,7 @@ mod by_weight;
 mod calibration;
 mod homing;
 mod log;
+mod rack;
 mod request;
 mod safety;
 mod schedule;
@@ -15,4 +16,5 @@ mod worker;
 
 pub(crate) use balance::Balance;
 pub(crate) use bench::Bench;
+pub(crate) use rack::Rack;
 pub(crate) use schedule::Schedule;

@@ -2,6 +2,7 @@ from typing import Final
 
 from .bench import Balance as Balance
 from .bench import _Bench as _Bench
+from .bench import _Rack as _Rack
 from .bench import _Schedule as _Schedule
 from .doser import Calibration as Calibration
 from .doser import Doser as Doser
@@ -47,6 +48,7 @@ __all__ = [
     "Run",
     "SteadyState",
     "_Bench",
+    "_Rack",
     "_Schedule",
     "__version__",
     "_choices",

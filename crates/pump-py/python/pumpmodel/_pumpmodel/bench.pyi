@@ -3,7 +3,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, TypeAlias, final
 
-from pumpmodel.choices import BalanceProtocol, CalibrationFit, Driver, Missed
+from pumpmodel.choices import BalanceProtocol, CalibrationFit, Driver, Missed, RackPace
 from pumpmodel.weighed import WeighedRun
 
 from .doser import Calibration
@@ -134,6 +134,30 @@ class _Bench:
         systematic_percent: float | None,
         random_percent: float | None,
     ) -> str: ...
+
+# Compiled half of pumpmodel.Rack. Texts are the command's JSON.
+@final
+class _Rack:
+    def __new__(
+        cls,
+        rack: str,
+        text: str | None,
+        *,
+        pace: RackPace | None,
+        state_dir: str | os.PathLike[str] | None,
+        configure: bool,
+        accept_settings: bool,
+        confirm_pump: bool,
+    ) -> _Rack: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def pumps(self) -> list[str]: ...
+    @property
+    def steps(self) -> int: ...
+    def plan(self) -> str: ...
+    def run(self, progress: Callable[[str, int, int, int], object] | None) -> str: ...
+    def stop(self) -> None: ...
 
 @final
 class _Schedule:
