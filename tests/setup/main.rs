@@ -15,6 +15,8 @@ mod options;
 mod page;
 mod person;
 mod ports;
+#[path = "../faults/random.rs"]
+mod random;
 mod scale;
 mod second;
 #[allow(dead_code, reason = "the board of other tests, with more to look at")]
