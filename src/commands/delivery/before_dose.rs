@@ -1,4 +1,4 @@
-//! What comes before a dose that nobody watches: an interrupted dose on record, and a disturbed angle.
+//! Steps before a dose that nobody watches: an interrupted dose on record, and a disturbed angle.
 
 use pump_bench::notice::Notice;
 use pump_bench::report::AcceptedReport;

@@ -93,7 +93,7 @@ impl RackArgs {
     }
 }
 
-/// What the threads of the pumps show.
+/// Progress bar and words of the pumps, which their threads show.
 struct Shown<'a> {
     rack: &'a Rack,
     json: bool,
@@ -101,7 +101,7 @@ struct Shown<'a> {
     told: Mutex<Told>,
 }
 
-/// What was told while the pumps ran.
+/// Words that were told while the pumps ran.
 #[derive(Default)]
 struct Told {
     /// Pumps whose motors move.

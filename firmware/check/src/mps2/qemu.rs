@@ -24,7 +24,7 @@ const CLOCK: &str = "shift=3,sleep=off";
 /// The 1 that tells the firmware that its time is held (firmware/emulated).
 const STRAP: &str = "loader,addr=0x21000000,data=1,data-len=4";
 
-/// What QEMU logs: registers that it does not model, and those of the timers.
+/// Logs of QEMU: registers that it does not model, and those of the timers.
 const LOG: [&str; 6] = ["-d", "unimp", "-trace", "cmsdk_apb_timer_read", "-trace", "cmsdk_apb_timer_write"];
 
 /// QEMU in a process of its own.

@@ -1,6 +1,6 @@
 //! A run that follows a flow over time.
 //!
-//! Its motion is a [`pump_ctl::plan::FlowMotion`]. A plan of the same volume at the flow at which most of it passes
+//! The motion is a [`pump_ctl::plan::FlowMotion`]. A plan of the same volume at the flow at which most of it passes
 //! stands beside it: the calibration, the carry and the uncertainty come from that plan.
 
 mod prepared;
