@@ -158,8 +158,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::PrintSource => "print it anew with `dose pumps show NAME --format rust`",
         Remedy::ListHeads => "`dose pumps list --catalogue` lists the heads",
         Remedy::WriteOrConfirmPump => {
-            "write your pump's values into a pump file, without confirmed = false, and name it with --pump; or say \
-             --confirm-pump once if these are the values of your pump"
+            "write your pump's values into a pump file, without confirmed = false and direction_confirmed = false, and \
+             name it with --pump; or say --confirm-pump once if these are the values of your pump"
         }
         Remedy::DescribeHose => {
             "give the line's hose in the pump file, [inlet.hose] or [outlet.hose], and its resistance follows the fluid"

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use console::Term;
 use indicatif::ProgressBar;
+use pump_bench::catalogue::overlap_warning;
 use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseError, Session};
 
@@ -99,11 +100,13 @@ pub(crate) fn warn<N: Clone + Into<Notice>>(warnings: &[N]) {
     }
 }
 
-/// Warns before guided doses of a fluid that the lines' resistance does not follow. Before a real motor moves, each
-/// dose warns of its own.
-pub(crate) fn warn_of_fluid(bench: &Bench) {
+/// Warns before guided doses of rollers that overlap, and of a fluid that the lines' resistance does not follow. Before
+/// a real motor moves, each dose warns of its own.
+pub(crate) fn warn_of_pump(bench: &Bench) {
     if bench.is_simulated() {
-        warn(bench.file().resistance_warning().as_slice());
+        let overlap = overlap_warning(bench.model().geometry()).map(Notice::from);
+        let of_fluid = bench.file().resistance_warning();
+        overlap.into_iter().chain(of_fluid).for_each(|warning| warn(&[warning]));
     }
 }
 

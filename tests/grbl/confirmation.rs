@@ -72,6 +72,28 @@ fn a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it_once() {
 }
 
 #[test]
+fn steps_that_are_said_leave_the_direction_to_be_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = plug(Options::default());
+    let pump = folder.path().join("bought.toml");
+    let mut new = Command::new(env!("CARGO_BIN_EXE_dose"));
+    new.args(["pumps", "new", "--head", "masterflex-ls-16", "--rollers", "3", "--microsteps", "64"])
+        .arg(&pump);
+    assert!(new.env("XDG_CONFIG_HOME", folder.path()).output().unwrap().status.success());
+    let pump = pump.to_str().unwrap();
+    let refused = types(folder.path(), &board, &["0.2mL", "--pump", pump]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    let message = said(&refused);
+    assert!(message.contains("the program filled in forward as axis X counts up, and nobody"), "{message}");
+    assert!(!message.contains("steps per revolution"), "{message}");
+    assert_eq!(board.rest().steps, 0);
+    let text = fs::read_to_string(pump).unwrap();
+    fs::write(pump, text.replace("direction_confirmed = false\n", "")).unwrap();
+    let dosed = types(folder.path(), &board, &["0.2mL", "--pump", pump]);
+    assert_eq!(dosed.status.code(), Some(0), "{dosed:?}");
+}
+
+#[test]
 fn the_word_is_asked_for_again_when_a_value_changes_and_not_for_any_other_change() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());

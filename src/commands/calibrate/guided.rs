@@ -17,7 +17,7 @@ use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{noted, say, warn, warn_of_fluid};
+use crate::terminal::{noted, say, warn, warn_of_pump};
 
 /// Runs that were weighed.
 pub(super) struct Weighed {
@@ -44,7 +44,7 @@ struct Guide<'a, 'b> {
 /// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on
 /// record are not made again. Returns `None` if the person left.
 pub(super) fn runs(bench: &Bench, course: &GuidedCourse, scale: Scale) -> Result<Option<Weighed>, Failure> {
-    warn_of_fluid(bench);
+    warn_of_pump(bench);
     let mut session = bench.session()?;
     let connected = session.connect();
     noted(&mut session, connected)?;

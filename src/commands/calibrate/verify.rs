@@ -21,7 +21,7 @@ use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::options::speed::CruiseOptions;
 use crate::options::unattended::OnFailOption;
-use crate::terminal::{noted, print_json, say, tell, warn_of_fluid};
+use crate::terminal::{noted, print_json, say, tell, warn_of_pump};
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
@@ -80,7 +80,7 @@ impl VerifyArgs {
             let volumes_ml = in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?;
             return self.judge(Verification::of(nominal_ml, volumes_ml, tolerance)?);
         }
-        warn_of_fluid(&bench);
+        warn_of_pump(&bench);
         let mut session = bench.session()?;
         let verified = match self.doses(&bench, &mut session, nominal_ml) {
             Ok(Some(volumes_ml)) => Verification::of(nominal_ml, volumes_ml, tolerance)

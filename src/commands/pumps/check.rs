@@ -1,12 +1,13 @@
 //! `dose pumps check`: a pump file is checked.
 
 use clap::Args;
+use pump_bench::Bench;
 use pump_bench::config::{ConfigError, PumpPlace};
 use pump_bench::pump_file::{PumpFile, PumpFileError};
 use pump_bench::report::pump_check;
 
 use crate::failure::Failure;
-use crate::options::pump::ConfigOption;
+use crate::options::pump::{ConfigOption, RecordOption};
 use crate::terminal::tell;
 
 #[derive(Debug, Args)]
@@ -16,11 +17,14 @@ pub(crate) struct CheckArgs {
     file: String,
     #[command(flatten)]
     config: ConfigOption,
+    #[command(flatten)]
+    record: RecordOption,
 }
 
 impl CheckArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let place = self.config.config()?.find(&self.file).or_else(|error| match error {
+        let config = self.config.config()?;
+        let place = config.find(&self.file).or_else(|error| match error {
             // A file that is not there is a missing file, whatever its name.
             ConfigError::Pump(PumpFileError::Unknown { .. }) => {
                 Ok(PumpPlace::File(self.file.as_str().into()))
@@ -38,6 +42,8 @@ impl CheckArgs {
         let origin = path.display().to_string();
         let file = PumpFile::read(&path).map_err(Failure::of)?;
         file.check_port(&origin).map_err(Failure::of)?;
-        tell(&pump_check(&file).map_err(Failure::of)?)
+        let bench = Bench::new(file, None, &self.record.folder(&config)?)?;
+        let used = bench.calibrations().active().map_err(Failure::of)?;
+        tell(&pump_check(bench.file(), used.as_ref()).map_err(Failure::of)?)
     }
 }

@@ -74,7 +74,8 @@ impl SizeArgs {
             warn(&sizing.warnings);
             return print_json(&(sizing_json(&sizing) + "\n"));
         }
-        tell(&sizing_text(&sizing, advice::words))
+        let curve = if self.plot.plot.is_none() { "`--plot size.svg` draws the pump's curve\n" } else { "" };
+        tell(&(sizing_text(&sizing, advice::words) + curve))
     }
 
     fn sized(&self) -> Result<Sizing, Failure> {

@@ -132,6 +132,7 @@ fn motor(rollers: u32) -> MotorTable {
         inertia_kg_m2: None,
         // The motor of the paper: nobody has said that it is the motor at hand.
         confirmed: Some(false),
+        direction_confirmed: None,
     }
 }
 

@@ -11,7 +11,14 @@ pub(super) fn motor_remark(file: &PumpFile, source: &str) -> String {
              # and take out `confirmed = false`."
         );
     }
-    "# Steps and gear as given. Assumed: speed and acceleration. Change them to yours.".to_owned()
+    let direction = match file.motor.direction_confirmed {
+        Some(false) => {
+            "\n# Nobody has said which way it turns: a real motor does not move until you have seen it, written\n# \
+             `invert` in [drive] and taken out `direction_confirmed = false`."
+        }
+        _ => "",
+    };
+    format!("# Steps and gear as given. Assumed: speed and acceleration. Change them to yours.{direction}")
 }
 
 /// Returns the remark above `[ambient]`.

@@ -57,7 +57,8 @@ impl StatedMotor {
         }
     }
 
-    /// Writes the motor into a pump file. Its values are confirmed from then on: their owner has stated them.
+    /// Writes the motor into a pump file. Its steps are confirmed from then on: their owner has stated them. Nobody has
+    /// stated which way it turns.
     pub fn write_to(&self, file: &mut PumpFile) {
         file.motor.steps_per_rev = self.steps_per_rev();
         file.motor.gear = self.gear;
@@ -65,6 +66,7 @@ impl StatedMotor {
             file.motor.full_steps_per_rev = full_steps;
         }
         file.motor.confirmed = None;
+        file.motor.direction_confirmed = Some(false);
     }
 }
 

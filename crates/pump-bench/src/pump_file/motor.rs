@@ -36,9 +36,22 @@ pub struct MotorTable {
     /// person writes is confirmed. `false` stands beside values that the program filled in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confirmed: Option<bool>,
+    /// False if the program filled in which way the head turns as the motor counts up. `None` counts as said, as above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_confirmed: Option<bool>,
 }
 
 impl MotorTable {
+    /// Returns true if the program filled in the steps, and nobody has written others.
+    pub fn has_assumed_steps(&self) -> bool {
+        self.confirmed == Some(false)
+    }
+
+    /// Returns true if the program filled in the direction.
+    pub fn has_assumed_direction(&self) -> bool {
+        self.has_assumed_steps() || self.direction_confirmed == Some(false)
+    }
+
     /// Returns the motor as the pump head sees it.
     pub(crate) fn at_pump_head(&self) -> Motor {
         Motor::new(

@@ -6,6 +6,7 @@ mod sources;
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
+use crate::calibration::Stored;
 use crate::catalogue::unusual;
 use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::drop_ml;
@@ -13,12 +14,13 @@ use crate::heads::bought_head;
 use crate::numbers::significant;
 use crate::pump_file::{LineSource, LineTable, OutletEnd, PumpFile, Reservoir, RollerVolumeTable};
 
-/// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty.
+/// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty. `used` is the
+/// calibration that its doses use, if there is one: what that has measured counts in place of the file's values.
 ///
 /// # Errors
 ///
 /// A pump that cannot be modelled, or a law of its displacement that does not hold for it.
-pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
+pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, DisplacementError> {
     let by_speed = file.speed_dependent_pump()?;
     let pump = *by_speed.base();
     let lines = [
@@ -36,10 +38,12 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         ("nozzle", nozzle_text(file)?),
         ("unsure", uncertainty_text(file)),
     ];
+    let calibration = used.map(|used| ("weighed", calibration_text(&pump, used)));
     let lines = lines
         .into_iter()
+        .chain(calibration)
         .chain(pins::pins_text(file).map(|text| ("pins", text)))
-        .chain(sources::source_lines(file))
+        .chain(sources::source_lines(file, used.map(|used| &used.calibration)))
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
     let text: String = catalogue_line(file).into_iter().chain(lines).chain(warnings(file)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
@@ -50,6 +54,23 @@ fn catalogue_line(file: &PumpFile) -> Option<String> {
     let row = bought_head(file.head.as_ref()?.catalogue.as_deref()?)?;
     let (maker, head, tubing, published) = (&row.maker, &row.head, &row.tubing, &row.published);
     Some(format!("  {:<9} {maker} {head}, {tubing}: {published} ({})\n", "catalogue", row.source.kind))
+}
+
+/// The calibration that doses use, and its factor on the volume of the file.
+fn calibration_text(base: &Pump, used: &Stored) -> String {
+    let Stored { version, calibration } = used;
+    let factor = calibration.displacement.as_ref().and_then(|found| {
+        let rpm = found.reference_rpm;
+        Some((rpm, found.factor_at(base, rpm).ok()?, found.whole_standard_at(base, rpm).ok()?))
+    });
+    let told = factor.map_or(String::new(), |(rpm, factor, standard)| {
+        format!(
+            "model volume times {factor:.4} ± {:.4} (k = 2) at {} r/min, ",
+            2.0 * standard,
+            significant(rpm, 4)
+        )
+    });
+    format!("{told}by calibration {version} of {}", calibration.date)
 }
 
 fn volume_text(pump: &Pump) -> String {

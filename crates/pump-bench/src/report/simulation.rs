@@ -6,6 +6,7 @@ use pump_model::{Extremes, Friction, Port, Pump, RollerCentric, SteadyState};
 use serde::Serialize;
 
 use super::choices::set_by_word;
+use crate::catalogue::overlap_warning;
 use crate::notice::{Notice, Wording};
 use crate::pump_file::PumpFile;
 use crate::simulation::{ModelName, Reached, Simulation, SteadyReport};
@@ -198,6 +199,7 @@ fn warnings_of(
                 .to_owned(),
         );
     }
+    warnings.extend(file.model().ok().and_then(|pump| overlap_warning(pump.geometry())));
     let limits = file.limits();
     let of_run =
         |of: fn(Reached) -> Extremes, steady: Extremes| reached.map_or(steady, |run| of(run).and(steady));

@@ -123,6 +123,8 @@ impl Answers {
         // A person has said the steps, or has seen those of the file.
         if self.motor().is_some() || file.motor.confirmed != Some(false) {
             file.motor.confirmed = Some(true);
+            // Somebody watches which way it turns before it doses.
+            file.motor.direction_confirmed = None;
         }
         if let Some(most_rpm) = self.max_speed_rpm {
             // A slower motor has a slower usual rate.

@@ -4,7 +4,7 @@ use pump_model::Port;
 use pump_model::SteadyState;
 use pump_model::units::rpm;
 
-use crate::catalogue::CataloguedPump;
+use crate::catalogue::{CataloguedPump, overlap_warning};
 use crate::heads::BoughtHead;
 use crate::notice::Notice;
 use crate::pump_file::{FluidTable, PumpFile};
@@ -236,7 +236,9 @@ fn warnings(at: &Operating, suction: &Suction, steady: &SteadyState, pulsation: 
             file.inlet.hose().map_or(0.0, |hose| hose.modulus_mpa),
         ))
     });
-    file.resistance_warning().into_iter().chain(hose).chain(swings(at, pulsation)).collect()
+    let overlap = overlap_warning(at.pump.geometry()).map(Notice::from);
+    let of_pump = file.resistance_warning().into_iter().chain(overlap);
+    of_pump.chain(hose).chain(swings(at, pulsation)).collect()
 }
 
 /// Warns of a line that swings with the rollers' pulses, so that the flow at its end pulsates more than at the rollers.

@@ -148,8 +148,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::PrintSource => "print it anew",
         Remedy::ListHeads => "the page catalogue of the documentation lists the heads",
         Remedy::WriteOrConfirmPump => {
-            "write your pump's values into a pump file without confirmed = false; or, if these are your pump's, open \
-             the bench once with confirm_pump=True"
+            "write your pump's values into a pump file, without confirmed = false and direction_confirmed = false; or, \
+             if these are your pump's, open the bench once with confirm_pump=True"
         }
         Remedy::DescribeHose => {
             "give the line's hose in the pump file, [inlet.hose] or [outlet.hose], and its resistance follows the fluid"

@@ -6,7 +6,7 @@ use crate::catalogue::built_in;
 use crate::dosing::DoseError;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
-use crate::pump_file::{DriverName, PumpFile};
+use crate::pump_file::PumpFile;
 use crate::record::{PumpState, Why};
 
 /// Tables of a pump file that say what the head delivers and how the motor turns it.
@@ -24,7 +24,7 @@ const KEYS: [(&str, &[&str]); 4] = [
 impl Bench {
     /// Returns true if the motor is real and values of the pump are filled in by the program.
     fn needs_confirmation(&self) -> bool {
-        !self.is_simulated() && self.file().motor.confirmed == Some(false)
+        !self.is_simulated() && self.file().motor.has_assumed_direction()
     }
 
     /// Returns the print of the pump: a number that changes with every value that says how far and which way the
@@ -47,10 +47,16 @@ impl Bench {
     /// Returns the values that the program filled in, in words.
     fn filled_in(&self) -> String {
         let (file, motor) = (self.file(), &self.file().motor);
-        let mut values =
-            vec![format!("{} steps per revolution of the motor, gear {}", motor.steps_per_rev, motor.gear)];
-        if file.drive.is_none() && self.drive().driver != DriverName::Sim {
-            values.push(format!("forward as axis {:?} counts up", self.drive().axis));
+        let mut values = Vec::new();
+        if motor.has_assumed_steps() {
+            values.push(format!(
+                "{} steps per revolution of the motor, gear {}",
+                motor.steps_per_rev, motor.gear
+            ));
+        }
+        if file.drive.is_none() || motor.direction_confirmed == Some(false) {
+            let way = if self.drive().invert { "in reverse" } else { "forward" };
+            values.push(format!("{way} as axis {:?} counts up", self.drive().axis));
         }
         let is_head = |known: &PumpFile| {
             (&known.tube, &known.rollers, &known.backplate) == (&file.tube, &file.rollers, &file.backplate)

@@ -1,6 +1,7 @@
 //! The sources of a pump's values: measured, given, estimated or assumed.
 
 use super::pins::pins_given;
+use crate::calibration::Calibration;
 use crate::pump_file::{AmbientSource, LineSource, LineTable, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Source of a value in a pump file.
@@ -19,10 +20,10 @@ enum Source {
 }
 
 /// Returns a line for each source, with the values that it has.
-pub(super) fn source_lines(file: &PumpFile) -> Vec<(&'static str, String)> {
+pub(super) fn source_lines(file: &PumpFile, used: Option<&Calibration>) -> Vec<(&'static str, String)> {
     let pins = pins_given(file).into_iter();
     let pins = pins.map(|(value, is_given)| (value, if is_given { Source::Given } else { Source::Assumed }));
-    let values: Vec<_> = values(file).into_iter().chain(pins).collect();
+    let values: Vec<_> = values(file, used).into_iter().chain(pins).collect();
     let line = |(source, name): (Source, &'static str)| {
         let of: Vec<&str> = values.iter().filter(|(_, of)| *of == source).map(|(value, _)| *value).collect();
         (!of.is_empty()).then(|| (name, of.join(", ")))
@@ -37,15 +38,15 @@ pub(super) fn source_lines(file: &PumpFile) -> Vec<(&'static str, String)> {
     sources.into_iter().filter_map(line).collect()
 }
 
-/// Returns the values of a pump file, each with its source.
-fn values(file: &PumpFile) -> [(&'static str, Source); 11] {
+/// Returns the values of a pump file, each with its source. A calibration has measured some of them.
+fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source); 11] {
     let given_or = |is_given: bool, otherwise| if is_given { Source::Given } else { otherwise };
     let line = |table: &LineTable| match table.source {
         LineSource::Unknown => Source::Unknown,
         LineSource::Given { .. } => Source::Given,
         LineSource::Hose(_) => Source::Estimated,
     };
-    let is_confirmed = file.motor.confirmed != Some(false);
+    let is_directed = file.drive.is_some() && !file.motor.has_assumed_direction();
     let lines = [&file.inlet, &file.outlet.line];
     let is_open = |line: &&LineTable| line.is_unknown() && line.reservoir == Reservoir::OPEN;
     let reservoirs = if lines.iter().any(is_open) {
@@ -59,7 +60,10 @@ fn values(file: &PumpFile) -> [(&'static str, Source); 11] {
         Some(_) => "volume of a revolution",
         None => "head's dimensions",
     };
+    let is_weighed = used.is_some_and(|used| used.displacement.is_some());
+    let volume = if is_weighed { Source::Measured } else { Source::Given };
     let roller = match &file.roller_volume {
+        _ if used.is_some_and(|used| used.pulse.is_some()) => Source::Measured,
         Some(RollerVolumeTable::Measured { .. }) => Source::Measured,
         Some(RollerVolumeTable::Polynomial { .. }) => Source::Given,
         Some(RollerVolumeTable::Drawing) => Source::Estimated,
@@ -67,13 +71,13 @@ fn values(file: &PumpFile) -> [(&'static str, Source); 11] {
         None => Source::Assumed,
     };
     [
-        (head, Source::Given),
+        (head, if file.head.is_some() { volume } else { Source::Given }),
         ("volume of a roller", roller),
         ("R, C and L of the inlet", line(&file.inlet)),
         ("R, C and L of the outlet", line(&file.outlet.line)),
         ("pressures of the reservoirs", reservoirs),
-        ("steps of the motor", given_or(is_confirmed, Source::Assumed)),
-        ("direction of the motor", given_or(is_confirmed && file.drive.is_some(), Source::Assumed)),
+        ("steps of the motor", given_or(!file.motor.has_assumed_steps(), Source::Assumed)),
+        ("direction of the motor", given_or(is_directed, Source::Assumed)),
         ("density of the fluid", Source::Given),
         ("ambient pressure", given_or(file.ambient.source() != AmbientSource::SeaLevel, Source::Assumed)),
         ("nozzle's end", given_or(file.outlet.end.is_some(), Source::Assumed)),

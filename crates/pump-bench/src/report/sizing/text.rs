@@ -71,8 +71,12 @@ fn speed(sizing: &Sizing) -> String {
         (_, None) => "no largest speed is stated".to_owned(),
         (least, Some(most)) => format!("stated {} to {most}", least.unwrap_or(0.0)),
     };
+    let since = match head.catalogued {
+        Some(_) => "until somebody weighs it",
+        None => "by the pump file; its calibrations are not counted here",
+    };
     format!(
-        "{} r/min ({stated}); the flow is within {} % (k = 2) until somebody weighs it",
+        "{} r/min ({stated}); the flow is within {} % (k = 2) {since}",
         significant(sizing.speed_rpm, 4),
         significant(100.0 * sizing.expanded, 2)
     )
