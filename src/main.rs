@@ -14,12 +14,13 @@ mod progress;
 mod refusals;
 mod shown;
 mod terminal;
+mod told_commands;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::FromArgMatches;
 use clap::error::ErrorKind;
+use clap::{ArgMatches, FromArgMatches};
 
 use cli::Cli;
 use failure::Failure;
@@ -61,7 +62,11 @@ fn parse(words: Vec<OsString>) -> Result<Cli, Unparsed> {
     let arranged = arguments::arrange(words.into_iter(), &definitions).map_err(Unparsed::Refused)?;
     let command = if arranged.brief { help::brief(cli::command()) } else { cli::command() };
     let matches = command.try_get_matches_from(&arranged.words);
-    matches.and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
+    let read = |matches: ArgMatches| {
+        told_commands::note(&matches);
+        Cli::from_arg_matches(&matches)
+    };
+    matches.and_then(read).map_err(|error| {
         let misplaced = (error.kind() == ErrorKind::UnknownArgument)
             .then(|| refusals::misplaced(&error, &arranged.path, &definitions))
             .flatten();

@@ -14,6 +14,7 @@ use pump_bench::{Bench, DoseError, Session};
 use crate::advice;
 use crate::failure::Failure;
 use crate::shown::{json_shown, shown};
+use crate::told_commands::completed;
 
 /// True once nobody reads standard output any more.
 static READER_GONE: AtomicBool = AtomicBool::new(false);
@@ -48,7 +49,8 @@ pub(crate) fn print_json(json: &str) -> Result<(), Failure> {
 /// Prints words for people to standard output. On a terminal, and where COLUMNS gives a width, lines end at words.
 /// A file or a program gets whole lines.
 pub(crate) fn tell(text: &str) -> Result<(), Failure> {
-    let text = &*shown(text);
+    let text = completed(text);
+    let text = &*shown(&text);
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = Term::stdout().size_checked().map(|(_, columns)| usize::from(columns));
     match terminal.or_else(told) {
@@ -60,7 +62,7 @@ pub(crate) fn tell(text: &str) -> Result<(), Failure> {
 /// Says something to a person beside the results, on standard error.
 pub(crate) fn say(text: &str) {
     // If standard error is closed nobody reads it.
-    let _ = io::stderr().write_all(shown(text).as_bytes());
+    let _ = io::stderr().write_all(shown(&completed(text)).as_bytes());
     let _ = io::stderr().flush();
 }
 
@@ -68,7 +70,7 @@ pub(crate) fn say(text: &str) {
 fn say_line(line: &str) {
     let width = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
     match width.filter(|_| io::stderr().is_terminal()) {
-        Some(width) => say(&wrapped(line, width)),
+        Some(width) => say(&wrapped(&completed(line), width)),
         None => say(line),
     }
 }
@@ -78,7 +80,7 @@ pub(crate) fn say_wrapped(line: &str) {
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
     match terminal.or_else(told) {
-        Some(width) => say(&wrapped(line, width)),
+        Some(width) => say(&wrapped(&completed(line), width)),
         None => say(line),
     }
 }

@@ -62,11 +62,6 @@ impl ConfigOption {
         Config::of_user(self.config.as_deref()).map_err(Failure::of)
     }
 
-    /// The file as it was typed; none without the option.
-    pub(crate) fn typed(&self) -> Option<&PathBuf> {
-        self.config.as_ref()
-    }
-
     /// The path of the configuration file, whether it is there or not. None where the environment has no place for it.
     pub(crate) fn path(&self) -> Option<PathBuf> {
         self.config.clone().or_else(config_path)
@@ -125,12 +120,6 @@ impl RecordOption {
             Some(dir) => Ok(dir),
             None => Ok(config.state_dir()?),
         }
-    }
-
-    /// The folder as it was typed; none without the option. That of the environment is there for the next command too.
-    pub(crate) fn typed(&self) -> Option<&PathBuf> {
-        let of_environment = std::env::var_os("DOSE_STATE_DIR").map(PathBuf::from);
-        self.state_dir.as_ref().filter(|dir| Some(*dir) != of_environment.as_ref())
     }
 
     /// The folder that the option or the environment names.

@@ -8,6 +8,7 @@ use pump_bench::calibration::{PlannedRuns, RunLog, UnfinishedRuns};
 use pump_model::units::rpm;
 
 use crate::failure::Failure;
+use crate::told_commands::shell_word;
 
 /// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
 const LEAST_ML: f64 = 50.0;
@@ -128,20 +129,25 @@ impl GuidedCourse {
         let UnfinishedRuns { planned, runs, .. } = on_record;
         let (count, all) = (runs.len(), planned.speeds_rpm.len());
         let wanted = self.planned(bench, range_rad_s);
-        let refused = |of: String, now: String| {
+        let refused = |of: String, now: String, back: &str| {
             Err(Failure::refused(format!(
                 "{count} of {all} readings of a guided calibration are on record for {of}, and now it is {now}; \
-                 go back to that, or give the readings up with --anew"
+                 {back}, or give the readings up with --anew"
             )))
         };
         let revolution =
             |planned: &PlannedRuns| format!("{:.4} mL of model volume per revolution", planned.revolution_ml);
         let fluid = |planned: &PlannedRuns| format!("{} at {} °C", planned.fluid, planned.temperature_degc);
         if wanted.revolution_ml != planned.revolution_ml {
-            return refused(revolution(planned), revolution(&wanted));
+            return refused(revolution(planned), revolution(&wanted), "go back to that");
         }
         if (&wanted.fluid, wanted.temperature_degc) != (&planned.fluid, planned.temperature_degc) {
-            return refused(fluid(planned), fluid(&wanted));
+            let fluid_option = match wanted.fluid == planned.fluid {
+                true => String::new(),
+                false => format!("--fluid {} ", shell_word(&planned.fluid)),
+            };
+            let back = format!("add {fluid_option}--temperature {}degC", planned.temperature_degc);
+            return refused(fluid(planned), fluid(&wanted), &back);
         }
         if !self.is_open() && wanted != *planned {
             return Err(Failure::refused(format!(

@@ -4,6 +4,7 @@ use pump_bench::catalogue::{BoughtPump, CataloguedPump};
 use pump_bench::heads::{BoughtHead, bought_head, nearest_heads};
 use pump_bench::pump_file::{HeadTable, PumpFile};
 use pump_bench::report::ErrorKind;
+use pump_bench::setup::SetupError;
 
 use super::new::{NewArgs, write_new};
 use crate::advice;
@@ -34,6 +35,11 @@ impl NewArgs {
     /// Writes the file of a pump with a head of the catalogue.
     fn write_catalogued(&self, name: &str) -> Result<(), Failure> {
         let head = catalogued(name)?;
+        if let (Some(published), Some(rollers)) = (head.rollers, self.rollers)
+            && published != rollers
+        {
+            return Err(SetupError::Rollers { head: head.name.clone(), published, rollers }.into());
+        }
         let Some(rollers) = self.rollers.or(head.rollers) else {
             let refused = Failure::refused(format!(
                 "the document of {name} does not state the number of rollers; count yours and add --rollers 3"

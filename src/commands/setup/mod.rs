@@ -22,11 +22,12 @@ use pump_bench::setup::{Answers, SetupError, SetupFolder};
 use self::asker::{Asked, Asker, Question, Stop, Usual};
 use self::course::{Course, heading, tell_person};
 use self::options::AnswerOptions;
-use self::runnable::{Runnable, shell_word};
+use self::runnable::Runnable;
 use crate::failure::Failure;
 use crate::options::balance::BalanceOptions;
 use crate::options::pump::{ConfigOption, RecordOption};
 use crate::terminal::say;
+use crate::told_commands::shell_word;
 
 #[derive(Debug, Args)]
 pub(crate) struct SetupArgs {
@@ -104,18 +105,11 @@ impl SetupArgs {
 
     /// The words that complete the commands of this run.
     fn runnable(&self, name: &str) -> Runnable {
-        let typed = [("--config", self.config.typed()), ("--state-dir", self.record.typed())];
-        let places =
-            typed.into_iter().filter_map(|(option, path)| Some((option, path?.display().to_string())));
         let words = |options: Vec<(&str, String)>| {
             let words = options.iter().map(|(option, value)| format!("{option} {}", shell_word(value)));
             words.collect::<Vec<_>>().join(" ")
         };
-        Runnable {
-            places: words(places.collect()),
-            scale: words(self.balance.typed()),
-            pump: name.to_owned(),
-        }
+        Runnable { scale: words(self.balance.typed()), pump: name.to_owned() }
     }
 
     /// The answers of the pump that `--like` names.

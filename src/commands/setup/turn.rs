@@ -15,6 +15,7 @@ use super::course::{Course, heading, tell_person};
 use super::options::turns;
 use super::place;
 use super::written::{rewrite, rounded};
+use crate::advice;
 use crate::failure::Failure;
 use crate::terminal::{announce, noted};
 
@@ -237,17 +238,18 @@ fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
         usual: Some(Usual::new(corrected.steps_per_rev.to_string())),
         help: "Enter takes them; another number goes before them. The next revolution shows if they are right",
     };
-    let steps = course.asker.ask(&question, |answer| match answer.parse::<u32>() {
-        Ok(steps) if steps > 0 => Ok(steps),
-        _ => Err(format!("`{answer}` is no whole number of steps")),
+    let before = course.answers.clone();
+    let answers = course.asker.ask(&question, |answer| {
+        let steps: u32 = answer.parse().map_err(|_| format!("`{answer}` is no whole number of steps"))?;
+        let mut answers = before.clone();
+        if steps == corrected.steps_per_rev {
+            answers.correct_steps(corrected);
+        } else {
+            (answers.steps_per_rev, answers.full_steps, answers.microsteps) = (Some(steps), None, None);
+        }
+        answers.check().map_err(|error| advice::told(&error))?;
+        Ok(answers)
     })?;
-    let mut answers = course.answers.clone();
-    if steps == corrected.steps_per_rev {
-        answers.correct_steps(corrected);
-    } else {
-        (answers.steps_per_rev, answers.full_steps, answers.microsteps) = (Some(steps), None, None);
-    }
-    answers.check()?;
     course.take(answers)?;
     rewrite(course)
 }

@@ -99,7 +99,8 @@ impl NextWeighing {
         let [now, then] = match self.dose_percent.zip(self.then_dose_percent) {
             Some((dose, then_dose)) => [
                 format!(
-                    "one dose like this \u{b1} {dose:.2} %, the mean of many such doses \u{b1} {now:.2} % (k = 2)"
+                    "one dose like this \u{b1} {dose:.2} %, the mean of many such doses \u{b1} {now:.2} % (k = 2); \
+                     drop and angle come besides"
                 ),
                 format!("about \u{b1} {then_dose:.2} % for one, \u{b1} {then:.2} % for the mean"),
             ],

@@ -1,0 +1,117 @@
+//! The commands that the program tells: they mean the pump, the configuration and the record of the command that was
+//! typed.
+
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Command};
+use pump_bench::config::Config;
+
+use crate::cli;
+use crate::refusals::is_named;
+
+/// Options that say which pump a command means and where its record is, by clap's ids.
+const OF_PLACES: [(&str, &str); 3] =
+    [("pump", "--pump"), ("config", "--config"), ("state_dir", "--state-dir")];
+
+/// Options that were typed, with their values.
+static TYPED: OnceLock<Vec<(&'static str, String)>> = OnceLock::new();
+
+/// Notes the options of the command line that the next command needs too. The pump that a command without `--pump`
+/// means anyway is left out.
+pub(crate) fn note(matches: &ArgMatches) {
+    let mut leaf = matches;
+    while let Some((_, inner)) = leaf.subcommand() {
+        leaf = inner;
+    }
+    let typed = OF_PLACES.into_iter().filter_map(|(id, option)| {
+        let is_typed =
+            leaf.ids().any(|known| known == id) && leaf.value_source(id) == Some(ValueSource::CommandLine);
+        let mut values = leaf.try_get_raw(id).ok().flatten().filter(|_| is_typed)?;
+        Some((option, values.next()?.to_string_lossy().into_owned()))
+    });
+    let mut typed: Vec<_> = typed.collect();
+    let config = typed.iter().find(|(option, _)| *option == "--config").map(|(_, path)| path.as_ref());
+    let usual = Config::of_user(config).map(|config| config.default_pump().to_owned());
+    typed.retain(|(option, value)| *option != "--pump" || usual.as_ref().ok() != Some(value));
+    let _ = TYPED.set(typed);
+}
+
+/// Completes the commands of a text, which stand between back quotes.
+pub(crate) fn completed(text: &str) -> Cow<'_, str> {
+    match TYPED.get() {
+        Some(typed) if !typed.is_empty() && text.contains("`dose ") => {
+            Cow::Owned(completed_with(text, typed, &cli::command()))
+        }
+        _ => Cow::Borrowed(text),
+    }
+}
+
+fn completed_with(text: &str, typed: &[(&str, String)], root: &Command) -> String {
+    let parts = text.split('`').enumerate();
+    let parts = parts.map(|(at, part)| match part.strip_prefix("dose ") {
+        Some(rest) if at % 2 == 1 => command(rest, typed, root),
+        _ => part.to_owned(),
+    });
+    parts.collect::<Vec<_>>().join("`")
+}
+
+/// Completes a command by the options that it takes.
+fn command(rest: &str, typed: &[(&str, String)], root: &Command) -> String {
+    let mut leaf = root;
+    let mut words: Vec<&str> = rest.split_whitespace().collect();
+    for word in &words {
+        let Some(inner) = leaf.find_subcommand(word) else { break };
+        leaf = inner;
+    }
+    let added: Vec<String> = typed
+        .iter()
+        .filter(|(option, _)| {
+            !words.contains(option) && leaf.get_arguments().any(|arg| is_named(arg, option))
+        })
+        .map(|(option, value)| format!("{option} {}", shell_word(value)))
+        .collect();
+    words.insert(0, "dose");
+    words.extend(added.iter().map(String::as_str));
+    words.join(" ")
+}
+
+/// A word as the shell reads it again.
+pub(crate) fn shell_word(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_mean_the_pump_and_the_record_that_were_typed() {
+        let typed = [("--pump", "my acid.toml".to_owned()), ("--state-dir", "/srv/state".to_owned())];
+        let told = |text: &str| completed_with(text, &typed, &cli::command());
+        let places = "--pump 'my acid.toml' --state-dir /srv/state";
+        assert_eq!(
+            told("finish it with `dose resume`, or"),
+            format!("finish it with `dose resume {places}`, or")
+        );
+        assert_eq!(
+            told("`dose calibrate use none` goes"),
+            format!("`dose calibrate use none {places}` goes")
+        );
+        assert_eq!(told("`dose 5mL --pump base`"), "`dose 5mL --pump base --state-dir /srv/state`");
+        // Some commands mean no pump, and what is no command stays.
+        assert_eq!(told("`dose pumps list`, `acid`, dose resume"), "`dose pumps list`, `acid`, dose resume");
+    }
+
+    #[test]
+    fn a_word_is_quoted_for_the_shell_where_it_must_be() {
+        assert_eq!(shell_word("/dev/ttyUSB1"), "/dev/ttyUSB1");
+        assert_eq!(shell_word("read it's \"x\""), "'read it'\\''s \"x\"'");
+    }
+}
