@@ -215,7 +215,7 @@ fn the_steps_of_the_motor_are_said_or_the_file_says_that_nobody_did() {
         assert!(told.out.contains(said), "{options:?}: {}", told.out);
         let text = fs::read_to_string(user.path("told.toml")).unwrap();
         assert!(
-            text.contains("steps_per_rev = 3200\n") && !text.contains("confirmed"),
+            text.contains("steps_per_rev = 3200\n") && !text.contains("\nconfirmed"),
             "{options:?}: {text}"
         );
     }
@@ -348,7 +348,7 @@ fn a_bought_head_takes_the_motor_and_the_place_that_a_drawn_one_takes() {
     for key in ["steps_per_rev = 3200\n", "gear = 2.0\n", "altitude_m = 500.0\n", "lift_mm = 1200.0\n"] {
         assert!(text.contains(key), "{key}: {text}");
     }
-    assert!(!text.contains("confirmed"), "{text}");
+    assert!(!text.contains("\nconfirmed") && text.contains("direction_confirmed = false"), "{text}");
     let check = user.types(&["pumps", "check", "told.toml"]).out;
     // 954.61 hPa at 500 m (U.S. Standard Atmosphere 1976); 9.777 kPa a metre of water at 25 °C.
     assert!(check.contains("settling are not known; reservoir 83.72"), "{check}");
