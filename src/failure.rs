@@ -12,6 +12,7 @@ use pump_bench::{DoseError, Session};
 use crate::advice;
 use crate::interrupt::{self, Unwatched};
 use crate::shown::json_shown;
+use crate::told_commands::completed;
 
 /// The reason why a command did not do what was asked: words for people, facts for programs.
 #[derive(Debug)]
@@ -198,6 +199,7 @@ impl Failure {
             How::Stopped { moved, .. } | How::Stands { moved } => moved,
         };
         let message = self.message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+        let message = completed(&message);
         json_shown(&ErrorReport::new(self.exit_code(), &self.facts, &message, moved).json()).into_owned()
     }
 

@@ -61,8 +61,12 @@ pub(crate) fn tell(text: &str) -> Result<(), Failure> {
 
 /// Says something to a person beside the results, on standard error.
 pub(crate) fn say(text: &str) {
+    say_as_it_is(&completed(text));
+}
+
+fn say_as_it_is(text: &str) {
     // If standard error is closed nobody reads it.
-    let _ = io::stderr().write_all(shown(&completed(text)).as_bytes());
+    let _ = io::stderr().write_all(shown(text).as_bytes());
     let _ = io::stderr().flush();
 }
 
@@ -88,7 +92,8 @@ pub(crate) fn say_wrapped(line: &str) {
 /// Says why the command failed: in words, or as one line of JSON if a program reads the report.
 pub(crate) fn say_error(failure: &Failure, json: bool) {
     if json {
-        say(&(failure.json() + "\n"));
+        // Words that are put into JSON must be escaped: `Failure::json` completes its message itself.
+        say_as_it_is(&(failure.json() + "\n"));
     } else {
         say_line(&format!("error: {}\n", failure.message()));
     }
