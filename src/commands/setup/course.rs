@@ -22,8 +22,8 @@ pub(super) struct Course {
     pub(super) answers: Answers,
     pub(super) folder: SetupFolder,
     state_dir: PathBuf,
-    /// Answers of the pump that is named, or else of the one whose first run came to its end last and whose file still says
-    /// the same. Answers are suggested from them.
+    /// Answers of the pump that is named, or else of the one whose first run came to its end last and whose file still
+    /// says the same. Answers are suggested from them.
     pub(super) last: Option<Answers>,
     /// Other pumps of the configuration that boards turn.
     neighbours: Vec<Neighbour>,

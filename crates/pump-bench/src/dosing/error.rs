@@ -12,7 +12,9 @@ use thiserror::Error;
 use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
 use crate::displacement::DisplacementError;
-use crate::drives::{CommonBeginError, DriveError};
+use crate::drives::DriveError;
+#[cfg(feature = "node")]
+use crate::drives::{CommonBeginError, NodeError};
 use crate::numbers::{between, significant};
 use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
@@ -388,6 +390,12 @@ impl DoseError {
 
     /// Returns true if an axis that was to begin together with this one was stopped or failed, and nothing moved.
     pub(crate) fn is_of_another_axis(&self) -> bool {
-        matches!(self, Self::Connection(error) if CommonBeginError::is_another(error))
+        match self {
+            #[cfg(feature = "node")]
+            Self::Connection(DriveError::Device(source)) => {
+                matches!(source.downcast_ref(), Some(NodeError::Common(CommonBeginError::Another)))
+            }
+            _ => false,
+        }
     }
 }

@@ -5,8 +5,6 @@ use std::time::{Duration, Instant};
 
 use thiserror::Error;
 
-use super::DriveError;
-
 /// Reason for which axes that were to begin together did not begin. Nothing has moved.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
@@ -26,19 +24,6 @@ pub enum CommonBeginError {
     /// The axes are not different axes of one board.
     #[error("axes that begin together are different axes of one board; begin the others one after another")]
     Boards,
-}
-
-impl CommonBeginError {
-    /// Returns true if `error` says that another axis was stopped or failed before a common begin.
-    pub(crate) fn is_another(error: &DriveError) -> bool {
-        match error {
-            #[cfg(feature = "node")]
-            DriveError::Device(source) => {
-                matches!(source.downcast_ref(), Some(super::NodeError::Common(Self::Another)))
-            }
-            _ => false,
-        }
-    }
 }
 
 /// Begin that several axes of one board have in common.

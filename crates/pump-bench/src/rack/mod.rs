@@ -28,7 +28,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod appointments;
 mod clock;
 mod error;
 mod gradient;

@@ -5,7 +5,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use super::appointments::{self, Appointment};
 use super::clock::{RackClock, SharedStop, Stop};
 use super::error::RackError;
 use super::pace::RackPace;
@@ -13,7 +12,7 @@ use super::progress::RackProgress;
 use super::rack::Rack;
 use super::rehearsal::{report, timings};
 use super::report::{RackDose, RackEnd, RackFault, RackPumpReport, RackReport};
-use super::timetable::{Timetable, Timing};
+use super::timetable::{Appointment, Timetable, Timing, appointments};
 use crate::bench::{Bench, SeriesMotion, Session, TimedVolume};
 use crate::dosing::DoseError;
 use crate::drives::Drive;
@@ -121,7 +120,7 @@ impl Rack {
         }
         let lead = if self.is_simulated() { Duration::ZERO } else { LEAD };
         let clock = Arc::new(RackClock::new(self.pace, self.members().len(), lead, stop.clone()));
-        for (order, appointments) in orders.iter().zip(appointments::of(self, &timetable.begins_s)) {
+        for (order, appointments) in orders.iter().zip(appointments(self, &timetable.begins_s)) {
             let _ = order.send(Order::Go(appointments, clock.clone()));
         }
         Ok(timetable)

@@ -2,22 +2,22 @@
 
 use std::time::Duration;
 
-use super::member::Member;
-use super::rack::Rack;
-use super::sharing::is_one_board;
 use crate::drives::{BeginPlace, CommonBegin};
 use crate::pump_file::DriverName;
+use crate::rack::member::Member;
+use crate::rack::rack::Rack;
+use crate::rack::sharing::is_one_board;
 
 /// Longest time for which axes that begin together wait for each other.
 const LIMIT: Duration = Duration::from_secs(5);
 
 /// Begin of a part.
 #[derive(Debug)]
-pub(super) struct Appointment {
+pub(in crate::rack) struct Appointment {
     /// Time of the rack, in s.
-    pub(super) begin_s: f64,
+    pub(in crate::rack) begin_s: f64,
     /// Place among the axes of a node that begin at this time.
-    pub(super) place: Option<BeginPlace>,
+    pub(in crate::rack) place: Option<BeginPlace>,
 }
 
 /// Parts that begin together: those of one board, at one time.
@@ -29,7 +29,7 @@ struct Meeting {
 }
 
 /// Makes the appointments of each pump. `begins_s` are the times of the steps.
-pub(super) fn of(rack: &Rack, begins_s: &[f64]) -> Vec<Vec<Appointment>> {
+pub(in crate::rack) fn appointments(rack: &Rack, begins_s: &[f64]) -> Vec<Vec<Appointment>> {
     let pumps = 0..rack.members().len();
     let of_pump = |pump| {
         let begins = rack.parts(pump).map(|step| Appointment { begin_s: begins_s[step], place: None });

@@ -1,21 +1,21 @@
 //! The timetable of a rack: the begin of each step, and the check that no pump is asked for two at once.
 
-use super::error::RackError;
-use super::member::Member;
-use super::step::{Begin, RackStep};
+use crate::rack::error::RackError;
+use crate::rack::member::Member;
+use crate::rack::step::{Begin, RackStep};
 
 /// Time between two steps of a pump in which the second one is planned and announced, in s.
 const PLANNING_S: f64 = 0.25;
 
 /// Times of one pump's part of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Timing {
+pub(in crate::rack) struct Timing {
     /// Time of the motion, in s.
-    pub(super) motion_s: f64,
+    pub(in crate::rack) motion_s: f64,
     /// Time in which the line settles, in s.
-    pub(super) settle_s: f64,
+    pub(in crate::rack) settle_s: f64,
     /// Planned volume, in mL. Negative in reverse.
-    pub(super) planned_ml: f64,
+    pub(in crate::rack) planned_ml: f64,
 }
 
 impl Timing {
@@ -26,11 +26,11 @@ impl Timing {
 
 /// Times of a rack.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Timetable {
+pub(in crate::rack) struct Timetable {
     /// Begin of each step, in s.
-    pub(super) begins_s: Vec<f64>,
+    pub(in crate::rack) begins_s: Vec<f64>,
     /// End of the last motion, in s.
-    pub(super) ends_s: f64,
+    pub(in crate::rack) ends_s: f64,
 }
 
 impl Timetable {
@@ -39,7 +39,7 @@ impl Timetable {
     /// # Errors
     ///
     /// [`RackError::TimeGoesBack`] and [`RackError::Overlap`].
-    pub(super) fn of(
+    pub(in crate::rack) fn of(
         steps: &[RackStep],
         members: &[Member],
         timings: &[Vec<Timing>],
