@@ -109,16 +109,16 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64
     let time_of = |speed_rpm: &f64| run_s.iter().find(|(rpm, _)| rpm == speed_rpm).map_or(0.0, |(_, s)| *s);
     let trial_s = if made == 0 { planned.speeds_rpm.get(all / 2).map_or(0.0, time_of) } else { 0.0 };
     let motion_s = trial_s + planned.speeds_rpm.iter().skip(made).map(time_of).sum::<f64>();
+    let pump = &bench.file().pump.id;
     let motor = match bench.board_port() {
-        Some(port) => format!("the motor at {}", port.display()),
-        None => "the simulated motor".to_owned(),
+        Some(port) => format!("the motor of {pump} at {}", port.display()),
+        None => format!("the simulated motor of {pump}"),
     };
     let time = format!("{motor} turns for {} in all, besides the weighing", lasting(motion_s));
-    let pump = &bench.file().pump.id;
     if made == 0 {
-        format!("{pump}: {all} runs of {each}, after one to try; {vessel}\n{time}\n")
+        format!("{all} runs of {each}, after one to try; {vessel}\n{time}\n")
     } else {
-        format!("{pump}: {made} of {all} runs of {each}, are on record; {vessel} of the others\n{time}\n")
+        format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n{time}\n")
     }
 }
 
