@@ -65,11 +65,10 @@ fn command(rest: &str, typed: &[(&str, String)], root: &Command) -> String {
         let Some(inner) = leaf.find_subcommand(word) else { break };
         leaf = inner;
     }
+    let takes = |option: &str| leaf.get_arguments().any(|arg| is_named(arg, option) && !arg.is_hide_set());
     let added: Vec<String> = typed
         .iter()
-        .filter(|(option, _)| {
-            !words.contains(option) && leaf.get_arguments().any(|arg| is_named(arg, option))
-        })
+        .filter(|(option, _)| !words.contains(option) && takes(option))
         .map(|(option, value)| format!("{option} {}", shell_word(value)))
         .collect();
     words.insert(0, "dose");
