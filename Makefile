@@ -30,8 +30,8 @@ faults:
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
 # All 10,000 random doses on heads whose flow reverses; `make test` draws 1000. Doses of 500 bought heads; `make test`
-# draws 40. Sittings of setup with 100 drawn pumps; `make test` plays 2. An hour of a slow dose by the node's firmware, 500 stops and 2,000 cuts of its link; `make node` makes 5
-# minutes, 30 and 200.
+# draws 40. Sittings of setup with 100 drawn pumps; `make test` plays 2. An hour of a slow dose by the node's firmware,
+# 500 stops and 2,000 cuts of its link; `make node` makes 5 minutes, 30 and 200.
 long: node-pico
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads

@@ -63,7 +63,7 @@ fn parse(words: Vec<OsString>) -> Result<Cli, Unparsed> {
     let command = if arranged.brief { help::brief(cli::command()) } else { cli::command() };
     let matches = command.try_get_matches_from(&arranged.words);
     let read = |matches: ArgMatches| {
-        told_commands::note(&matches);
+        told_commands::note(&matches, cli::command());
         Cli::from_arg_matches(&matches)
     };
     matches.and_then(read).map_err(|error| {

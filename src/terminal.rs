@@ -74,7 +74,7 @@ fn say_as_it_is(text: &str) {
 fn say_line(line: &str) {
     let width = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
     match width.filter(|_| io::stderr().is_terminal()) {
-        Some(width) => say(&wrapped(&completed(line), width)),
+        Some(width) => say_as_it_is(&wrapped(&completed(line), width)),
         None => say(line),
     }
 }
@@ -84,7 +84,7 @@ pub(crate) fn say_wrapped(line: &str) {
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
     match terminal.or_else(told) {
-        Some(width) => say(&wrapped(&completed(line), width)),
+        Some(width) => say_as_it_is(&wrapped(&completed(line), width)),
         None => say(line),
     }
 }

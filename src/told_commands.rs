@@ -8,19 +8,16 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Command};
 use pump_bench::config::Config;
 
-use crate::cli;
-use crate::refusals::is_named;
-
 /// Options that say which pump a command means and where its record is, by clap's ids.
 const OF_PLACES: [(&str, &str); 3] =
     [("pump", "--pump"), ("config", "--config"), ("state_dir", "--state-dir")];
 
-/// Options that were typed, with their values.
-static TYPED: OnceLock<Vec<(&'static str, String)>> = OnceLock::new();
+/// Options that were typed, with their values, and the definitions of all commands.
+static TYPED: OnceLock<(Vec<(&'static str, String)>, Command)> = OnceLock::new();
 
 /// Notes the options of the command line that the next command needs too. The pump that a command without `--pump`
 /// means anyway is left out.
-pub(crate) fn note(matches: &ArgMatches) {
+pub(crate) fn note(matches: &ArgMatches, root: Command) {
     let mut leaf = matches;
     while let Some((_, inner)) = leaf.subcommand() {
         leaf = inner;
@@ -29,20 +26,22 @@ pub(crate) fn note(matches: &ArgMatches) {
         let is_typed =
             leaf.ids().any(|known| known == id) && leaf.value_source(id) == Some(ValueSource::CommandLine);
         let mut values = leaf.try_get_raw(id).ok().flatten().filter(|_| is_typed)?;
-        Some((option, values.next()?.to_string_lossy().into_owned()))
+        Some((option, values.next()?.to_str()?.to_owned()))
     });
     let mut typed: Vec<_> = typed.collect();
     let config = typed.iter().find(|(option, _)| *option == "--config").map(|(_, path)| path.as_ref());
-    let usual = Config::of_user(config).map(|config| config.default_pump().to_owned());
-    typed.retain(|(option, value)| *option != "--pump" || usual.as_ref().ok() != Some(value));
-    let _ = TYPED.set(typed);
+    let of_environment = std::env::var("DOSE_PUMP").ok().filter(|pump| !pump.is_empty());
+    let of_config = || Some(Config::of_user(config).ok()?.default_pump().to_owned());
+    let usual = of_environment.or_else(of_config);
+    typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
+    let _ = TYPED.set((typed, root));
 }
 
 /// Completes the commands of a text, which stand between back quotes.
 pub(crate) fn completed(text: &str) -> Cow<'_, str> {
     match TYPED.get() {
-        Some(typed) if !typed.is_empty() && text.contains("`dose ") => {
-            Cow::Owned(completed_with(text, typed, &cli::command()))
+        Some((typed, root)) if !typed.is_empty() && text.contains("`dose ") => {
+            Cow::Owned(completed_with(text, typed, root))
         }
         _ => Cow::Borrowed(text),
     }
@@ -59,21 +58,19 @@ fn completed_with(text: &str, typed: &[(&str, String)], root: &Command) -> Strin
 
 /// Completes a command by the options that it takes.
 fn command(rest: &str, typed: &[(&str, String)], root: &Command) -> String {
+    let words: Vec<&str> = rest.split_whitespace().collect();
     let mut leaf = root;
-    let mut words: Vec<&str> = rest.split_whitespace().collect();
     for word in &words {
         let Some(inner) = leaf.find_subcommand(word) else { break };
         leaf = inner;
     }
-    let takes = |option: &str| leaf.get_arguments().any(|arg| is_named(arg, option) && !arg.is_hide_set());
-    let added: Vec<String> = typed
-        .iter()
-        .filter(|(option, _)| !words.contains(option) && takes(option))
-        .map(|(option, value)| format!("{option} {}", shell_word(value)))
-        .collect();
-    words.insert(0, "dose");
-    words.extend(added.iter().map(String::as_str));
-    words.join(" ")
+    let takes = |option: &str| {
+        let long = option.strip_prefix("--");
+        leaf.get_arguments().any(|arg| arg.get_long() == long && !arg.is_hide_set())
+    };
+    let missing = typed.iter().filter(|(option, _)| !words.contains(option) && takes(option));
+    let added: String = missing.map(|(option, value)| format!(" {option} {}", shell_word(value))).collect();
+    format!("dose {rest}{added}")
 }
 
 /// A word as the shell reads it again.
@@ -88,12 +85,25 @@ pub(crate) fn shell_word(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use clap::Arg;
+
     use super::*;
+
+    /// Commands of which some mean a pump.
+    fn definitions() -> Command {
+        let of_pump = |command: Command| {
+            let state_dir = Arg::new("state_dir").long("state-dir");
+            command.arg(Arg::new("pump").long("pump")).arg(state_dir)
+        };
+        let calibrate = Command::new("calibrate").subcommand(of_pump(Command::new("use")));
+        let resume = of_pump(Command::new("resume"));
+        of_pump(Command::new("dose")).subcommands([calibrate, resume, Command::new("pumps")])
+    }
 
     #[test]
     fn commands_mean_the_pump_and_the_record_that_were_typed() {
         let typed = [("--pump", "my acid.toml".to_owned()), ("--state-dir", "/srv/state".to_owned())];
-        let told = |text: &str| completed_with(text, &typed, &cli::command());
+        let told = |text: &str| completed_with(text, &typed, &definitions());
         let places = "--pump 'my acid.toml' --state-dir /srv/state";
         assert_eq!(
             told("finish it with `dose resume`, or"),
@@ -104,6 +114,7 @@ mod tests {
             format!("`dose calibrate use none {places}` goes")
         );
         assert_eq!(told("`dose 5mL --pump base`"), "`dose 5mL --pump base --state-dir /srv/state`");
+        assert_eq!(told("`dose home  --mark 'a  b'`"), format!("`dose home  --mark 'a  b' {places}`"));
         // Some commands mean no pump, and what is no command stays.
         assert_eq!(told("`dose pumps list`, `acid`, dose resume"), "`dose pumps list`, `acid`, dose resume");
     }

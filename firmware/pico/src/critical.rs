@@ -1,7 +1,7 @@
 //! The critical sections of the thread: those of the axes, and those of the USB port.
 //!
 //! Where the alarm of the steps is near, its interrupt comes first. So no step waits for a section that is shorter than
-//! the time that is kept clear before the alarm.
+//! the time that is kept clear before the alarm, unless steps leave no such time for [`PATIENCE`].
 #![allow(unsafe_code)]
 
 use cortex_m::asm;

@@ -42,7 +42,11 @@ impl CheckArgs {
         let origin = path.display().to_string();
         let file = PumpFile::read(&path).map_err(Failure::of)?;
         file.check_port(&origin).map_err(Failure::of)?;
-        let bench = Bench::new(file, None, &self.record.folder(&config)?)?;
+        // Where no place for records is known there are no calibrations either.
+        let Ok(folder) = self.record.folder(&config) else {
+            return tell(&pump_check(&file, None).map_err(Failure::of)?);
+        };
+        let bench = Bench::new(file, None, &folder)?;
         let used = bench.calibrations().active().map_err(Failure::of)?;
         tell(&pump_check(bench.file(), used.as_ref()).map_err(Failure::of)?)
     }

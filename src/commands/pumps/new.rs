@@ -22,6 +22,7 @@ use crate::options::files::Files;
 use crate::options::pump::{ConfigOption, ForeignRecord};
 use crate::outputs::Outputs;
 use crate::terminal::{print, tell, warn};
+use crate::told_commands::shell_word;
 
 /// The dimensions that a drawing tells.
 #[derive(Debug, Args)]
@@ -228,5 +229,6 @@ pub(super) fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
     Staged::new(path, |file| file.write_all(text.as_bytes()))
         .and_then(Staged::put)
         .map_err(|error| Failure::unwritten(path, &error))?;
-    tell(&format!("{shown} is written; `dose pumps check {shown}` says what it gives\n"))
+    let word = shell_word(&shown.to_string());
+    tell(&format!("{shown} is written; `dose pumps check {word}` says what it gives\n"))
 }

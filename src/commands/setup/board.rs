@@ -111,7 +111,7 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
 }
 
 /// Asks the board of a script for its axes, so that no file is written for an axis that it lacks. A board that does not
-/// answer is told of where it is to move.
+/// answer is refused later, before it moves.
 pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
     let Answers { driver, port: Some(port), axis: Some(axis), .. } = &course.answers else { return Ok(()) };
     if *driver == Some(DriverName::Sim) {
@@ -125,7 +125,11 @@ pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
     if axes.is_empty() || axes.contains(&axis) {
         return Ok(());
     }
-    let refused = format!("the board at {} has {}, and not {axis}", port.display(), in_words(axes));
+    let refused = format!(
+        "the board at {} has {}, and not {axis}; name one that it has with --axis <AXIS>",
+        port.display(),
+        in_words(axes)
+    );
     Err(Failure::refused(refused).value(axis).allowed(in_words(axes)).into())
 }
 

@@ -131,7 +131,9 @@ impl Course {
 
     /// The bench of the pump file that was written.
     pub(super) fn bench(&self) -> Result<Bench, Failure> {
-        let file = PumpFile::read(&self.folder.pump_file(&self.answers.name)).map_err(Failure::of)?;
+        let mut file = PumpFile::read(&self.folder.pump_file(&self.answers.name)).map_err(Failure::of)?;
+        // The course watches which way the motor turns.
+        file.motor.direction_confirmed = None;
         self.bench_of(file)
     }
 

@@ -251,7 +251,7 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
         ));
         if last.done.written.is_some() && !course.folder.is_of_answers(last) {
             tell_person(&format!(
-                "Its pump file was changed since; what was changed there is not among the answers: {}",
+                "Its pump file says something else by now, or is gone; that is not among the answers: {}",
                 course.folder.pump_file(&last.name).display()
             ));
         }

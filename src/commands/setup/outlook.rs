@@ -50,7 +50,8 @@ fn line(outlook: &Outlook) -> String {
     let decimals = (1.0 - outlook.expanded_ml.log10().floor()).clamp(0.0, 6.0) as usize;
     let percent = 100.0 * outlook.expanded_ml / outlook.volume_ml;
     format!(
-        "  a dose of {} mL lies between {:.decimals$} and {:.decimals$} mL in 95 % of cases (± {percent:.1} % in all)\n",
+        "  a dose of {} mL lies between {:.decimals$} and {:.decimals$} mL in 95 % of cases (± {percent:.1} % in \
+         all)\n",
         rounded(outlook.volume_ml),
         outlook.least_ml,
         outlook.most_ml,

@@ -45,6 +45,8 @@ struct Played {
     doses: Vec<RackDose>,
     warnings: Vec<Notice>,
     error: Option<DoseError>,
+    /// Error of a part that did not begin because another axis of its board did not.
+    followed: Option<DoseError>,
 }
 
 /// Thread of a pump.
@@ -163,8 +165,12 @@ impl Rack {
     fn reported(&self, played: Vec<Played>, timetable: &Timetable, stop: &SharedStop) -> RackReport {
         let mut faults = Vec::new();
         let mut rows = Vec::new();
+        // An error that followed from another one is told where nobody knows the other.
+        let is_unexplained = matches!(stop.cause(), Some(Stop::Fault(_)))
+            && played.iter().all(|played| played.error.is_none());
         for (pump, (member, played)) in self.members().iter().zip(played).enumerate() {
-            let Played { doses, warnings, error } = played;
+            let Played { doses, warnings, error, followed } = played;
+            let error = error.or(followed.filter(|_| is_unexplained));
             let (steps, requested_ml) = (self.parts(pump).count(), self.requested_ml(pump));
             let mut row = RackPumpReport::of(member, steps, requested_ml, doses);
             row.warnings.splice(0..0, warnings);
@@ -174,7 +180,7 @@ impl Rack {
         }
         let end = match stop.cause() {
             _ if !faults.is_empty() => RackEnd::Fault,
-            Some(_) if rows.iter().any(|row| !row.completed) => RackEnd::Stopped,
+            _ if rows.iter().any(|row| !row.completed) => RackEnd::Stopped,
             _ => RackEnd::Completed,
         };
         let first = stop.cause().and_then(|cause| match cause {
@@ -269,7 +275,14 @@ impl Player<'_> {
                     }
                 }
                 Ok(None) => return,
-                Err(error) if error.is_stop() || error.is_of_another_axis() => return,
+                Err(error) if error.is_stop() => return,
+                Err(error) if error.is_of_another_axis() => {
+                    if self.stop.cause().is_none() {
+                        self.stop.make(Stop::Fault(self.pump));
+                    }
+                    played.followed = Some(error);
+                    return;
+                }
                 Err(error) => {
                     self.stop.make(Stop::Fault(self.pump));
                     played.warnings.append(&mut session.notes());

@@ -1,4 +1,4 @@
-//! Claims of two pumps of a rack on one thing: a record, an axis, or a board that moves its axes one at a time.
+//! Claims of two pumps of a rack on one thing: a record, an axis, or a board that starts all its axes as one.
 
 use super::error::RackError;
 use super::member::Member;
@@ -6,7 +6,7 @@ use crate::bench::Bench;
 use crate::files::is_one_file;
 use crate::pump_file::DriverName;
 
-/// Refuses the first two pumps that share a record, an axis or a board.
+/// Refuses the first two pumps that share a record, an axis, or a board other than a node.
 pub(super) fn check(members: &[Member]) -> Result<(), RackError> {
     for (number, member) in members.iter().enumerate() {
         for other in &members[..number] {
@@ -40,15 +40,13 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
             "name the axis of each pump in its [drive]",
         ));
     }
-    if driver == DriverName::Grbl {
-        let shared =
-            format!("are axes of one grbl board, at {port}, which starts and stops all its axes as one");
-        return Some((
-            shared,
+    match driver {
+        DriverName::Grbl => Some((
+            format!("are axes of one grbl board, at {port}, which starts and stops all its axes as one"),
             "give each pump a board of its own, or the axes of a node (driver = \"node\")",
-        ));
+        )),
+        DriverName::Node | DriverName::Sim => None,
     }
-    None
 }
 
 /// Returns true if boards at one port turn both pumps. No board turns a simulated pump.

@@ -39,6 +39,7 @@ pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, Disp
         ("unsure", uncertainty_text(file)),
     ];
     let calibration = used.map(|used| ("weighed", calibration_text(&pump, used)));
+    let used = used.filter(|used| suits(used, &pump));
     let lines = lines
         .into_iter()
         .chain(calibration)
@@ -56,9 +57,19 @@ fn catalogue_line(file: &PumpFile) -> Option<String> {
     Some(format!("  {:<9} {maker} {head}, {tubing}: {published} ({})\n", "catalogue", row.source.kind))
 }
 
+/// True if doses of this pump may use a calibration. A zero alone suits any pump.
+fn suits(used: &Stored, base: &Pump) -> bool {
+    let Stored { calibration, .. } = used;
+    used.is_of(base) || calibration.displacement.is_none() && calibration.pulse.is_none()
+}
+
 /// The calibration that doses use, and its factor on the volume of the file.
 fn calibration_text(base: &Pump, used: &Stored) -> String {
     let Stored { version, calibration } = used;
+    if !suits(used, base) {
+        let then_ml = significant(calibration.revolution_ml, 5);
+        return format!("calibration {version} is of a pump of {then_ml} mL per revolution: doses refuse it");
+    }
     let factor = calibration.displacement.as_ref().and_then(|found| {
         let rpm = found.reference_rpm;
         Some((rpm, found.factor_at(base, rpm).ok()?, found.whole_standard_at(base, rpm).ok()?))

@@ -8,7 +8,9 @@ use super::error::SetupError;
 use crate::catalogue::{BoughtPump, CataloguedPump, DrawnPump, MotorSteps, StatedMotor};
 use crate::heads::{BoughtHead, bought_head, nearest_heads};
 use crate::notice::Wording;
-use crate::pump_file::{AmbientTable, DriveTable, HeadTable, PumpFile, Reservoir, RollerVolumeTable};
+use crate::pump_file::{
+    AmbientTable, DriveTable, DriverName, HeadTable, PumpFile, Reservoir, RollerVolumeTable,
+};
 
 /// Full steps per revolution of a usual stepper motor, of 1.8 deg each.
 pub const USUAL_FULL_STEPS: u32 = 200;
@@ -123,14 +125,16 @@ impl Answers {
         // A person has said the steps, or has seen those of the file.
         if self.motor().is_some() || file.motor.confirmed != Some(false) {
             file.motor.confirmed = Some(true);
-            // Somebody watches which way it turns before it doses.
-            file.motor.direction_confirmed = None;
         }
         if let Some(most_rpm) = self.max_speed_rpm {
             // A slower motor has a slower usual rate.
             file.pump.default_rate_ml_s *= (most_rpm / file.motor.max_speed_rpm).min(1.0);
             file.motor.max_speed_rpm = most_rpm;
         }
+        // A real motor that nobody has watched may turn either way.
+        let is_real = self.driver.is_some_and(|driver| driver != DriverName::Sim);
+        let is_unseen = is_real && self.invert.is_none() && !self.done.directed;
+        file.motor.direction_confirmed = is_unseen.then_some(false);
         if let Some(driver) = self.driver {
             let mut drive = file.drive.clone().filter(|drive| drive.driver == driver);
             let table = drive.get_or_insert_with(|| DriveTable::of(driver));

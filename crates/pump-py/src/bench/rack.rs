@@ -30,7 +30,7 @@ type Progress = Arc<Mutex<BTreeMap<String, (usize, u64, u64)>>>;
 pub(crate) struct Rack {
     rack: DoseRack,
     /// Stop of the run under way.
-    running: Mutex<Arc<AtomicBool>>,
+    running: Mutex<Option<Arc<AtomicBool>>>,
 }
 
 #[pymethods]
@@ -97,9 +97,37 @@ impl Rack {
 
     /// Runs the rack. Returns the JSON of the command. A fault has it as `_rack`.
     fn run(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
-        let (stop, told) = (Arc::new(AtomicBool::new(false)), Progress::default());
-        *self.running.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&stop);
-        let (asked, noted) = (Arc::clone(&stop), Arc::clone(&told));
+        let stop = Arc::new(AtomicBool::new(false));
+        {
+            let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+            if running.is_some() {
+                return Err(PumpError::new_err("this rack runs already, in another thread; nothing moved"));
+            }
+            *running = Some(Arc::clone(&stop));
+        }
+        let ended = self.run_until(py, &stop, progress);
+        *self.running.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        ended
+    }
+
+    /// Has every motor of the run under way decelerate and hold.
+    fn stop(&self) {
+        if let Some(stop) = &*self.running.lock().unwrap_or_else(PoisonError::into_inner) {
+            stop.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Rack {
+    /// Runs the rack in a thread, while this one hears signals and tells the progress.
+    fn run_until(
+        &self,
+        py: Python<'_>,
+        stop: &Arc<AtomicBool>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let told = Progress::default();
+        let (asked, noted) = (Arc::clone(stop), Arc::clone(&told));
         let rack = self.rack.clone().stopping_on(StopRequest::new(move || asked.load(Ordering::Relaxed)));
         let (sender, mut ended) = channel();
         let run = move || {
@@ -144,11 +172,6 @@ impl Rack {
                 Err(error)
             }
         }
-    }
-
-    /// Has every motor of the run under way decelerate and hold.
-    fn stop(&self) {
-        self.running.lock().unwrap_or_else(PoisonError::into_inner).store(true, Ordering::Relaxed);
     }
 }
 
@@ -201,6 +224,7 @@ fn raised(py: Python<'_>, error: RackError) -> PyErr {
         RackError::Read { path, source } if source.raw_os_error().is_some() => errors::file(&path, &source),
         RackError::Pump { source, .. } => errors::within(place, errors::config(*source)),
         RackError::Dose { source, .. } => errors::within(place, errors::dose(py, *source)),
+        RackError::Stopped => PumpError::new_err("the rack was stopped before it began; nothing moved"),
         error => value(advice::told(&error)),
     }
 }

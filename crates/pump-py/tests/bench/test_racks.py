@@ -54,10 +54,12 @@ def test_a_rack_of_a_file_finds_its_pumps_beside_it(tmp_path: Path) -> None:
 def test_a_stop_or_an_exception_stops_every_pump_and_each_rest_is_on_record(tmp_path: Path) -> None:
     slow = MIX.replace('rate = "6mL/s"', 'rate = "1mL/s"')
     rack = pm.Rack.parse(slow, pace="real", state_dir=tmp_path)
-    timer = threading.Timer(1.5, rack.stop)
-    timer.start()
-    report = rack.run()
-    timer.join()
+
+    def stops(pump: str, step: int, made: int, steps: int) -> None:
+        if made > 0:
+            threading.Thread(target=rack.stop).start()
+
+    report = rack.run(progress=stops)
     assert (report.end, report.completed) == ("stopped", False)
     assert 0 < report.total.delivered_ml < 6
     with pytest.raises(pm.UnfinishedError, match="pump `"):

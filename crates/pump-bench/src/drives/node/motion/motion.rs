@@ -151,8 +151,12 @@ impl<'a> Motion<'a> {
 
     /// Ends a move from rest to rest. Returns the end of the motion if it is one.
     fn end_move(&mut self, end: End) -> Option<Result<Made, Fault>> {
-        if let Some(error) = self.failed.take() {
-            return Some(Err(self.exactly(error)));
+        let has_cause = matches!(end, End::DeadMan | End::Late | End::Driver | End::Estop);
+        match self.failed.take() {
+            // The axes that were to begin together did not, and the board says why this one could not.
+            Some(NodeError::Common(_)) if has_cause => {}
+            Some(error) => return Some(Err(self.exactly(error))),
+            None => {}
         }
         match end {
             End::Complete => None,
