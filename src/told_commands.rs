@@ -59,14 +59,19 @@ fn completed_with(text: &str, typed: &[(&str, String)], root: &Command) -> Strin
 /// Completes a command by the options that it takes.
 fn command(rest: &str, typed: &[(&str, String)], root: &Command) -> String {
     let words: Vec<&str> = rest.split_whitespace().collect();
-    let mut leaf = root;
+    let mut path: Vec<&Command> = Vec::new();
     for word in &words {
-        let Some(inner) = leaf.find_subcommand(word) else { break };
-        leaf = inner;
+        let Some(inner) = path.last().unwrap_or(&root).find_subcommand(word) else { break };
+        path.push(inner);
     }
+    let path = if path.is_empty() { vec![root] } else { path };
+    // The help of a subcommand hides what that of its command shows.
     let takes = |option: &str| {
         let long = option.strip_prefix("--");
-        leaf.get_arguments().any(|arg| arg.get_long() == long && !arg.is_hide_set())
+        let lists = |command: &&Command, is_shown: bool| {
+            command.get_arguments().any(|arg| arg.get_long() == long && (!is_shown || !arg.is_hide_set()))
+        };
+        path.last().is_some_and(|leaf| lists(leaf, false)) && path.iter().any(|command| lists(command, true))
     };
     let missing = typed.iter().filter(|(option, _)| !words.contains(option) && takes(option));
     let added: String = missing.map(|(option, value)| format!(" {option} {}", shell_word(value))).collect();

@@ -9,7 +9,7 @@ use crate::simulated_node::SimulatedNode;
 use crate::truth::TruePump;
 
 /// Options that set a pump up without a question or a motion.
-const OPTIONS: [&str; 14] = [
+const OPTIONS: [&str; 16] = [
     "--ml-per-rev",
     "0.5mL",
     "--rollers",
@@ -22,6 +22,8 @@ const OPTIONS: [&str; 14] = [
     "node",
     "--rate",
     "0.6mL/s",
+    "--direction",
+    "forward",
     "--no-motion",
     "--yes",
 ];
@@ -97,6 +99,10 @@ fn a_pump_at_a_node_gets_from_nothing_to_a_calibrated_dose() {
     assert!(!state.to_string().contains("was reset"), "{state}");
     let refused = desk.types(&["setup", "lime", "--like", "acid", "--axis", "B", "--no-motion", "--yes"]);
     assert_eq!(refused.code, 0, "{}", refused.err);
+    let unseen = desk.types(&["0.2mL", "--pump", "lime"]);
+    assert!(unseen.code == 2 && unseen.err.contains("forward as axis B counts up"), "{}", unseen.err);
+    let said = ["setup", "lime", "--direction", "forward", "--no-motion", "--yes"];
+    assert_eq!(desk.types(&said).code, 0);
     let missing = desk.types(&["0.2mL", "--pump", "lime"]);
     assert!(
         missing.code != 0 && missing.err.contains("its axes 0 to 3 are X, Y, Z and A"),

@@ -65,7 +65,13 @@ fn what_is_unusual_is_said_before_the_file_is_written_and_by_the_check() {
 #[test]
 fn a_new_file_of_the_catalogue_warns_of_what_its_owner_said() {
     let desk = Desk::new();
-    let new = ["pumps", "new", "--head", "kamoer-kphm400-25", "--microsteps", "15", "--rollers", "40"];
+    let refused = desk.types(&["pumps", "new", "--head", "kamoer-kphm400-25", "--rollers", "40", "no.toml"]);
+    assert!(
+        refused.code == 2 && refused.err.contains("has 3 rollers by its document, and 40"),
+        "{}",
+        refused.err
+    );
+    let new = ["pumps", "new", "--head", "masterflex-ls-16", "--microsteps", "15", "--rollers", "40"];
     let told = desk.types(&[&new[..], &["odd.toml"]].concat());
     assert_eq!(told.code, 0, "{}", told.err);
     for warning in
@@ -81,13 +87,13 @@ fn a_new_file_of_the_catalogue_warns_of_what_its_owner_said() {
     assert_eq!(desk.types(&["pumps", "check", "again.toml"]).code, 0);
     // A bore that its owner states beside the catalogue's volume.
     let text = fs::read_to_string(desk.path("odd.toml")).unwrap();
-    let name = "catalogue = \"kamoer-kphm400-25\"\n";
+    let name = "catalogue = \"masterflex-ls-16\"\n";
     assert!(text.contains(name), "{text}");
     fs::write(desk.path("odd.toml"), text.replace(name, &format!("{name}tube_bore_mm = 48.0\n"))).unwrap();
     let refused = desk.types(&["pumps", "check", "odd.toml"]);
     assert!(
         refused.code == 2
-            && refused.err.contains("[head] ml_per_rev is 1 beside tube_bore_mm = 48; allowed: 91 to"),
+            && refused.err.contains("[head] ml_per_rev is 0.8 beside tube_bore_mm = 48; allowed: 91 to"),
         "{}",
         refused.err
     );
