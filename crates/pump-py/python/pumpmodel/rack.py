@@ -259,8 +259,8 @@ class Rack:
         Raises
         ------
         PumpError
-            If a pump refuses its part, or `stop` came before the first motor began; nothing has moved then. If
-            a motor fails on the way, the error has the report as `report`.
+            If a pump refuses its part, or `stop` came before the first motor began; nothing has moved then.
+            If a motor fails on the way, the error has the report as `report`.
         ValueError
             If a step begins before its pump is done with another.
         """

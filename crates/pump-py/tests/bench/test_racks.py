@@ -84,7 +84,7 @@ def test_a_rack_that_cannot_run_is_refused_by_the_pump_or_the_value(tmp_path: Pa
     with pytest.raises(ValueError, match="pace"):
         pm.Rack.parse(MIX, pace="slow", state_dir=tmp_path)  # type: ignore[arg-type]
     fast = pm.Rack.parse(MIX.replace('rate = "6mL/s"', 'rate = "600mL/s"'), state_dir=tmp_path)
-    with pytest.raises(pm.PlanError, match="pump `(acid|base)` of the rack"):
+    with pytest.raises(pm.PlanError, match=r"pump `(acid|base)` of the rack"):
         fast.run()
     with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
         assert not bench.status().recorded
