@@ -13,7 +13,7 @@ fn a_rotor_that_was_turned_by_hand_is_named_as_the_cause_and_an_unknown_angle_me
         assert_eq!(ended.code, Some(1), "{ended:?}");
         assert!(
             ended.err.contains("if the rotor was turned by hand")
-                && ended.err.contains("`dose home --unknown`"),
+                && ended.err.contains("`dose home --unknown --pump pump.toml`"),
             "{}",
             ended.err
         );

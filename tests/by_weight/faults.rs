@@ -46,7 +46,7 @@ fn a_balance_that_fails_in_motion_stops_the_motor_and_leaves_the_dose_on_record(
         }
         let text = rig.types(&["status"]).out;
         assert!(text.contains("by weight (14 g)") && text.contains("delivered by the model"), "{text}");
-        assert!(text.contains("`dose resume` makes the rest by volume"), "{text}");
+        assert!(text.contains("`dose resume --pump pump.toml` makes the rest by volume"), "{text}");
         // No dose is made over it. Once it is accepted, the board doses on as it did.
         assert_eq!(rig.types(&["1mL"]).code, Some(4));
         assert_eq!(rig.types(&["discard"]).code, Some(0));

@@ -60,7 +60,7 @@ fn a_fault_of_the_balance_that_is_mended_leaves_a_dose_to_be_finished_by_weight(
         let rig = Rig::new(Speech::MtSics, failing(Defect::Overload, 1.5));
         assert_eq!(rig.types(&rig.by_weight(&["6g", "--rate", "1.5mL/s"])).code, Some(1));
         let text = rig.types(&["status"]).out;
-        assert!(text.contains("`dose resume --until-scale` goes on"), "{text}");
+        assert!(text.contains("`dose resume --until-scale --pump pump.toml` goes on"), "{text}");
         rig.balance.vessel().truth.defect = Defect::None;
         let ended = rig.types(&resume_by_weight(&rig));
         assert_eq!(ended.code, Some(0), "{ended:?}");
