@@ -13,7 +13,11 @@ fn ctrl_c_decelerates_and_the_status_says_that_the_dose_was_by_weight() {
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
         let ended: Ended = child.wait_with_output().unwrap().into();
         assert_eq!(ended.code, Some(130), "{ended:?}");
-        assert!(ended.err.contains("`dose resume --pump pump.toml` makes the rest by volume"), "{}", ended.err);
+        assert!(
+            ended.err.contains("`dose resume --pump pump.toml` makes the rest by volume"),
+            "{}",
+            ended.err
+        );
         assert!(ended.out.contains("then stopped") && ended.out.contains(" g of 8.000 g"), "{}", ended.out);
         let modelled_ml = rig.balance.vessel().modelled_ml(rig.steps());
         // The last reading in motion lacks what still arrives, so the model tells the volume.
