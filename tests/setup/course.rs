@@ -124,7 +124,6 @@ fn doses_after_a_sitting_with_a_drawn_pump_lie_in_their_intervals() {
             inside += u32::from(off_ml <= number("expanded_uncertainty_ml"));
         }
     }
-    println!("{inside} of {doses} doses lie in their intervals");
     assert!(100 * inside >= 93 * doses, "{inside} of {doses}");
 }
 
