@@ -91,7 +91,7 @@ fn drawn(random: &mut Random) -> TruePump {
         let phi_deg = prior.engagement_deg * (WIDER * prior.engagement_spread * normal(random)).exp();
         let fullness = prior.fullness + WIDER * prior.fullness_standard * normal(random);
         let share = fullness * phi_deg / pitch_deg;
-        // What geometry rules out is drawn again: crates/pump-bench/tests/books/bought_heads.rs says why.
+        // A pulse that geometry rules out is drawn again: crates/pump-bench/tests/books/bought_heads.rs says why.
         let fits = 2.0 * phi_deg + pitch_deg <= 360.0 && (1e-3..=2.0 / 3.0).contains(&fullness);
         if fits && share <= 2.0 / 3.0 {
             break (share, phi_deg);

@@ -121,7 +121,7 @@ fn answers_that_were_changed_in_the_pump_file_are_suggested_no_more() {
     file_alone(&desk, "acid", &["--altitude", "1200m"]);
     let path = desk.path("config/pump-dose/pumps/acid.toml");
     let text = fs::read_to_string(&path).unwrap();
-    // What no question asks for may differ.
+    // Values that no question asks for may differ.
     fs::write(&path, format!("{text}\n[safety]\nmax_ml_per_day = 50.0\n")).unwrap();
     let base = ["setup", "base", "--no-motion", "--yes"];
     let suggested = desk.types(&[&base[..], &["--driver", "sim"]].concat());
