@@ -82,7 +82,7 @@ fn readings_of_a_guided_calibration_stay_on_record_and_it_can_be_continued() {
         (&["calibrate", "run", "--continue", "--speeds", "30rpm"], "has other runs than these"),
         (
             &["calibrate", "run", "--continue", "--fluid", "ethanol"],
-            "for water at 25 °C, and now it is ethanol",
+            "now it is ethanol at 25 °C; add --fluid water --temperature 25degC, or give the readings up",
         ),
         (&["calibrate", "run", "--continue", "--pump", "three-roller-as-built"], "nothing to go on with"),
     ] {

@@ -135,3 +135,52 @@ fn the_zero_that_short_doses_show_corrects_the_doses() {
     assert!((number(&there, "steps") - number(&corrected, "steps")).abs() <= 2.0);
     assert!((number(&corrected, "delivered_ml") - 1.0).abs() < 2e-3);
 }
+
+#[test]
+fn the_check_of_a_weighed_pump_says_what_was_measured_and_by_how_much() {
+    let user = User::new();
+    let bought =
+        ["pumps", "new", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "bought.toml"];
+    assert_eq!(user.types(&bought).code, 0);
+    let check = ["pumps", "check", "bought.toml"];
+    let unweighed = user.types(&check).out;
+    assert!(
+        unweighed.contains("given     volume of a revolution") && !unweighed.contains("weighed"),
+        "{unweighed}"
+    );
+    let runs = "speed_rpm,revolutions,volume_ml\n60,100,52\n60,100,52.1\n120,100,52\n120,100,52.1\n";
+    fs::write(user.path("runs.csv"), runs).unwrap();
+    let made = user.types(&["calibrate", "run", "--from", "runs.csv", "--pump", "bought.toml"]);
+    assert_eq!(made.code, 0, "{}", made.err);
+    let weighed = user.types(&check).out;
+    assert!(weighed.contains("  weighed   model volume times 1.04"), "{weighed}");
+    assert!(
+        weighed.contains("by calibration 1 of ") && weighed.contains("measured  volume of a revolution"),
+        "{weighed}"
+    );
+    // A pump of another volume is none that was weighed.
+    let text = fs::read_to_string(user.path("bought.toml")).unwrap();
+    fs::write(user.path("bought.toml"), text.replace("ml_per_rev = 0.5", "ml_per_rev = 0.7")).unwrap();
+    let other = user.types(&check).out;
+    assert!(
+        other.contains("calibration 1 is of a pump of 0.5 mL per revolution: doses refuse it"),
+        "{other}"
+    );
+    assert!(other.contains("given     volume of a revolution"), "{other}");
+}
+
+#[test]
+fn rollers_that_overlap_are_warned_of_by_simulations_and_sizings_too() {
+    let user = User::new();
+    let eight = user.types(&["pumps", "show", "three-roller"]).out.replace("count = 3", "count = 8");
+    fs::write(user.path("eight.toml"), eight).unwrap();
+    let of_pump = |words: &[&str]| user.types(&[words, &["--pump", "eight.toml"]].concat());
+    let hoses = ["--inlet-hose", "6x10mm,1m", "--outlet-hose", "6x10mm,1m"];
+    for words in [
+        &["simulate", "--speed", "30rpm", "--duration", "1s"][..],
+        &[&["size", "--flow", "20L/h"][..], &hoses].concat(),
+    ] {
+        let said = of_pump(words);
+        assert!((said.out.clone() + &said.err).contains("overlap"), "{words:?}: {}{}", said.out, said.err);
+    }
+}
