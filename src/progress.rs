@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use pump_bench::Prepared;
 use pump_bench::dosing::RunEnd;
 
@@ -13,17 +13,23 @@ pub(crate) struct MotionBar {
     bar: ProgressBar,
     /// Volume of the whole motion, in mL.
     whole_ml: f64,
+    /// Time of the whole motion by its plan, in s; `None` if a balance ends it, at a time that nobody knows.
+    whole_s: Option<f64>,
+    steps: u64,
 }
 
 impl MotionBar {
-    /// The bar of a motion of `steps` and `whole_ml`. A program that reads the report wants none.
-    pub(crate) fn new(steps: u64, whole_ml: f64, json: bool) -> Self {
+    /// The bar of a motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads the report
+    /// wants none.
+    pub(crate) fn new(steps: u64, whole_ml: f64, whole_s: Option<f64>, json: bool) -> Self {
         if json {
-            return Self { bar: ProgressBar::hidden(), whole_ml };
+            return Self { bar: ProgressBar::hidden(), whole_ml, whole_s, steps };
         }
-        let style = ProgressStyle::with_template("{bar:40} {msg}, {eta} left");
+        let style = ProgressStyle::with_template("{bar:40} {msg}");
         let bar = ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { bar, whole_ml }
+        let bar = Self { bar, whole_ml, whole_s, steps };
+        bar.made(0, || 0.0);
+        bar
     }
 
     /// The bar of a prepared dose, or a sign that turns for a run without an end.
@@ -31,9 +37,13 @@ impl MotionBar {
         let whole_ml = prepared.plan.planned_ml();
         match prepared.request.end {
             RunEnd::Stop if !json => {
-                Self { bar: waiting("running until stopped by Ctrl-C"), whole_ml: f64::INFINITY }
+                let bar = waiting("running until stopped by Ctrl-C");
+                Self { bar, whole_ml: f64::INFINITY, whole_s: None, steps: 0 }
             }
-            _ => Self::new(prepared.plan.steps().unsigned_abs(), whole_ml, json),
+            _ => {
+                let whole_s = Some(prepared.plan.profile().duration_s());
+                Self::new(prepared.plan.steps().unsigned_abs(), whole_ml, whole_s, json)
+            }
         }
     }
 
@@ -41,7 +51,9 @@ impl MotionBar {
     pub(crate) fn made(&self, steps: u64, delivered_ml: impl FnOnce() -> f64) {
         self.bar.set_position(steps);
         if !self.bar.is_hidden() {
-            self.bar.set_message(shown(delivered_ml(), self.whole_ml));
+            let volume = shown(delivered_ml(), self.whole_ml);
+            let left = self.whole_s.map_or(String::new(), |whole_s| time_left(steps, self.steps, whole_s));
+            self.bar.set_message(format!("{volume}{left}"));
         }
     }
 
@@ -61,6 +73,13 @@ fn shown(delivered_ml: f64, whole_ml: f64) -> String {
     format!("{delivered_ml:.decimals$} of {whole_ml:.decimals$} mL")
 }
 
+/// The time that is left of a motion that takes `whole_s` for all of its steps.
+fn time_left(made: u64, steps: u64, whole_s: f64) -> String {
+    let part = made as f64 / steps.max(1) as f64;
+    let left_s = (whole_s * (1.0 - part)).max(0.0);
+    format!(", {} left", HumanDuration(Duration::from_secs_f64(left_s.ceil())))
+}
+
 /// The time to the next dose of a batch, as `next dose in 7:12 (3 of 10)`.
 pub(crate) fn until_next(left: Duration, number: u64, count: u64) -> String {
     // The last second is shown until it has passed.
@@ -77,6 +96,13 @@ pub(crate) fn until_next(left: Duration, number: u64, count: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_time_left_is_that_of_the_plan_from_the_start() {
+        assert_eq!(time_left(0, 3200, 23.815), ", 24 seconds left");
+        assert_eq!(time_left(1600, 3200, 23.815), ", 12 seconds left");
+        assert_eq!(time_left(3200, 3200, 23.815), ", 0 seconds left");
+    }
 
     #[test]
     fn a_wait_counts_down_to_the_second() {

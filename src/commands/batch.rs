@@ -45,7 +45,7 @@ pub(super) fn run(
 ) -> Result<(), Failure> {
     let (json, verbose) = (options.format.json(), options.verbose.verbose);
     let said = Said { json, verbose, asked: Some(typed) };
-    let (count, assumed) = (schedule.count(), options.start_angle.assumed());
+    let (count, assumed) = (schedule.count(), options.start_angle.assumed(bench));
     let mut batch = Batch {
         bench,
         said,

@@ -85,7 +85,7 @@ fn make(
         warn(&prepared.whole.warnings);
     }
     let (steps, whole_ml) = (prepared.whole.plan.steps().unsigned_abs(), prepared.whole.plan.planned_ml());
-    let bar = MotionBar::new(steps, whole_ml, json);
+    let bar = MotionBar::new(steps, whole_ml, None, json);
     let (mut before, mut last) = (0, 0);
     let made = session.run_from_tare(&prepared, reading, scale.as_mut(), |made| {
         // Each stretch counts its own steps.

@@ -61,7 +61,7 @@ impl DoseArgs {
         }
         let bench = options.bench()?;
         let request = options
-            .request(Purpose::Dose, &asked, bench.file())?
+            .request(Purpose::Dose, &asked, &bench)?
             .with_finish(self.finish.finish())
             .with_retraction(self.retract);
         if self.by_weight.until_scale {

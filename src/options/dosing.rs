@@ -133,13 +133,14 @@ impl DosingOptions {
         if self.reverse.reverse { format!("-{}", asked.typed) } else { asked.typed.clone() }
     }
 
-    /// The request to the bench of this pump file.
+    /// The request to this bench.
     pub(crate) fn request(
         &self,
         purpose: Purpose,
         asked: &AskedVolume,
-        file: &PumpFile,
+        bench: &Bench,
     ) -> Result<DoseRequest, Failure> {
+        let file = bench.file();
         let mut volume_ml = Weighing::of(file).amount_ml(asked.amount)?;
         if self.reverse.reverse {
             if volume_ml < 0.0 {
@@ -155,6 +156,6 @@ impl DosingOptions {
             .with_smooth(self.smooth)
             .with_ramps(self.ramps.ramps())
             .with_pressures(self.limits.pressures(file))
-            .with_start_angle(self.start_angle.angle_rad(), self.start_angle.tolerance_rad()))
+            .with_start_angle(self.start_angle.angle_rad(), self.start_angle.tolerance_rad(bench)))
     }
 }

@@ -85,7 +85,7 @@ fn a_dose_too_small_for_its_balance_is_refused() {
         let rig = Rig::new(Speech::MtSics, Truth { decimals: 0, ..truth() });
         let ended = rig.types(&rig.by_weight(&["0.9g"]));
         assert_eq!(ended.code, Some(2), "{ended:?}");
-        assert!(ended.err.contains("more than its balance can tell"), "{}", ended.err);
+        assert!(ended.err.contains("needs more than a digit of its balance, 1004 \u{b5}L"), "{}", ended.err);
         assert_eq!(rig.steps(), 0);
     });
 }

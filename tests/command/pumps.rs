@@ -74,7 +74,7 @@ fn drawings_of_pumps_that_cannot_work_are_refused_by_name() {
     let user = User::new();
     for (option, with, expected) in [
         ("--tube", "10mm", "is no tube; write bore x outer"),
-        ("--tube", "14x10mm", "tube outer radius in mm is 5"),
+        ("--tube", "14x10mm", "the outer diameter, 10 mm, must be more than the bore, 14 mm"),
         ("--backplate", "63", "has no unit"),
         ("--offset", "38mm", "use a larger roller, offset or wall"),
         ("--offset", "44mm", "beyond the backplate radius"),

@@ -10,8 +10,14 @@ use pump_model::units::rpm;
 use crate::failure::Failure;
 use crate::told_commands::shell_word;
 
-/// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
-const LEAST_ML: f64 = 50.0;
+/// Volume of a run that is enough for any head, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
+const ENOUGH_ML: f64 = 50.0;
+
+/// Least volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 1e-3.
+const LEAST_ML: f64 = 10.0;
+
+/// Longest time of a run at the default rate, s, where that is no less than [`LEAST_ML`].
+const RUN_S: f64 = 60.0;
 
 /// Most pitches of a run.
 pub(super) const MOST_PITCHES: u32 = 100_000;
@@ -173,11 +179,12 @@ fn nearest_pitches(bench: &Bench, volume_ml: f64) -> u32 {
     round(volume_ml / bench.model().outlet_curve().pitch_ml()).clamp(1.0, f64::from(MOST_PITCHES)) as u32
 }
 
-/// The fewest pitches of [`LEAST_ML`] or more that are whole motor steps, or nearly so. Such a run has the same
+/// The fewest pitches of a run's volume or more that are whole motor steps, or nearly so. Such a run has the same
 /// volume from any angle.
 fn default_pitches(bench: &Bench) -> u32 {
     let pitch_steps = bench.model().pitch_rad() / bench.file().limits().motor.step_rad();
-    let fewest = ceil(LEAST_ML / bench.model().outlet_curve().pitch_ml()) as u32;
+    let volume_ml = (RUN_S * bench.file().pump.default_rate_ml_s).clamp(LEAST_ML, ENOUGH_ML);
+    let fewest = ceil(volume_ml / bench.model().outlet_curve().pitch_ml()) as u32;
     // A head of up to 12 rollers has one among these.
     let mut counts = fewest..fewest + 12;
     let is_whole = |count: &u32| {

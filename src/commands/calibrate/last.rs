@@ -69,7 +69,7 @@ impl LastArgs {
         let stored = if self.dry_run {
             next_number(&bench, calibration)?
         } else {
-            bench.keep_calibration(calibration)?
+            bench.keep_weighing(calibration)?
         };
         self.report(&bench, &stored)
     }

@@ -47,7 +47,7 @@ pub(super) struct Said<'a> {
 pub(super) fn run(purpose: Purpose, asked: &AskedVolume, options: &DosingOptions) -> Result<(), Failure> {
     options.check_files()?;
     let bench = options.bench()?;
-    let request = options.request(purpose, asked, bench.file())?;
+    let request = options.request(purpose, asked, &bench)?;
     run_one(&bench, request, &options.typed(asked), options)
 }
 
@@ -62,7 +62,7 @@ pub(super) fn run_one(
     let said = Said { json, verbose: options.verbose.verbose, asked: Some(typed) };
     if options.dry_run {
         let mut prepared = bench.prepare(request)?;
-        prepared.warnings.extend(options.start_angle.assumed().map(Notice::from));
+        prepared.warnings.extend(options.start_angle.assumed(bench).map(Notice::from));
         write_outputs(bench, &prepared, options)?;
         return report(bench, &prepared, None, &said);
     }
@@ -74,7 +74,7 @@ pub(super) fn run_one(
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
     prepared.warnings.extend(before);
-    prepared.warnings.extend(options.start_angle.assumed().map(Notice::from));
+    prepared.warnings.extend(options.start_angle.assumed(bench).map(Notice::from));
     write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
     let delivered = deliver(bench, &mut session, &prepared, &interrupt, json)?;
     report(bench, &prepared, Some(delivered), &said)

@@ -26,12 +26,13 @@ pub(super) fn set(
         ));
     }
     let within_rad = tolerance_rad.or(within_rad);
-    let phase = stated.map(|stated| Phase::within(stated.angle_rad, or_assumed_rad(within_rad)));
     let bench = bench()?;
+    let assumed = |stated: StatedAngle| Phase::within(stated.angle_rad, or_assumed_rad(within_rad, &bench));
+    let phase = stated.map(assumed);
     let (mut session, AngleSet { state, owed_ml, aside, .. }) = bench.set_angle(phase)?;
     warn(&session.notes());
     let aside = aside.map(|aside| format!("the damaged journal is now {}\n", aside.display()));
-    let assumed = (stated.is_some() && within_rad.is_none()).then(assumed_of_set);
+    let assumed = (stated.is_some() && within_rad.is_none()).then(|| assumed_of_set(&bench));
     let (rotor, dropped) = (rotor_text(&bench, &state, advice::words), carry_dropped_text(owed_ml));
     tell(&format!("{}{rotor}{}{dropped}", aside.unwrap_or_default(), assumed.unwrap_or_default()))
 }

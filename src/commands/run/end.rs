@@ -51,6 +51,6 @@ pub(super) fn deliver_until(
     let bench = options.bench()?;
     // The library finds the volume. The sign of this one is the direction.
     let forward = AskedVolume { amount: Amount::Volume(1.0), typed: typed.to_owned() };
-    let request = options.request(purpose, &forward, bench.file())?.with_end(end);
+    let request = options.request(purpose, &forward, &bench)?.with_end(end);
     delivery::run_one(&bench, request, typed, options)
 }

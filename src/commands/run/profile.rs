@@ -33,13 +33,13 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     let mut profile = FlowProfile::parse(&name, &text).map_err(Failure::of)?;
     // The library finds the volume. The sign of this one is the direction.
     let forward = AskedVolume { amount: Amount::Volume(1.0), typed: name.clone() };
-    let request = options.request(Purpose::Run, &forward, bench.file())?;
+    let request = options.request(Purpose::Run, &forward, &bench)?;
     if request.volume_ml < 0.0 {
         profile = profile.reversed();
     }
     let json = options.format.json();
     let said = Said { json, verbose: options.verbose.verbose, asked: Some(&name) };
-    let assumed = || options.start_angle.assumed().map(Notice::from);
+    let assumed = || options.start_angle.assumed(&bench).map(Notice::from);
     if options.dry_run {
         let mut prepared = bench.prepare_profile(request, &profile)?;
         prepared.whole.warnings.extend(assumed());
@@ -58,7 +58,9 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     if !bench.is_simulated() {
         warn(&prepared.whole.warnings);
     }
-    let bar = MotionBar::new(prepared.motion().steps().unsigned_abs(), prepared.planned_ml(), json);
+    let motion = prepared.motion();
+    let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
+    let bar = MotionBar::new(steps, prepared.planned_ml(), Some(whole_s), json);
     let delivered = session.run_profile(&prepared, |made| {
         bar.made(made, || prepared.delivered_ml(made));
         interrupt.flow()

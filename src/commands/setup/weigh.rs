@@ -185,7 +185,7 @@ fn keep(
     let held = bench.folder().lock()?;
     let expected = Expected::of_digits(bench.file(), reading);
     let weighed = bench.weigh_last_dose(reading, temperature_degc, Earlier::Joined, &expected)?;
-    let stored: Stored = bench.keep_calibration(weighed.calibration)?;
+    let stored: Stored = bench.keep_weighing(weighed.calibration)?;
     drop(held);
     course.tell(&calibration_text(&bench, &stored, advice::words)?)?;
     course.answers.done.dosed = false;

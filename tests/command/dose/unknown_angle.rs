@@ -37,10 +37,21 @@ fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_woul
     assert!(number(&report, "expanded_uncertainty_ml") > 0.5 * (most - least), "{report}");
     // The vessel of the simulation knows the angle, and the report's words do not.
     let text = turned_by_hand().types(&["25mL"]).out;
-    assert!(text.contains(": delivered between 23.95 and 26.05 mL; 25.00 planned \u{b1} "), "{text}");
-    assert!(dry.contains(": between 23.95 and 26.05 mL; 25.00 planned \u{b1} "), "{dry}");
+    assert!(
+        text.contains(
+            ": 25.0 mL \u{b1} 2.1 mL delivered (23.95 to 26.05 mL by the rollers' angle alone), 25 mL asked"
+        ),
+        "{text}"
+    );
+    assert!(
+        dry.contains("nothing recorded) (23.95 to 26.05 mL by the rollers' angle alone), 25 mL asked"),
+        "{dry}"
+    );
     let whole = user.types(&["7.1062mL", "--dry-run"]).out;
-    assert!(whole.contains(": between 7.106 and 7.107 mL; 7.107 planned \u{b1} 0.51 mL (dry run"), "{whole}");
+    assert!(
+        whole.contains(": 7.11 mL \u{b1} 0.51 mL planned (dry run, nothing recorded) (7.106 to 7.107 mL by"),
+        "{whole}"
+    );
     assert!(report["warnings"].to_string().contains("exact at any angle"), "{report}");
 }
 

@@ -13,6 +13,7 @@ use pump_model::units::TURN_RAD;
 use super::safety::RunBounds;
 use super::session::Patience;
 use crate::calibration::{Calibrations, Stored};
+use crate::catalogue::as_a_copy;
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
@@ -61,6 +62,7 @@ impl Bench {
         let named = file.drive.clone().filter(|drive| drive.driver == driver);
         let drive = named.unwrap_or(DriveTable::of(driver));
         let identity = registry::identity(driver);
+        let file = if identity.is_simulated { file } else { as_a_copy(file) };
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
         let settings_record = Some(folder.path().join(SETTINGS_RECORD));
         let boards = Some(state_dir.join(BOARDS));
@@ -97,7 +99,8 @@ impl Bench {
         let folder = self.folder.of_drive(&identity.id);
         let opening = Opening { settings_record: Some(folder.path().join(SETTINGS_RECORD)), ..self.opening };
         let table = DriveTable { port: None, ..self.file.drive.clone().unwrap_or(self.drive) };
-        Ok(Self { drive: table, identity, is_given: true, folder, opening, ..self })
+        let file = if identity.is_simulated { self.file } else { as_a_copy(self.file) };
+        Ok(Self { file, drive: table, identity, is_given: true, folder, opening, ..self })
     }
 
     /// Returns the bench with its device at `port`, if a port is given. A driver that needs a port refuses to

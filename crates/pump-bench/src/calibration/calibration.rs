@@ -98,6 +98,22 @@ impl Calibration {
         })
     }
 
+    /// Returns true for a few weighed doses that show the mean volume less well than the model of `file` does.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError`] if the displacement cannot be had of the pump `base`.
+    pub(crate) fn is_less_sure_than_the_model(
+        &self,
+        file: &PumpFile,
+        base: &Pump,
+    ) -> Result<bool, CalibrationError> {
+        let Some(found) = self.displacement.as_ref().filter(|found| found.prior.is_some()) else {
+            return Ok(false);
+        };
+        Ok(found.whole_standard_at(base, found.reference_rpm)? > file.model_standard())
+    }
+
     /// Checks that the data have the schema of this version.
     ///
     /// # Errors

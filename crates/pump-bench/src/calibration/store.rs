@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use pump_model::Pump;
 use serde::Serialize;
 
-use super::{Calibration, CalibrationError};
+use super::{Calibration, CalibrationError, Source};
 use crate::files::{Staged, check_plain, create_folders};
 use crate::record::Folder;
 
@@ -96,6 +96,34 @@ impl Calibrations {
                 path,
                 message: format!("it says `{number}`, and not the number of a calibration or `{NONE}`"),
             }),
+        }
+    }
+
+    /// Reads the weighing that waits for more: nobody has chosen a calibration since [`Self::wait`], and the newest is
+    /// of a weighed dose. Returns `None` without one.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::active`].
+    pub(crate) fn waiting(&self) -> Result<Option<Stored>, CalibrationError> {
+        if self.path.join(ACTIVE).exists() {
+            return Ok(None);
+        }
+        let newest = self.versions()?.last().map(|version| self.read(*version)).transpose()?;
+        Ok(newest.filter(|stored| stored.calibration.source == Source::Last))
+    }
+
+    /// Has doses use no calibration, and the newest wait for the next weighing to join it.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] if the pointer cannot be removed.
+    pub(crate) fn wait(&self) -> Result<(), CalibrationError> {
+        let path = self.path.join(ACTIVE);
+        self.check("remove", &path)?;
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed.map_err(|source| CalibrationError::File { action: "remove", path, source }),
         }
     }
 

@@ -213,7 +213,7 @@ fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable)
 /// The model's uncertainty combines the shares between pumps and of the bore, see [`bore_percent`]. A
 /// roller's volume combines two shares: 2.1 %, by which two figures of McIntyre et al. for their rollers
 /// differ (2.06 and 2.1055 mL), and the root mean square of the residuals.
-fn measured_uncertainty(
+pub(super) fn measured_uncertainty(
     geometry: &Geometry,
     roller_ml: f64,
     rms_ml: f64,

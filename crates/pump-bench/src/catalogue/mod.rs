@@ -3,6 +3,7 @@
 mod bought_pump;
 mod built_in;
 mod catalogued_pump;
+mod copied_pump;
 mod drawn_pump;
 mod microsteps;
 mod overlap;
@@ -15,6 +16,7 @@ mod unusual;
 pub use bought_pump::BoughtPump;
 pub use built_in::{BUILT_IN, built_in, pump_named};
 pub use catalogued_pump::CataloguedPump;
+pub(crate) use copied_pump::as_a_copy;
 pub use drawn_pump::DrawnPump;
 pub(crate) use microsteps::{DECIMAL, POWERS};
 pub use overlap::overlap_warning;

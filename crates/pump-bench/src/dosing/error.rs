@@ -312,7 +312,7 @@ pub enum DoseError {
     #[error("a dose by weight {why}; its volume is {} mL", Shown(*volume_ml))]
     NotByWeight {
         /// Reason, as the message words it.
-        why: &'static str,
+        why: String,
         /// Volume asked for, in mL.
         volume_ml: f64,
     },

@@ -27,6 +27,7 @@ pub fn calibration_json(bench: &Bench, stored: &Stored) -> Result<String, Calibr
         None => Vec::new(),
     };
     let mut report = json!(stored);
+    report["used"] = json!(bench.would_use(&stored.calibration).unwrap_or(true));
     report["warnings"] = json!(warnings);
     if let Some(next) = NextWeighing::of(bench.model(), stored)? {
         report["next_weighing"] = json!(next);
@@ -55,7 +56,10 @@ pub fn calibration_text(bench: &Bench, stored: &Stored, words: Wording) -> Resul
     for warning in warnings(file, base, found)? {
         text += &format!("  warning: {warning}\n");
     }
-    text += &range(base, found, words)?;
+    text += &match bench.would_use(&stored.calibration) {
+        Ok(false) => waits(bench, stored, found, words)?,
+        _ => range(base, found, words)?,
+    };
     Ok(text)
 }
 
@@ -195,7 +199,6 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
             "the speeds depart from the fit by far more than the runs scatter; it is not their shape{instead}"
         ));
     }
-    warnings.extend(less_sure_than_the_model(file, base, found)?);
     let (limit_rpm, fastest_rpm) = (file.motor.max_speed_rpm, found.range_rpm().1);
     if fastest_rpm > 1.01 * limit_rpm {
         let (fastest, limit) = (short(fastest_rpm), short(limit_rpm));
@@ -212,22 +215,23 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
     Ok(warnings)
 }
 
-/// Warns of a few weighed doses that show the volume less well than the model that they replace.
-fn less_sure_than_the_model(
-    file: &PumpFile,
-    base: &Pump,
+/// Says that weighed doses which show the volume less well than the model are not used, and what would use them.
+fn waits(
+    bench: &Bench,
+    stored: &Stored,
     found: &Displacement,
-) -> Result<Option<String>, CalibrationError> {
-    let (of_model, of_doses) = (file.model_standard(), found.whole_standard_at(base, found.reference_rpm)?);
-    let is_less = found.prior.is_some() && of_doses > of_model;
-    Ok(is_less.then(|| {
-        format!(
-            "the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} {:.2} % (k = 2): \
-             weigh more doses, or doses of more revolutions",
-            200.0 * of_doses / found.factor,
-            200.0 * of_model
-        )
-    }))
+    words: Wording,
+) -> Result<String, CalibrationError> {
+    let (file, base) = (bench.file(), bench.model());
+    let of_doses = found.whole_standard_at(base, found.reference_rpm)?;
+    Ok(format!(
+        "calibration {} waits: the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} {:.2} \
+         % (k = 2); doses keep to the model until more are weighed; {}\n",
+        stored.version,
+        200.0 * of_doses / found.factor,
+        200.0 * file.model_standard(),
+        words(Remedy::UseCalibration),
+    ))
 }
 
 /// The flows of the doses that use the calibration.

@@ -31,9 +31,7 @@ impl DoseReport {
 
     /// The dose in one line, as one of a batch: its volume with its uncertainty, and its end.
     pub fn batch_line(&self, number: u64, count: u64) -> String {
-        let is_sure = self.phase.is_stated() || self.by_weight.is_some();
-        let volume = if is_sure { self.volume() } else { self.volume_from_anywhere() };
-        format!("{}, dose {number} of {count}: {volume}; {}", self.pump, self.end())
+        format!("{}, dose {number} of {count}: {}; {}", self.pump, self.volume(), self.end())
     }
 
     /// The warnings, a line each.
@@ -53,9 +51,7 @@ impl DoseReport {
             0.0 => String::new(),
             carry_ml => format!(", carry in {}", microlitres(carry_ml)),
         };
-        let is_sure = self.phase.is_stated() || self.by_weight.is_some();
-        let volume = if is_sure { self.volume() } else { self.volume_from_anywhere() };
-        format!("{volume}, {asked}{carry_in}")
+        format!("{}, {asked}{carry_in}", self.volume())
     }
 
     /// True for a run that goes on until somebody stops it.
@@ -63,50 +59,40 @@ impl DoseReport {
         self.run.is_some_and(|run| run.is_endless())
     }
 
-    /// The volume that was delivered or planned, and its uncertainty.
+    /// The volume that was delivered or planned, and its uncertainty. Of an angle that is not known, the volume in the
+    /// middle stands there: a simulated vessel knows more than the plan, and does not tell.
     fn volume(&self) -> String {
-        let (volume_ml, verb) = match (self.delivered_ml, self.purpose) {
-            (None, _) if self.is_endless() => (self.planned_ml, "at most (dry run, nothing recorded)"),
-            (None, _) => (self.planned_ml, "planned (dry run, nothing recorded)"),
-            (Some(delivered_ml), _) if !self.completed => (delivered_ml, "delivered, then stopped"),
-            (Some(delivered_ml), Purpose::Prime) => (delivered_ml, "primed"),
-            (Some(delivered_ml), Purpose::Purge) => (delivered_ml, "purged"),
-            (Some(delivered_ml), Purpose::Calibrate) => (delivered_ml, "delivered to be weighed"),
-            (Some(delivered_ml), _) => (delivered_ml, "delivered"),
+        let is_sure = self.phase.is_stated() || self.by_weight.is_some();
+        let volume_ml = match self.delivered_ml {
+            Some(delivered_ml) if is_sure => delivered_ml,
+            _ => self.budgeted_ml(),
         };
-        let decimals = decimals_of(self.expanded_uncertainty_ml);
+        let verb = match (self.delivered_ml, self.purpose) {
+            (None, _) if self.is_endless() => "at most (dry run, nothing recorded)",
+            (None, _) => "planned (dry run, nothing recorded)",
+            (Some(_), _) if !self.completed => "delivered, then stopped",
+            (Some(_), Purpose::Prime) => "primed",
+            (Some(_), Purpose::Purge) => "purged",
+            (Some(_), Purpose::Calibrate) => "delivered to be weighed",
+            (Some(_), _) => "delivered",
+        };
         let unsure_ml = self.expanded_uncertainty_ml;
-        format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}")
+        let decimals = decimals_of(unsure_ml);
+        let by_angle = if is_sure { String::new() } else { self.by_angle() };
+        format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}{by_angle}")
     }
 
-    /// The range of the volume over the angles at which the rollers may have stood, and the plan. A simulated vessel
-    /// knows more than the plan, so its volume is not mixed with either.
-    fn volume_from_anywhere(&self) -> String {
-        let was_stopped = self.is_part();
-        let verb = match (self.delivered_ml, self.purpose) {
-            (None, _) => "",
-            (Some(_), Purpose::Prime) => "primed ",
-            (Some(_), Purpose::Purge) => "purged ",
-            (Some(_), _) => "delivered ",
-        };
-        let stopped = if was_stopped && !self.completed { ", then stopped" } else { "" };
-        let (least_ml, most_ml, planned_ml) = (self.volume_least_ml, self.volume_most_ml, self.planned_ml);
+    /// The range of the volume over the angles at which the rollers may have stood: one share of the uncertainty.
+    fn by_angle(&self) -> String {
+        let (least_ml, most_ml) = (self.volume_least_ml, self.volume_most_ml);
         // A digit more than the uncertainty has: the range is exact.
-        let unsure_ml = self.expanded_uncertainty_ml;
-        let decimals = 1 + decimals_of(unsure_ml).min(decimals_of(0.5 * (most_ml - least_ml)));
+        let decimals =
+            1 + decimals_of(self.expanded_uncertainty_ml).min(decimals_of(0.5 * (most_ml - least_ml)));
         let [least, most] = [least_ml, most_ml].map(|ml| format!("{ml:.decimals$}"));
-        let range =
-            if least == most { format!("{least} mL") } else { format!("between {least} and {most} mL") };
-        // The uncertainty of a part is not that of the plan.
-        let unsure = match was_stopped {
-            true => String::new(),
-            false => format!(" ± {:.*} mL", decimals_of(unsure_ml), unsure_ml),
-        };
-        let dry = if self.delivered_ml.is_none() { " (dry run, nothing recorded)" } else { "" };
-        if was_stopped && self.completed {
-            return format!("{verb}{range}");
+        if least == most {
+            return String::new();
         }
-        format!("{verb}{range}{stopped}; {planned_ml:.decimals$} planned{unsure}{dry}")
+        format!(" ({least} to {most} mL by the rollers' angle alone)")
     }
 
     /// Time of the motion, s: that of the plan, or of the part that was made of a dose that was stopped.

@@ -6,6 +6,7 @@ use pump_model::ModelError;
 use thiserror::Error;
 
 use crate::config::ConfigError;
+use crate::numbers::significant;
 use crate::pump_file::{Axis, PumpFileError};
 
 /// Answer of a first run that cannot be, or a record of one that cannot be used.
@@ -69,9 +70,10 @@ pub enum SetupError {
     },
     /// No head delivers the volume of a revolution through the bore.
     #[error(
-        "{ml_per_rev} mL per revolution cannot be with a bore of {bore_mm} mm: heads with this bore have {least_ml:.3} \
-         to {most_ml:.1} mL, since less leaves no room for the shaft beside the tube and more takes a rotor of more \
-         than 3 m; look at the units"
+        "{ml_per_rev} mL per revolution cannot be with a bore of {bore_mm} mm: heads with this bore have {} to {} mL, \
+         since less leaves no room for the shaft beside the tube and more takes a rotor of more than 3 m; look at the \
+         units",
+        significant(*least_ml, 2), significant(*most_ml, 2)
     )]
     Bore {
         /// Volume of a revolution that was said, in mL.

@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::kind::Kind;
 
 /// A text that is not a quantity of the expected kind.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum QuantityError {
     /// The text is empty.
@@ -80,6 +80,19 @@ pub enum QuantityError {
     NoTube {
         /// Text that was read.
         text: String,
+    },
+    /// The tube's outer diameter is not more than its bore.
+    #[error(
+        "`{text}` has no wall: the outer diameter, {outer_mm} mm, must be more than the bore, {bore_mm} mm; write the \
+         bore first, as 10x14mm"
+    )]
+    NoWall {
+        /// Text that was read.
+        text: String,
+        /// Bore that was said, in mm.
+        bore_mm: f64,
+        /// Outer diameter that was said, in mm.
+        outer_mm: f64,
     },
     /// The hose lacks its tube or its length.
     #[error("`{text}` is no hose; write bore x outer diameter and the length, as 6x10mm,1m")]

@@ -17,7 +17,7 @@ pub struct TubeSize {
 /// Reads a tube as bore x outer diameter, both positive: `10x14mm`, `3.2 x 6.4 mm`.
 ///
 /// # Errors
-/// [`QuantityError::NoTube`] if the text has no `x`. Otherwise the error of a diameter that is no positive
+/// [`QuantityError::NoTube`] if the text has no `x`. [`QuantityError::NoWall`] if the tube has no wall. Otherwise the error of a diameter that is no positive
 /// length.
 pub fn tube_size(text: &str) -> Result<TubeSize, QuantityError> {
     let no_tube = || QuantityError::NoTube { text: shown(text.trim()) };
@@ -30,5 +30,8 @@ pub fn tube_size(text: &str) -> Result<TubeSize, QuantityError> {
         true => length_mm(&format!("{bore}{unit}"))?,
         false => length_mm(bore)?,
     };
+    if outer_mm <= bore_mm {
+        return Err(QuantityError::NoWall { text: shown(text.trim()), bore_mm, outer_mm });
+    }
     Ok(TubeSize { bore_mm, outer_mm })
 }

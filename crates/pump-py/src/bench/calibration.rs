@@ -84,7 +84,7 @@ impl Bench {
         .map(|(stored, ())| stored)
     }
 
-    /// Calibrates by the reading of the last dose, and uses that from now on.
+    /// Calibrates by the reading of the last dose.
     #[pyo3(signature = (reading, add, anew, scale, tube, note))]
     #[expect(clippy::too_many_arguments, reason = "the arguments of the Python method")]
     fn calibrate_last(
@@ -112,13 +112,13 @@ impl Bench {
         let stored = self.worker.call(
             py,
             None,
-            |stored: &Stored| format!("calibration {} is kept and used", stored.version),
+            |stored: &Stored| format!("calibration {} is kept", stored.version),
             move |held, _| {
                 held.session()?;
                 let mut weighed = held.bench.weigh_last_dose(&reading, None, earlier, &expected)?.calibration;
                 weighed.tube = tube.or(weighed.tube);
                 weighed.note = note;
-                held.bench.keep_calibration(weighed)
+                held.bench.keep_weighing(weighed)
             },
         )?;
         Ok(Calibration(stored))

@@ -33,7 +33,38 @@ impl Bench {
         Ok(Stored { version, calibration })
     }
 
-    /// Returns the calibration that the weight of the last dose gives. [`Self::keep_calibration`] keeps it.
+    /// Keeps the calibration that the weight of the last dose gave. Doses use it from now on, unless it is less sure
+    /// than the model ([`Self::would_use`]). Then it waits: the next weighed dose joins it. The caller must hold the
+    /// pump's lock.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Self::keep_calibration`].
+    pub fn keep_weighing(&self, calibration: Calibration) -> Result<Stored, DoseError> {
+        if self.would_use(&calibration)? {
+            return self.keep_calibration(calibration);
+        }
+        self.refuse_unfinished(self.story()?.state)?;
+        let calibrations = self.calibrations();
+        let version = calibrations.add(&calibration)?;
+        calibrations.wait()?;
+        Ok(Stored { version, calibration })
+    }
+
+    /// Returns false for weighed doses that show the mean volume less well than the model, while no calibration is in
+    /// use.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Calibration`] if the calibrations cannot be read, or the displacement cannot be had of this pump.
+    pub fn would_use(&self, calibration: &Calibration) -> Result<bool, DoseError> {
+        if self.calibrations().active_version()?.is_some() {
+            return Ok(true);
+        }
+        Ok(!calibration.is_less_sure_than_the_model(self.file(), self.model())?)
+    }
+
+    /// Returns the calibration that the weight of the last dose gives. [`Self::keep_weighing`] keeps it.
     ///
     /// `None` in place of the temperature takes the pump file's.
     ///
@@ -51,7 +82,11 @@ impl Bench {
         earlier: Earlier,
         expected: &Expected,
     ) -> Result<WeighedDose, DoseError> {
-        let active = self.calibrations().active()?;
+        let calibrations = self.calibrations();
+        let active = match calibrations.active()? {
+            None => calibrations.waiting()?,
+            active => active,
+        };
         let last = self.story()?.state.and_then(|state| state.last);
         let expected = self.with_drop(expected)?;
         let weighing = LastWeighing { reading, temperature_degc, earlier, expected: &expected };

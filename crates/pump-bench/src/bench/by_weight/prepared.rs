@@ -161,7 +161,7 @@ impl Bench {
     ) -> Result<(PreparedByWeight, Prepared), DoseError> {
         let request = order.request;
         let volume_ml = request.volume_ml;
-        let refused = |why| Err(DoseError::NotByWeight { why, volume_ml });
+        let refused = |why: &str| Err(DoseError::NotByWeight { why: why.to_owned(), volume_ml });
         if volume_ml <= 0.0 {
             return refused("runs forward, into the vessel");
         }

@@ -52,7 +52,7 @@ impl Session<'_> {
         let aim = Course::begin(prepared, tare, None).aim;
         if aim.target_ml <= aim.tolerance_ml() {
             return Err(DoseError::NotByWeight {
-                why: "needs more than its balance can tell: a digit, half a drop or a motor step",
+                why: format!("needs more than {}: it comes no nearer", aim.tolerance()),
                 volume_ml: aim.target_ml,
             });
         }

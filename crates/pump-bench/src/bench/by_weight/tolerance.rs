@@ -1,5 +1,8 @@
 //! The volume by which a dose by weight may lack when it is done, and the reason.
 
+use core::fmt;
+
+use crate::numbers::significant;
 use crate::words::words_of_reports;
 
 /// Reason for which a dose by weight comes no nearer to its mass.
@@ -31,5 +34,17 @@ impl Tolerance {
         [drop, step]
             .into_iter()
             .fold(digit, |most, one| if one.volume_ml > most.volume_ml { one } else { most })
+    }
+}
+
+/// Words the volume with its reason, as `half a drop, 30 µL`.
+impl fmt::Display for Tolerance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let reason = match self.by {
+            ToleranceBy::Digit => "a digit of its balance",
+            ToleranceBy::Drop => "half a drop",
+            ToleranceBy::Step => "a motor step",
+        };
+        write!(f, "{reason}, {} \u{b5}L", significant(1e3 * self.volume_ml, 3))
     }
 }

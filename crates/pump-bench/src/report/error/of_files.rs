@@ -43,6 +43,9 @@ impl Explain for QuantityError {
             Self::AbsoluteOrGauge { text, number, unit } => {
                 facts.value(text).allowed(format!("{number}{unit}a, {number}{unit}g"))
             }
+            Self::NoWall { text, bore_mm, .. } => {
+                facts.value(text).allowed(format!("an outer diameter of more than {bore_mm} mm"))
+            }
             Self::NoTube { text } => facts.value(text).allowed("bore x outer diameter, as 10x14mm"),
             Self::NoHose { text } => {
                 facts.value(text).allowed("bore x outer diameter and the length, as 6x10mm,1m")

@@ -95,7 +95,7 @@ class BenchCalibration:
         tube: str | None = None,
         note: str | None = None,
     ) -> Calibration:
-        """Calibrate by the weight of the dose just made, and use that from now on.
+        """Calibrate by the weight of the dose just made.
 
         The reading joins those of earlier doses that were weighed in this way.
 
@@ -115,7 +115,8 @@ class BenchCalibration:
         Returns
         -------
         Calibration
-            Calibration that doses use from now on.
+            Calibration that doses use from now on, unless it is less sure than the model and no other is in use.
+            Then it waits for the next weighed dose.
 
         Raises
         ------
