@@ -209,7 +209,35 @@ fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
     assert!(text.contains("0 to 60 days"), "{text}");
     assert_eq!(user.types(&["tube", "--plot", "tube.svg"]).code, 0);
     assert!(fs::read_to_string(user.path("tube.svg")).unwrap().contains("days since the first calibration"));
-    // A new tube has none of them.
+    // A new tube has none of them, though the calibrations came after the last dose of the old one.
     assert_eq!(user.types(&["tube", "--new"]).code, 0);
-    assert_eq!(user.json(&["tube"])["tube"], 2);
+    let second = user.json(&["tube"]);
+    assert_eq!((&second["tube"], &second["calibrations"]), (&2.into(), &serde_json::json!([])), "{second}");
+    assert!(second["calibrate_again_by"].is_null() && second["drift_per_30_days"].is_null(), "{second}");
+    // One that is made now is its own, whatever the clock says.
+    assert_eq!(user.types(&["calibrate", "run", "--from", "runs.csv"]).code, 0);
+    let path = calibrations(&user).pop().unwrap();
+    let mut stored: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    assert_eq!(stored["tube_number"], 2);
+    stored["date"] = "2000-01-01T00:00:00Z".into();
+    fs::write(path, stored.to_string()).unwrap();
+    assert_eq!(user.json(&["tube"])["calibrations"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_calibration_without_the_number_of_its_tube_is_told_by_its_date() {
+    let user = User::new();
+    user.json(&["25mL"]);
+    fs::write(user.path("runs.csv"), "speed_rpm,revolutions,volume_ml\n40,3,64.0\n40,3,64.1\n").unwrap();
+    assert_eq!(user.types(&["calibrate", "run", "--from", "runs.csv"]).code, 0);
+    assert_eq!(user.types(&["tube", "--new"]).code, 0);
+    let path = calibrations(&user).pop().unwrap();
+    let mut stored: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    for (date, count) in [("2000-01-01", 0), ("2999-01-01", 1)] {
+        stored.as_object_mut().unwrap().remove("tube_number");
+        stored["date"] = format!("{date}T12:00:00Z").into();
+        fs::write(&path, stored.to_string()).unwrap();
+        let tube = user.json(&["tube"]);
+        assert_eq!(tube["calibrations"].as_array().unwrap().len(), count, "{date}: {tube}");
+    }
 }

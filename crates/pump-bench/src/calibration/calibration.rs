@@ -46,6 +46,10 @@ pub struct Calibration {
     pub source: Source,
     /// Name that the user gave the tube.
     pub tube: Option<String>,
+    /// Number of the tube, from 1, that was in the head when the calibration was kept; `None` in calibrations of
+    /// earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube_number: Option<u32>,
     /// Note of the user.
     pub note: Option<String>,
     /// Name of the fluid that was pumped.
@@ -84,6 +88,7 @@ impl Calibration {
             date: date::now(),
             source,
             tube: None,
+            tube_number: None,
             note: None,
             fluid: file.fluid.name.clone(),
             temperature_degc: file.fluid.temperature_degc,

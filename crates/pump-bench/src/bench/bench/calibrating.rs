@@ -21,13 +21,17 @@ impl Bench {
         Ok(self.calibrations().activate(version)?)
     }
 
-    /// Keeps a calibration and makes doses use it from now on. The caller must hold the pump's lock.
+    /// Keeps a calibration, as one of the tube in the head, and makes doses use it from now on. The caller must hold
+    /// the pump's lock.
     ///
     /// # Errors
     ///
     /// [`DoseError`] as in [`Self::use_calibration`], or if the calibration cannot be written.
     pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
-        self.refuse_unfinished(self.story()?.state)?;
+        let state = self.story()?.state;
+        self.refuse_unfinished(state)?;
+        let tube_number = Some(state.map_or(1, |state| state.tube()));
+        let calibration = Calibration { tube_number, ..calibration };
         let version = self.calibrations().add(&calibration)?;
         self.use_calibration(Some(version))?;
         Ok(Stored { version, calibration })

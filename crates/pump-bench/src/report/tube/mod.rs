@@ -76,7 +76,7 @@ impl TubeReport {
         let state = bench.stands()?;
         let since_s = tube_since_s(bench, state.tube());
         let stored = bench.calibrations().list()?;
-        let of_tube = |stored: &&Stored| is_of_tube(stored, since_s);
+        let of_tube = |stored: &&Stored| is_of_tube(stored, state.tube(), since_s);
         let calibrations: Vec<&Stored> = stored.iter().filter(of_tube).collect();
         let last_rpm = |stored: &&Stored| Some(stored.calibration.displacement.as_ref()?.reference_rpm);
         let speed_rpm = calibrations.last().and_then(last_rpm);
@@ -199,8 +199,12 @@ fn tube_since_s(bench: &Bench, tube: u32) -> u64 {
     lines.into_iter().flatten().filter_map(earlier).last().unwrap_or(0)
 }
 
-/// Returns true for a calibration that was made after the last dose of an earlier tube.
-fn is_of_tube(stored: &Stored, since_s: u64) -> bool {
+/// Returns true for a calibration of the tube of that number. One of an earlier version has no number: it counts if it
+/// was made after the last dose of an earlier tube.
+fn is_of_tube(stored: &Stored, tube: u32, since_s: u64) -> bool {
+    if let Some(number) = stored.calibration.tube_number {
+        return number == tube;
+    }
     let date = stored.calibration.date.parse::<Stamp>();
     date.is_ok_and(|date| date.unix_s > since_s || since_s == 0)
 }
