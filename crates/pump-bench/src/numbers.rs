@@ -12,6 +12,18 @@ pub(crate) fn significant(value: f64, digits: i32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// Words a time in s, in the unit that suits it.
+pub(crate) fn duration(time_s: f64) -> String {
+    let (unit_s, unit) = match time_s {
+        ..120.0 => (1.0, "s"),
+        ..7200.0 => (60.0, "min"),
+        ..172_800.0 => (3600.0, "h"),
+        ..63_072_000.0 => (86_400.0, "days"),
+        _ => (31_557_600.0, "years"),
+    };
+    format!("{} {unit}", significant(time_s / unit_s, 3))
+}
+
 /// Words a volume in mL that is known between two bounds.
 pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
     if most_ml - least_ml < 1e-9 {
@@ -42,6 +54,14 @@ pub(crate) fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_time_has_the_unit_that_suits_it() {
+        for (time_s, told) in [(3.672, "3.67 s"), (600.0, "10 min"), (36_000.0, "10 h"), (1_700_398_800.0, "53.9 years")]
+        {
+            assert_eq!(duration(time_s), told);
+        }
+    }
 
     #[test]
     fn a_carry_has_the_digits_of_its_half_width() {

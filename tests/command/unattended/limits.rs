@@ -129,3 +129,28 @@ fn limits_that_limit_nothing_are_refused() {
         assert!(refused.code == 2 && refused.err.contains(key), "{wrong}: {}", refused.err);
     }
 }
+
+#[test]
+fn a_run_until_stopped_that_a_limit_ends_stands_with_exit_code_5_and_tells_of_it() {
+    let user = User::new();
+    let tank = pump(&user, "vessel_ml = 5.0");
+    let tell = "cat > reason.json; echo $DOSE_FAIL_LEAST_ML > least_ml";
+    let ran =
+        user.types(&["run", "--rate", "6mL/s", "--pump", tank, "--format", "json", "--on-fail", tell]);
+    assert_eq!(ran.code, 5, "{}", ran.err);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    let delivered_ml = number(&report, "delivered_ml");
+    assert!(delivered_ml > 4.9 && delivered_ml < 5.0 && report["completed"] == true, "{report}");
+    let error = reason(&ran);
+    assert_eq!((&error["kind"], &error["moved"]), (&"safety".into(), &true.into()));
+    assert!(error["message"].as_str().unwrap().contains("the limit has ended a run"), "{error}");
+    let told: Value = serde_json::from_str(&fs::read_to_string(user.path("reason.json")).unwrap()).unwrap();
+    assert_eq!(told["code"], 5);
+    let least_ml: f64 = fs::read_to_string(user.path("least_ml")).unwrap().trim().parse().unwrap();
+    assert!((least_ml - delivered_ml).abs() < 1e-9, "{least_ml}");
+    let refused = user.types(&["0.01mL", "--pump", tank]);
+    assert!(refused.code == 5 && refused.err.contains("dose vessel emptied"), "{}", refused.err);
+    let cleared = user.types(&["safety", "clear", tank, "--reason", "a test"]);
+    assert_eq!(cleared.code, 0, "{}", cleared.err);
+    assert_eq!(user.types(&["0.01mL", "--pump", tank]).code, 0);
+}

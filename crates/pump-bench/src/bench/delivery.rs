@@ -13,6 +13,7 @@ use super::session::Session;
 use crate::dosing::{DoseError, Prepared, Retraction};
 use crate::notice::Notice;
 use crate::record::{DoseTerms, Purpose, Stamp};
+use crate::safety::Stand;
 
 /// Result of a dose.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Delivered {
     pub sucked_back: bool,
     /// Time that the motion of the dose took, in s. A simulated motion takes the time of its plan.
     pub measured_s: f64,
+    /// Stand of the pump after a run until it was stopped that a safety limit ended. `None` otherwise.
+    pub stand: Option<Stand>,
     /// Warnings for the user that came up in motion or after it.
     pub warnings: Vec<Notice>,
 }
@@ -90,6 +93,7 @@ impl Session<'_> {
             retracted_ml: 0.0,
             sucked_back: prepared.retraction.is_none(),
             measured_s: moved.measured_s,
+            stand: None,
             warnings: Vec::new(),
         };
         if delivered.completed {
@@ -98,6 +102,9 @@ impl Session<'_> {
         }
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
             self.suck_back(prepared, retraction, &mut delivered, &mut watch)?;
+        }
+        if delivered.completed && prepared.ends_at_safety_limit {
+            delivered.stand = self.stand_after_run(prepared.request.volume_ml < 0.0);
         }
         delivered.warnings.append(&mut self.notes);
         Ok(delivered)

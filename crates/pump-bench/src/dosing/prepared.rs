@@ -61,6 +61,8 @@ pub struct Prepared {
     pub carry_half_width_ml: f64,
     /// Retraction after the dose.
     pub retraction: Option<Retraction>,
+    /// True for a run until it is stopped that a safety limit ends before anything else does.
+    pub(crate) ends_at_safety_limit: bool,
     /// Warnings for the user.
     pub warnings: Vec<Notice>,
 }
@@ -343,6 +345,7 @@ impl PlanningBasis<'_> {
             carry_out_ml,
             carry_half_width_ml: self.stands.carry_half_width_ml + changed_ml,
             retraction,
+            ends_at_safety_limit: false,
             warnings: Vec::new(),
         };
         prepared.warnings = self.warnings(&prepared, warning)?;

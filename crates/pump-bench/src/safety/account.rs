@@ -119,6 +119,17 @@ impl SafetyAccount {
         if reverse { day_ml } else { day_ml.min(left(limits.vessel_ml, self.vessel_ml)) }
     }
 
+    /// Returns the stand at the limit that leaves least to a motion, in reverse or not. `None` without limits.
+    pub(crate) fn nearest(&self, limits: &SafetyLimits, now_s: u64, reverse: bool) -> Option<Stand> {
+        let stand = |limit, used_ml, allowed_ml: Option<f64>| {
+            Some(Stand { limit, used_ml, planned_ml: 0.0, allowed_ml: allowed_ml?, unix_s: now_s })
+        };
+        let day = stand(SafetyLimit::Day, self.day_ml(now_s), limits.max_ml_per_day);
+        let vessel = stand(SafetyLimit::Vessel, self.vessel_ml, limits.vessel_ml.filter(|_| !reverse));
+        let left_ml = |stand: &Stand| stand.allowed_ml - stand.used_ml;
+        [day, vessel].into_iter().flatten().min_by(|one, other| left_ml(one).total_cmp(&left_ml(other)))
+    }
+
     /// Returns the account of a pump that stands.
     pub(crate) fn standing(self, stand: Stand) -> Self {
         Self { stand: Some(stand), ..self }

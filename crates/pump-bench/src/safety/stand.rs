@@ -26,9 +26,9 @@ words!(SafetyLimit { Day = "day", Vessel = "vessel" });
 pub struct Stand {
     /// Limit that was reached.
     pub limit: SafetyLimit,
-    /// Volume that counted before the motion that was refused, in mL.
+    /// Volume that counted before the motion that was refused, or after the run that the limit has ended, in mL.
     pub used_ml: f64,
-    /// Volume that was planned, in mL.
+    /// Volume that was planned, in mL; 0 for a run until it was stopped, which the limit has ended.
     pub planned_ml: f64,
     /// Volume that the limit allows, in mL.
     pub allowed_ml: f64,
@@ -41,14 +41,24 @@ impl fmt::Display for Stand {
         let [used, planned, allowed] =
             [self.used_ml, self.planned_ml, self.allowed_ml].map(|volume_ml| significant(volume_ml, 6));
         match self.limit {
+            SafetyLimit::Day if self.planned_ml == 0.0 => write!(
+                to,
+                "the limit has ended a run until it was stopped: {used} mL were pumped in the last 24 h, and the limit \
+                 of 24 h is {allowed} mL"
+            ),
+            SafetyLimit::Vessel if self.planned_ml == 0.0 => write!(
+                to,
+                "the limit has ended a run until it was stopped: the vessel has received {used} mL since it was \
+                 emptied, and it holds {allowed} mL"
+            ),
             SafetyLimit::Day => write!(
                 to,
-                "{planned} mL were asked for, {used} mL were pumped in the last 24 h, and the limit of 24 h is \
+                "{planned} mL were planned, {used} mL were pumped in the last 24 h, and the limit of 24 h is \
                  {allowed} mL"
             ),
             SafetyLimit::Vessel => write!(
                 to,
-                "{planned} mL were asked for, the vessel has received {used} mL since it was emptied, and it holds \
+                "{planned} mL were planned, the vessel has received {used} mL since it was emptied, and it holds \
                  {allowed} mL"
             ),
         }

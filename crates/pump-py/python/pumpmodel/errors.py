@@ -49,7 +49,8 @@ class SafetyError(PumpError):
     """The pump stands at a safety limit: `Bench.clear_safety` lets it go on. Nothing has moved.
 
     `used_ml` counted before the dose, which would have pumped `planned_ml` (mL). The limit allows
-    `allowed_ml`.
+    `allowed_ml`. A run until it is stopped that the limit has ended raises it too, after its motion:
+    `planned_ml` is 0 then, a note says how much was delivered, and the run is complete on record.
     """
 
     used_ml: float

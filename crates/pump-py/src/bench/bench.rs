@@ -29,6 +29,8 @@ pub(crate) struct Bench {
 pub(super) struct Ran {
     pub(super) json: String,
     pub(super) note: String,
+    /// Stand at a safety limit that has ended a run until it was stopped.
+    pub(super) stand: Option<DoseError>,
 }
 
 #[pymethods]
@@ -212,10 +214,14 @@ impl Bench {
                 let prepared = prepare(session, signal)?;
                 let delivered = deliver(session, &prepared, signal)?;
                 let report = DoseReport::new(bench, &prepared, Some(&delivered)).worded(advice::words);
-                Ok(Ran { json: report.json(), note: note(&delivered) })
+                let stand = delivered.stand.map(|stand| bench.refusal(stand, true));
+                Ok(Ran { json: report.json(), note: note(&delivered), stand })
             },
         )?;
-        Ok(ran.json)
+        let Some(stand) = ran.stand else { return Ok(ran.json) };
+        let error = errors::dose(py, stand);
+        error.value(py).call_method1("add_note", (ran.note,))?;
+        Err(error)
     }
 }
 

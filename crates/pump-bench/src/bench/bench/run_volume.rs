@@ -10,7 +10,7 @@ use self::time_search::TimeSearch;
 use super::Bench;
 use crate::bench::safety::RunBounds;
 use crate::dosing::{DoseError, DoseRequest, Prepared, cruise_of};
-use crate::numbers::significant;
+use crate::numbers::{duration, significant};
 use crate::pump_file::PumpFile;
 use crate::record::{PumpState, Wear};
 
@@ -91,20 +91,23 @@ impl Bench {
         let volume_ml = f64::copysign((WITHIN * most_ml).max(2.0 * step_ml), request.volume_ml);
         let mut plan = self.plan_from(file, state, DoseRequest { volume_ml, ..request }, None)?;
         let volume = significant(volume_ml.abs(), 4);
-        let hours = significant(plan.plan.profile().duration_s() / 3600.0, 3);
         if counted_ml < any_ml.min(left_ml).min(safe_ml) {
             let text = format!(
-                "the device counts its steps exactly for {volume} mL from here, so the run ends after {hours} h at \
-                 the latest; a device that is switched off and on counts from zero"
+                "the device counts its steps exactly for {volume} mL from here, so the run ends after {} at the \
+                 latest; a device that is switched off and on counts from zero",
+                duration(plan.plan.profile().duration_s())
             );
             plan.warnings.push(text.into());
         }
         if safe_ml < any_ml.min(left_ml).min(counted_ml) {
             let text = format!(
-                "the safety limits leave {} mL, so the run ends by itself after {volume} mL, in {hours} h",
-                significant(safe_ml, 4)
+                "the safety limits leave {} mL, so the run ends by itself after {volume} mL, in {}, and the pump then \
+                 stands",
+                significant(safe_ml, 4),
+                duration(plan.plan.profile().duration_s())
             );
             plan.warnings.push(text.into());
+            plan.ends_at_safety_limit = true;
         }
         Ok(plan)
     }

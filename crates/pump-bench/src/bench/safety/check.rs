@@ -79,8 +79,9 @@ impl Bench {
         Stand { allowed_ml: allowed_ml.unwrap_or(stand.allowed_ml), ..stand }
     }
 
-    /// Returns the refusal of a pump that stands.
-    fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
+    /// Returns the error of a pump that stands.
+    #[must_use]
+    pub fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
         DoseError::Stands { pump: self.file().pump.id.clone(), stand, is_new }
     }
 }
@@ -144,8 +145,8 @@ impl Session<'_> {
 
     fn keep_volumes_safe(&mut self, series: impl Iterator<Item = (f64, f64)>) -> Result<(), DoseError> {
         self.check_stand()?;
-        let (now_s, state) = (self.log.clock.now().unix_s, self.stands());
-        let (account, limits) = (state.safety_at(now_s), self.bench.safety_limits());
+        let now_s = self.log.clock.now().unix_s;
+        let (account, limits) = (self.stands().safety_at(now_s), self.bench.safety_limits());
         let Some(stand) = account.stand_of_series(&limits, now_s, series) else {
             self.tell_of_clock(&account, now_s);
             return Ok(());
@@ -157,12 +158,26 @@ impl Session<'_> {
         };
         let planned_ml = (stand.used_ml + stand.planned_ml - used_ml).max(stand.planned_ml);
         let stand = Stand { unix_s: now_s, used_ml, planned_ml, ..self.bench.as_said(stand) };
-        let account = account.standing(stand);
-        if let Err(error) = self.rest(Why::Stands, PumpState { safety: Some(account), ..state }) {
+        self.record_stand(account, stand);
+        Err(self.bench.refusal(stand, true))
+    }
+
+    /// Has the pump stand after a run until it was stopped that a safety limit ended.
+    pub(in crate::bench) fn stand_after_run(&mut self, reverse: bool) -> Option<Stand> {
+        let now_s = self.log.clock.now().unix_s;
+        let account = self.stands().safety_at(now_s);
+        let stand = account.nearest(&self.bench.safety_limits(), now_s, reverse)?;
+        let stand = self.bench.as_said(stand);
+        self.record_stand(account, stand);
+        Some(stand)
+    }
+
+    fn record_stand(&mut self, account: SafetyAccount, stand: Stand) {
+        let state = PumpState { safety: Some(account.standing(stand)), ..self.stands() };
+        if let Err(error) = self.rest(Why::Stands, state) {
             let text = format!("the stand at the safety limit could not be recorded: {error}");
             self.notes.push(Notice::from(text));
         }
-        Err(self.bench.refusal(stand, true))
     }
 
     /// Notes that the clock is behind the record, if a limit of the day follows it.

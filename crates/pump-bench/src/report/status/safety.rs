@@ -38,9 +38,9 @@ pub struct StandStatus {
     pub limit: &'static str,
     /// Time at which the pump came to stand, RFC 3339.
     pub since: Stamp,
-    /// Volume that counted before the motion that was refused, mL.
+    /// Volume that counted before the motion that was refused, or after the run that the limit has ended, mL.
     pub used_ml: f64,
-    /// Volume that was planned, mL.
+    /// Volume that was planned, mL; 0 for a run until it was stopped.
     pub planned_ml: f64,
     /// Volume that the limit allows, mL.
     pub allowed_ml: f64,

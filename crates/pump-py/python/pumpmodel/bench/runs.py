@@ -94,6 +94,9 @@ class BenchRuns(BenchRepeats):
             meet.
         UnfinishedError
             If an earlier dose or run is unfinished.
+        SafetyError
+            If the run would exceed a safety limit. A run until `stop` goes on up to the limit; the pump then
+            stands, and the run is on record.
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
 
