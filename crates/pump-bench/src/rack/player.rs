@@ -45,6 +45,8 @@ struct Played {
     doses: Vec<RackDose>,
     warnings: Vec<Notice>,
     error: Option<DoseError>,
+    /// Expanded uncertainty of the plan of the motion that failed, in mL.
+    failed_expanded_ml: f64,
     /// Error of a part that did not begin because another axis of its board did not.
     followed: Option<DoseError>,
 }
@@ -169,12 +171,12 @@ impl Rack {
         let is_unexplained = matches!(stop.cause(), Some(Stop::Fault(_)))
             && played.iter().all(|played| played.error.is_none());
         for (pump, (member, played)) in self.members().iter().zip(played).enumerate() {
-            let Played { doses, warnings, error, followed } = played;
+            let Played { doses, warnings, error, failed_expanded_ml, followed } = played;
             let error = error.or(followed.filter(|_| is_unexplained));
             let (steps, requested_ml) = (self.parts(pump).count(), self.requested_ml(pump));
             let mut row = RackPumpReport::of(member, steps, requested_ml, doses);
             row.warnings.splice(0..0, warnings);
-            error.iter().for_each(|error| row.failed(error));
+            error.iter().for_each(|error| row.failed(error, failed_expanded_ml));
             rows.push(row);
             faults.extend(error.map(|error| RackFault { pump: member.name.clone(), error }));
         }
@@ -260,7 +262,9 @@ impl Player<'_> {
             // A part after the first begins where the one before has left the pump.
             let prepared =
                 if number == 0 { Ok(planned.clone()) } else { session.prepare_motion(&requests[number]) };
+            let mut expanded_ml = 0.0;
             let ran = prepared.and_then(|prepared| {
+                expanded_ml = report(self.bench, &prepared, None).expanded_uncertainty_ml;
                 let Appointment { begin_s, place } = appointment;
                 place.map_or(Ok(()), |place| session.begin_with(place))?;
                 let part = Part { player: self, clock, begin_s, step, prepared: &prepared };
@@ -286,7 +290,7 @@ impl Player<'_> {
                 Err(error) => {
                     self.stop.make(Stop::Fault(self.pump));
                     played.warnings.append(&mut session.notes());
-                    played.error = Some(error);
+                    (played.error, played.failed_expanded_ml) = (Some(error), expanded_ml);
                     return;
                 }
             }

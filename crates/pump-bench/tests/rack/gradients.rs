@@ -177,13 +177,13 @@ fn a_gradient_that_a_motor_or_a_drive_cannot_follow_is_refused_before_any_pump_m
     // Both pumps refuse it, and the one that is planned first tells.
     let told = ["acid", "salt"].map(|pump| format!("pump `{pump}` of the rack, step 1: "));
     assert!(told.iter().any(|told| fast.starts_with(told)), "{fast}");
-    let failing = crate::rig::Failing { after: 0 };
+    let failing = crate::rig::Failing::default();
     let file = RackFile::parse(GRADIENT, Path::new("gradient.toml")).unwrap();
     let benches = PUMPS.map(|pump| {
         Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap().driven_by(&failing).unwrap()
     });
     let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
-    let drives = PUMPS.map(|_| Some(Box::new(crate::rig::Failing { after: 0 }) as Box<dyn Drive>)).into();
+    let drives = PUMPS.map(|_| Some(Box::new(crate::rig::Failing::default()) as Box<dyn Drive>)).into();
     let unable = with_sources(&rack.run_with(drives, |_| {}).unwrap_err());
     assert!(unable.contains("the failing driver has no"), "{unable}");
     assert!(desk.is_untouched());

@@ -66,10 +66,11 @@ impl Desk {
     }
 }
 
-/// Simulated drive that fails after so many steps.
-#[derive(Debug)]
+/// Simulated drive that fails after so many steps, of which it knows all but the last ones.
+#[derive(Debug, Default)]
 pub(crate) struct Failing {
     pub(crate) after: u64,
+    pub(crate) unsure: i64,
 }
 
 impl Drive for Failing {
@@ -86,7 +87,7 @@ impl Drive for Failing {
         for step in plan.each_step() {
             if made == self.after {
                 let error = DriveError::device(std::io::Error::from(std::io::ErrorKind::BrokenPipe));
-                return Err(DriveFault::at(made as i64, error));
+                return Err(DriveFault::between(made as i64 - self.unsure, made as i64, error));
             }
             loop {
                 match gate(made, step.number) {

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pump_bench::Bench;
 use pump_bench::drives::{Drive, StopRequest};
 use pump_bench::rack::{Rack, RackEnd, RackFile, RackPace};
+use pump_bench::record::LogLine;
 use pump_bench::report::Ending;
 use pump_bench::{DoseRequest, built_in};
 
@@ -60,15 +61,15 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
     let file = RackFile::parse(&format!("{HEAD}{LONG}"), "mix.toml".as_ref()).unwrap();
     let benches = PUMPS.map(|(name, pump)| {
         let bench = Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap();
-        if name == "base" { bench.driven_by(&Failing { after: 0 }).unwrap() } else { bench }
+        if name == "base" { bench.driven_by(&Failing::default()).unwrap() } else { bench }
     });
     let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
-    let failing: Box<dyn Drive> = Box::new(Failing { after: 4000 });
+    let failing: Box<dyn Drive> = Box::new(Failing { after: 4000, unsure: 500 });
     let report = rack.run_with(vec![None, Some(failing), None], |_| {}).unwrap();
     assert_eq!(report.end, RackEnd::Fault);
     assert_eq!(report.fault.as_ref().map(|fault| fault.pump.as_str()), Some("base"));
     let [acid, base, salt] = &report.pumps[..] else { panic!("{}", report.json()) };
-    let part_ml = 10.0 * 4000.0 / base_steps(&rack);
+    let part_ml = 10.0 * 3750.0 / base_steps(&rack);
     assert!(base.error.is_some() && base.unfinished && (base.delivered_ml - part_ml).abs() < 1.5, "{base:?}");
     for row in [acid, salt] {
         assert!(row.error.is_none() && row.unfinished && !row.completed, "{row:?}");
@@ -76,6 +77,23 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
         assert!(desk.state(&row.name).unwrap().unfinished.is_some());
     }
     assert!(report.json().contains("\"fault\":\"base\""));
+    // The volume is as unsure as the whole plan, and half the range of the unknown steps comes on top, as in the log.
+    let range_ml = base.delivered_most_ml - base.delivered_least_ml;
+    let log = rack.members()[1].bench.log().unwrap().map(|line| match line.unwrap() {
+        LogLine::Dose(entry) => entry,
+        other => panic!("{other:?}"),
+    });
+    let entry = log.last().unwrap();
+    let known_ml = entry.expanded_uncertainty_ml.unwrap();
+    assert!(range_ml > 0.5 && (base.expanded_uncertainty_ml - known_ml).abs() < 1e-9, "{base:?} {entry:?}");
+    assert!(base.expanded_uncertainty_ml > 0.5 * range_ml + 0.1, "{base:?}");
+    let total = &report.total;
+    assert!(total.expanded_uncertainty_ml > base.expanded_uncertainty_ml, "{total:?}");
+    assert!((total.delivered_most_ml - total.delivered_least_ml - range_ml).abs() < 1e-9, "{total:?}");
+    let text = report.text();
+    let line = text.lines().find(|line| line.starts_with("base")).unwrap();
+    assert!(line.contains(" mL, between ") && line.contains(" by the steps, 10 mL asked"), "{text}");
+    assert!(!text.contains("-0"), "{text}");
 }
 
 /// Motor steps of 10 mL of the pump `base`.

@@ -63,6 +63,8 @@ class RackTotal(Record):
 
     requested_ml: float
     delivered_ml: float
+    delivered_least_ml: float
+    delivered_most_ml: float
     expanded_uncertainty_ml: float
 
 

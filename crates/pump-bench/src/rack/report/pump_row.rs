@@ -82,7 +82,7 @@ impl RackPumpReport {
             }
         }
         let volume_ml = |dose: &RackDose| dose.dose.delivered_ml.unwrap_or(dose.dose.planned_ml);
-        let delivered_ml: f64 = doses.iter().map(volume_ml).sum();
+        let delivered_ml = sum(doses.iter().map(volume_ml));
         let steps_completed = doses.iter().filter(|dose| dose.dose.completed).count();
         Self {
             name: member.name.clone(),
@@ -94,7 +94,7 @@ impl RackPumpReport {
             delivered_ml,
             delivered_least_ml: delivered_ml,
             delivered_most_ml: delivered_ml,
-            expanded_uncertainty_ml: doses.iter().map(|dose| dose.dose.expanded_uncertainty_ml).sum(),
+            expanded_uncertainty_ml: sum(doses.iter().map(|dose| dose.dose.expanded_uncertainty_ml)),
             carry_ml: doses.last().map(|dose| dose.dose.carry_ml),
             steps,
             steps_completed,
@@ -106,8 +106,9 @@ impl RackPumpReport {
         }
     }
 
-    /// Adds the fault of a motion.
-    pub(in crate::rack) fn failed(&mut self, error: &DoseError) {
+    /// Adds the fault of a motion whose whole plan is as unsure as `expanded_ml`. Of the part that was made nobody
+    /// knows more, so it is as unsure as the plan, and half the range of its volume comes on top, as in the log.
+    pub(in crate::rack) fn failed(&mut self, error: &DoseError, expanded_ml: f64) {
         self.error = Some(with_sources(error));
         self.completed = false;
         self.unfinished = matches!(
@@ -119,6 +120,9 @@ impl RackPumpReport {
         let (least_ml, most_ml) = error.delivered_ml().unwrap_or((0.0, 0.0));
         self.delivered_least_ml += least_ml;
         self.delivered_most_ml += most_ml;
+        if (least_ml, most_ml) != (0.0, 0.0) {
+            self.expanded_uncertainty_ml += expanded_ml + 0.5 * (most_ml - least_ml).abs();
+        }
         self.delivered_ml = 0.5 * (self.delivered_least_ml + self.delivered_most_ml);
     }
 
@@ -129,4 +133,9 @@ impl RackPumpReport {
         self.doses = self.doses.into_iter().map(dose).collect();
         self
     }
+}
+
+/// Returns the sum of some volumes. That of none is 0, and not the -0 of `Iterator::sum`.
+pub(super) fn sum(volumes_ml: impl Iterator<Item = f64>) -> f64 {
+    volumes_ml.fold(0.0, |sum_ml, volume_ml| sum_ml + volume_ml)
 }

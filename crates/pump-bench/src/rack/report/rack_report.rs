@@ -3,7 +3,7 @@
 use libm::sqrt;
 use serde::{Serialize, Serializer};
 
-use super::pump_row::RackPumpReport;
+use super::pump_row::{RackPumpReport, sum};
 use crate::dosing::DoseError;
 use crate::notice::Wording;
 use crate::rack::rack::Rack;
@@ -54,6 +54,10 @@ pub struct RackTotal {
     pub requested_ml: f64,
     /// Volume that was delivered, mL, or planned in a rehearsal.
     pub delivered_ml: f64,
+    /// Smallest volume that may have been delivered, mL.
+    pub delivered_least_ml: f64,
+    /// Largest volume that may have been delivered, mL.
+    pub delivered_most_ml: f64,
     /// Expanded uncertainty of the sum, mL: the pumps err independently of each other.
     pub expanded_uncertainty_ml: f64,
 }
@@ -95,11 +99,13 @@ impl RackReport {
         planned_s: f64,
         pumps: Vec<RackPumpReport>,
     ) -> Self {
-        let sum = |of: fn(&RackPumpReport) -> f64| pumps.iter().map(of).sum();
-        let squares: f64 = sum(|row| row.expanded_uncertainty_ml * row.expanded_uncertainty_ml);
+        let sum = |of: fn(&RackPumpReport) -> f64| sum(pumps.iter().map(of));
+        let squares = sum(|row| row.expanded_uncertainty_ml * row.expanded_uncertainty_ml);
         let total = RackTotal {
             requested_ml: sum(|row| row.requested_ml),
             delivered_ml: sum(|row| row.delivered_ml),
+            delivered_least_ml: sum(|row| row.delivered_least_ml),
+            delivered_most_ml: sum(|row| row.delivered_most_ml),
             expanded_uncertainty_ml: sqrt(squares),
         };
         let times = pumps.iter().filter_map(|row| row.doses.first()?.dose.time);

@@ -40,7 +40,14 @@ impl RackReport {
 impl RackPumpReport {
     fn line(&self, width: usize, end: RackEnd) -> String {
         let name = &self.name;
-        let volume = volume(self.delivered_ml, self.expanded_uncertainty_ml);
+        let unsure_ml = self.expanded_uncertainty_ml;
+        let volume = volume(self.delivered_ml, unsure_ml);
+        let (least_ml, most_ml) = (self.delivered_least_ml, self.delivered_most_ml);
+        let range = if most_ml - least_ml > 1e-9 {
+            format!(", between {} and {} by the steps", digits(least_ml, unsure_ml), digits(most_ml, unsure_ml))
+        } else {
+            String::new()
+        };
         let requested = significant(self.requested_ml, 6);
         let done = match end {
             RackEnd::Planned => counted(self.steps, "step"),
@@ -53,17 +60,22 @@ impl RackPumpReport {
             (None, true) => ", its rest is on record",
             (None, false) => "",
         };
-        format!("{name:<width$}  {volume}, {requested} mL asked, {done}{carry}{state}\n")
+        format!("{name:<width$}  {volume}{range}, {requested} mL asked, {done}{carry}{state}\n")
     }
 }
 
-/// Words a volume with the digits of its uncertainty.
+/// Words a volume and its uncertainty with the digits of the uncertainty.
 fn volume(volume_ml: f64, expanded_ml: f64) -> String {
+    format!("{} ± {}", digits(volume_ml, expanded_ml), digits(expanded_ml, expanded_ml))
+}
+
+/// Words a volume with the digits of an uncertainty.
+fn digits(volume_ml: f64, expanded_ml: f64) -> String {
     let decimals = match expanded_ml {
         expanded_ml if expanded_ml > 0.0 => (1.0 - expanded_ml.log10().floor()).clamp(0.0, 4.0) as usize,
         _ => 2,
     };
-    format!("{volume_ml:.decimals$} mL ± {expanded_ml:.decimals$} mL")
+    format!("{volume_ml:.decimals$} mL")
 }
 
 fn counted(number: usize, noun: &str) -> String {
