@@ -49,5 +49,15 @@ pub(crate) fn signal() -> Option<i32> {
 
 /// The request to stop that ends the waits for a device once a signal came.
 pub(crate) fn stop_request() -> StopRequest {
-    StopRequest::new(|| signal().is_some())
+    StopRequest::new(|| signal().is_some()).saying(|| signal().map(name))
+}
+
+/// The name of a signal, as the log keeps it.
+fn name(signal: i32) -> String {
+    match signal {
+        SIGINT => "SIGINT".to_owned(),
+        SIGTERM => "SIGTERM".to_owned(),
+        SIGHUP => "SIGHUP".to_owned(),
+        other => format!("signal {other}"),
+    }
 }

@@ -89,6 +89,8 @@ fn a_stopped_dose_says_exactly_what_it_delivered_and_resume_makes_the_rest() {
         let words: Vec<&str> = out.lines().nth(1).unwrap().split(' ').collect();
         let [said, unsure] = [1, 4].map(|n| words[n].parse::<f64>().unwrap());
         assert!(unsure < 0.06 * said + 0.2, "{out}");
+        let log = user.json(&["log"]);
+        assert_eq!((&log["end"], &log["cause"]), (&"stopped".into(), &format!("SIG{name}").into()));
 
         let status = user.json(&["status"]);
         let unfinished = &status["unfinished"];

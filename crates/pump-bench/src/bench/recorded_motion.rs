@@ -11,6 +11,7 @@ use super::device::Device;
 use crate::displacement::Correction;
 use crate::dosing::{DoseError, Prepared};
 use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
+use crate::notice::with_sources;
 use crate::record::Purpose;
 use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
@@ -194,7 +195,7 @@ impl<'a> Session<'a> {
             part.count_before = before.count;
         }
         self.put_away(device.drive);
-        self.log_fault(&intent, made_least, made_most, error.to_string());
+        self.log_fault(&intent, made_least, made_most, with_sources(&error));
         // If this fails, the journal's last stretch tells as much with wider bounds.
         let _ = self.rest(Why::Fault, state);
         let (least_ml, most_ml) =

@@ -7,17 +7,38 @@ use std::sync::Arc;
 ///
 /// Every wait for a device at rest asks it. A motion asks its gate instead, since it must decelerate first.
 #[derive(Clone, Default)]
-pub struct StopRequest(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
+pub struct StopRequest {
+    asked: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
+    cause: Option<Arc<dyn Fn() -> Option<String> + Send + Sync>>,
+}
 
 impl StopRequest {
     /// Returns a request that is made as soon as `asked` returns true.
     pub fn new(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
-        Self(Some(Arc::new(asked)))
+        Self { asked: Some(Arc::new(asked)), cause: None }
+    }
+
+    /// Returns the request that says who or what made it, as `SIGINT`. The log keeps it for a motion that was stopped.
+    ///
+    /// ```
+    /// use pump_bench::drives::StopRequest;
+    ///
+    /// let stop = StopRequest::new(|| true).saying(|| Some("SIGTERM".to_owned()));
+    /// assert_eq!(stop.cause().as_deref(), Some("SIGTERM"));
+    /// ```
+    #[must_use]
+    pub fn saying(self, cause: impl Fn() -> Option<String> + Send + Sync + 'static) -> Self {
+        Self { cause: Some(Arc::new(cause)), ..self }
     }
 
     /// Returns true if the user asked to stop.
     pub fn is_made(&self) -> bool {
-        self.0.as_ref().is_some_and(|asked| asked())
+        self.asked.as_ref().is_some_and(|asked| asked())
+    }
+
+    /// Returns who or what made the request. `None` if nobody says.
+    pub fn cause(&self) -> Option<String> {
+        self.cause.as_ref().and_then(|cause| cause())
     }
 }
 
@@ -29,7 +50,7 @@ impl Debug for StopRequest {
 
 impl PartialEq for StopRequest {
     fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
+        match (&self.asked, &other.asked) {
             (None, None) => true,
             (Some(one), Some(two)) => Arc::ptr_eq(one, two),
             _ => false,

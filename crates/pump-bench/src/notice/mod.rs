@@ -2,7 +2,9 @@
 
 mod notice;
 mod remedy;
+mod sources;
 
 pub use notice::Notice;
 pub(crate) use notice::with_remedies;
 pub use remedy::{Remedy, Wording};
+pub use sources::with_sources;

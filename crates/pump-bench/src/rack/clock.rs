@@ -27,13 +27,15 @@ pub(super) enum Stop {
 #[derive(Debug, Clone, Default)]
 pub(super) struct SharedStop {
     asked: StopRequest,
+    /// Names of the pumps.
+    pumps: Arc<[String]>,
     made: Arc<Mutex<Option<Stop>>>,
 }
 
 impl SharedStop {
-    /// Makes a stop that `asked` makes too.
-    pub(super) fn hearing(asked: StopRequest) -> Self {
-        Self { asked, made: Arc::default() }
+    /// Makes a stop of the pumps of these names that `asked` makes too.
+    pub(super) fn hearing(asked: StopRequest, pumps: Arc<[String]>) -> Self {
+        Self { asked, pumps, made: Arc::default() }
     }
 
     /// Stops all pumps. The first cause stays.
@@ -52,8 +54,16 @@ impl SharedStop {
 
     /// Returns the request to stop that ends the waits for devices.
     pub(super) fn request(&self) -> StopRequest {
-        let stop = self.clone();
-        StopRequest::new(move || stop.cause().is_some())
+        let (stop, told) = (self.clone(), self.clone());
+        StopRequest::new(move || stop.cause().is_some()).saying(move || told.said())
+    }
+
+    /// Returns who or what stopped all pumps, as the log of each keeps it.
+    fn said(&self) -> Option<String> {
+        match self.cause()? {
+            Stop::Asked => self.asked.cause(),
+            Stop::Fault(pump) => Some(format!("a fault of pump {} of the rack", self.pumps.get(pump)?)),
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, Option<Stop>> {

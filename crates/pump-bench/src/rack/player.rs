@@ -210,6 +210,7 @@ impl Player<'_> {
                 return Played::default();
             }
         };
+        session.name_rack(self.rack.name());
         let homed = if self.rack.unattended && !is_unfinished(&session) {
             session.keep_home_policy().map_err(first)
         } else {

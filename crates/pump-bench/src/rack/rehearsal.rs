@@ -91,7 +91,8 @@ impl Rack {
 
     /// Returns the stop that all pumps hear.
     pub(super) fn shared_stop(&self) -> SharedStop {
-        SharedStop::hearing(self.stop.clone())
+        let names = self.members().iter().map(|member| member.name.clone());
+        SharedStop::hearing(self.stop.clone(), names.collect())
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pump_bench::Bench;
 use pump_bench::drives::{Drive, StopRequest};
 use pump_bench::rack::{Rack, RackEnd, RackFile, RackPace};
-use pump_bench::record::LogLine;
+use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::report::Ending;
 use pump_bench::{DoseRequest, built_in};
 
@@ -79,11 +79,7 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
     assert!(report.json().contains("\"fault\":\"base\""));
     // The volume is as unsure as the whole plan, and half the range of the unknown steps comes on top, as in the log.
     let range_ml = base.delivered_most_ml - base.delivered_least_ml;
-    let log = rack.members()[1].bench.log().unwrap().map(|line| match line.unwrap() {
-        LogLine::Dose(entry) => entry,
-        other => panic!("{other:?}"),
-    });
-    let entry = log.last().unwrap();
+    let entry = last_logged(&rack, 1);
     let known_ml = entry.expanded_uncertainty_ml.unwrap();
     assert!(range_ml > 0.5 && (base.expanded_uncertainty_ml - known_ml).abs() < 1e-9, "{base:?} {entry:?}");
     assert!(base.expanded_uncertainty_ml > 0.5 * range_ml + 0.1, "{base:?}");
@@ -94,6 +90,52 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
     let line = text.lines().find(|line| line.starts_with("base")).unwrap();
     assert!(line.contains(" mL, between ") && line.contains(" by the steps, 10 mL asked"), "{text}");
     assert!(!text.contains("-0"), "{text}");
+}
+
+/// The last dose in the log of a pump.
+fn last_logged(rack: &Rack, pump: usize) -> LogEntry {
+    let log = rack.members()[pump].bench.log().unwrap().map(|line| match line.unwrap() {
+        LogLine::Dose(entry) => entry,
+        other => panic!("{other:?}"),
+    });
+    log.last().unwrap()
+}
+
+#[test]
+fn the_log_of_each_pump_names_the_rack_and_who_stopped_it() {
+    let desk = Desk::new();
+    let file = RackFile::parse(&format!("{HEAD}{LONG}"), "mix.toml".as_ref()).unwrap();
+    let benches = PUMPS.map(|(name, pump)| {
+        let bench = Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap();
+        if name == "base" { bench.driven_by(&Failing::default()).unwrap() } else { bench }
+    });
+    let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
+    let failing: Box<dyn Drive> = Box::new(Failing { after: 4000, unsure: 0 });
+    rack.run_with(vec![None, Some(failing), None], |_| {}).unwrap();
+    for pump in [0, 2] {
+        let entry = last_logged(&rack, pump);
+        assert_eq!(entry.end, LogEnd::Stopped);
+        assert_eq!(entry.cause.as_deref(), Some("a fault of pump base of the rack"));
+        assert_eq!(entry.rack.unwrap().as_str(), "mix");
+    }
+    let failed = last_logged(&rack, 1);
+    let cause = failed.cause.unwrap();
+    assert!(failed.end == LogEnd::Fault && cause.contains(": broken pipe"), "{cause}");
+    // Somebody who stops the rack is named by every pump.
+    let desk = Desk::new();
+    let asked = Arc::new(AtomicBool::new(false));
+    let hears = asked.clone();
+    let stop = StopRequest::new(move || hears.load(Ordering::SeqCst)).saying(|| Some("SIGTERM".to_owned()));
+    let rack = desk.rack(LONG).unwrap().stopping_on(stop);
+    rack.run(|progress| {
+        if progress.made > 3000 {
+            asked.store(true, Ordering::SeqCst);
+        }
+    })
+    .unwrap();
+    for pump in 0..3 {
+        assert_eq!(last_logged(&rack, pump).cause.as_deref(), Some("SIGTERM"));
+    }
 }
 
 /// Motor steps of 10 mL of the pump `base`.

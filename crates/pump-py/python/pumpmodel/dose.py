@@ -288,8 +288,9 @@ class LoggedDose(Record):
     """A dose in the log of a bench: the fields of the command's JSON `log/1`.
 
     `delivered_least_ml` and `delivered_most_ml` are numbers where nobody knows how many steps were made, and
-    None otherwise. `end` tells who or what ended the dose, and `cause` the reason of a fault. The rest of a
-    dose that was stopped, and the retraction after a dose, have entries of their own.
+    None otherwise. `end` tells how the dose ended, and `cause` the reason of a fault, or who or what stopped
+    the dose. `rack` is the rack of which it was a part. The rest of a dose that was stopped, and the
+    retraction after a dose, have entries of their own.
     """
 
     schema: str
@@ -312,6 +313,7 @@ class LoggedDose(Record):
     calibration: int | None
     steps: int | None
     motion_s: float | None
+    rack: str | None
 
 
 @dataclass(frozen=True)

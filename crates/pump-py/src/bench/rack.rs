@@ -15,6 +15,7 @@ use pump_bench::rack::{Rack as DoseRack, RackError, RackFile, RackPace, RackRepo
 use pyo3::prelude::*;
 
 use super::bench::state_dir;
+use super::worker::cause;
 use crate::argument::word;
 use crate::python::advice;
 use crate::python::errors::{self, PumpError, value};
@@ -128,7 +129,13 @@ impl Rack {
     ) -> PyResult<String> {
         let told = Progress::default();
         let (asked, noted) = (Arc::clone(stop), Arc::clone(&told));
-        let rack = self.rack.clone().stopping_on(StopRequest::new(move || asked.load(Ordering::Relaxed)));
+        let thrower: Arc<Mutex<Option<String>>> = Arc::default();
+        let told_cause = Arc::clone(&thrower);
+        let asked = StopRequest::new(move || asked.load(Ordering::Relaxed)).saying(move || {
+            let cause = told_cause.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            Some(cause.unwrap_or_else(|| "Rack.stop()".to_owned()))
+        });
+        let rack = self.rack.clone().stopping_on(asked);
         let (sender, mut ended) = channel();
         let run = move || {
             let report = rack.run(|progress| {
@@ -153,6 +160,7 @@ impl Rack {
             if thrown.is_none()
                 && let Err(error) = py.check_signals().and_then(|()| tell(progress, &told, &mut heard))
             {
+                *thrower.lock().unwrap_or_else(PoisonError::into_inner) = Some(cause(py, &error));
                 stop.store(true, Ordering::Relaxed);
                 thrown = Some(error);
             }

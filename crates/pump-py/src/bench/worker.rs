@@ -22,6 +22,8 @@ const LOOK: Duration = Duration::from_millis(50);
 #[derive(Debug, Default)]
 pub(super) struct Signal {
     stop: AtomicBool,
+    /// Who or what wants the motion to stop.
+    cause: Mutex<Option<String>>,
     /// Number of steps made.
     made: AtomicU64,
     /// Number of steps planned; 0 before the motion.
@@ -32,6 +34,12 @@ impl Signal {
     /// Tells if the caller wants the motion to stop.
     pub(super) fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Stops the motion. The first cause stays.
+    fn stop(&self, cause: &str) {
+        lock(&self.cause).get_or_insert_with(|| cause.to_owned());
+        self.stop.store(true, Ordering::Relaxed);
     }
 
     /// Notes the number of steps planned.
@@ -106,6 +114,8 @@ impl Worker {
         let running: Arc<Mutex<Option<Arc<Signal>>>> = Arc::default();
         let asked = Arc::clone(&running);
         let stop = StopRequest::new(move || lock(&asked).as_ref().is_some_and(|signal| signal.stopped()));
+        let told = Arc::clone(&running);
+        let stop = stop.saying(move || lock(&told).as_ref().and_then(|signal| lock(&signal.cause).clone()));
         let bench = Arc::new(bench.stopping_on(stop));
         let held = Arc::clone(&bench);
         let thread =
@@ -152,7 +162,7 @@ impl Worker {
             if raised.is_none()
                 && let Err(error) = py.check_signals().and_then(|()| tell(progress, &signal, &mut told))
             {
-                signal.stop.store(true, Ordering::Relaxed);
+                signal.stop(&cause(py, &error));
                 raised = Some(error);
             }
         };
@@ -216,7 +226,7 @@ impl Worker {
     /// Makes the motor of the call under way decelerate and hold.
     pub(super) fn stop(&self) {
         if let Some(signal) = lock(&self.running).as_ref() {
-            signal.stop.store(true, Ordering::Relaxed);
+            signal.stop("Bench.stop()");
         }
     }
 
@@ -252,6 +262,11 @@ fn work(bench: &Bench, jobs: &Receiver<Job>) {
             Err(RecvTimeoutError::Disconnected) => return,
         }
     }
+}
+
+/// Returns the name of an exception that stops a motion, as `KeyboardInterrupt`, for the log.
+pub(super) fn cause(py: Python<'_>, error: &PyErr) -> String {
+    error.get_type(py).name().map_or_else(|_| "an exception".to_owned(), |name| name.to_string())
 }
 
 /// Calls `progress` if steps were made since the last call.

@@ -144,6 +144,7 @@ def test_what_progress_raises_stops_the_motor_too(bench: pm.Bench) -> None:
 
     with pytest.raises(ArithmeticError, match=r"\d+ of 600688"):
         bench.dose("1000mL", rate="30mL/s", progress=fail)
+    assert bench.log()[-1].cause == "ArithmeticError"
     assert bench.status().unfinished is not None
     assert bench.discard().unfinished is None
     assert bench.dose("1mL").completed
@@ -165,6 +166,8 @@ def test_another_thread_can_stop_a_dose(bench: pm.Bench) -> None:
     assert 0 < dose.delivered_ml < 2000
     assert dose.steps_made is not None
     assert 0 < dose.steps_made < dose.steps
+    logged = bench.log()[-1]
+    assert (logged.end, logged.cause, logged.rack) == ("stopped", "Bench.stop()", None)
 
 
 def test_progress_ends_at_the_last_step(bench: pm.Bench) -> None:

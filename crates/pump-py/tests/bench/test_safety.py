@@ -31,3 +31,16 @@ def test_a_bench_obeys_the_limits_of_the_command(tmp_path: Path) -> None:
         assert bench.vessel_emptied().safety.received_ml == 0
         bench.clear_safety("emptied")
         bench.dose("16mL")
+
+
+def test_a_run_until_stopped_that_a_limit_ends_raises_and_is_on_record(tmp_path: Path) -> None:
+    tank = tmp_path / "tank.toml"
+    tank.write_text(pm.Pump.three_roller().to_toml() + "\n[safety]\nvessel_ml = 5.0\n")
+    with pm.Bench.open(tank, state_dir=tmp_path) as bench:
+        with pytest.raises(pm.SafetyError, match="the limit has ended a run") as caught:
+            bench.run(rate="6mL/s")
+        assert caught.value.planned_ml == 0
+        assert "were delivered" in caught.value.__notes__[0]
+        assert bench.log()[-1].delivered_ml == pytest.approx(4.95, abs=0.05)
+        with pytest.raises(pm.SafetyError):
+            bench.dose("0.01mL")

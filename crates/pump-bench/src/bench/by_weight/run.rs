@@ -19,6 +19,7 @@ use crate::bench::recorded_motion::RecordedMotion;
 use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, WeightFault};
 use crate::drives::{DriveError, StopRequest};
+use crate::notice::with_sources;
 use crate::record::{DoseTerms, LastDose, LogEnd, PumpState, Purpose, Stamp, Why};
 
 /// Most stretches of a dose. A stretch leaves a few percent of what was missing, and drops take a few more.
@@ -119,7 +120,7 @@ impl Session<'_> {
         match &ended {
             Ok(delivered) if delivered.completed => {}
             Ok(_) => self.log_broken_off(began, LogEnd::Stopped, None),
-            Err(error) => self.log_broken_off(began, LogEnd::Fault, Some(error.to_string())),
+            Err(error) => self.log_broken_off(began, LogEnd::Fault, Some(with_sources(error))),
         }
         ended.map(|delivered| DeliveredByWeight { began: Some(began), ..delivered })
     }

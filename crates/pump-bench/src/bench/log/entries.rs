@@ -7,12 +7,18 @@ use crate::bench::recorded_motion::RecordedMotion;
 use crate::bench::session::Session;
 use crate::bench::{DeliveredByWeight, PreparedByWeight};
 use crate::dosing::{Swept, weighed_shares};
-use crate::record::{Clock, Intent, LogEnd, LogEntry, PumpState, Purpose, Stamp, Told, Unfinished, Why};
+use crate::notice::with_sources;
+use crate::record::{Asked, Clock, Intent, LogEnd, LogEntry, PumpState, Purpose, Stamp, Told, Unfinished, Why};
 
 impl Session<'_> {
     /// Has doses get their times from `clock`, in place of the system's.
     pub fn keep_time_by(&mut self, clock: Box<dyn Clock>) {
         self.log.clock = clock;
+    }
+
+    /// Has the log name the rack of which this pump's motions are a part.
+    pub(crate) fn name_rack(&mut self, rack: &str) {
+        self.log.rack = Some(Asked::new(rack));
     }
 
     /// Returns the part of an intent that only the log needs. `None` for a turn to a mark.
@@ -26,6 +32,7 @@ impl Session<'_> {
             calibration: prepared
                 .and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
             earlier_ml: if motion.terms.by_weight { self.earlier_ml() } else { 0.0 },
+            rack: self.log.rack,
         })
     }
 
@@ -62,13 +69,20 @@ impl Session<'_> {
                 LogEnd::Done => entry.expanded_uncertainty_ml,
                 _ => self.uncertainty_ml(motion, made),
             },
-            cause: halt.map(|halt| match halt {
-                Halt::Unwritten(source) => source.to_string(),
-                Halt::Late => "the disk with the journal was too slow".to_owned(),
-            }),
+            cause: match halt {
+                Some(Halt::Unwritten(source)) => Some(with_sources(source)),
+                Some(Halt::Late) => Some("the disk with the journal was too slow".to_owned()),
+                None if end == LogEnd::Stopped => self.stopped_by(),
+                None => None,
+            },
             motion_s: Some(measured_s),
             ..entry
         });
+    }
+
+    /// Returns who or what asked the motion to stop. `None` if nobody says.
+    fn stopped_by(&self) -> Option<String> {
+        self.bench.opening().stop.cause()
     }
 
     /// Keeps the entry of a motion that failed after `least` to `most` steps, for the rest that follows.
@@ -105,6 +119,7 @@ impl Session<'_> {
     /// Records the end of a dose by weight that was broken off.
     pub(in crate::bench) fn log_broken_off(&mut self, began: Stamp, end: LogEnd, cause: Option<String>) {
         let Some(entry) = self.entry_by_weight(began, end) else { return };
+        let cause = cause.or_else(|| self.stopped_by().filter(|_| end == LogEnd::Stopped));
         self.log.ended = Some(LogEntry { cause, steps: None, ..entry });
         let why = if end == LogEnd::Stopped { Why::Stopped } else { Why::Fault };
         // If this fails, the next rest has the entry, or the next session finds that the dose has none.

@@ -2,7 +2,7 @@
 
 use crate::notice::Notice;
 use crate::record::{
-    Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, Story, SystemClock, Unfinished, pending,
+    Asked, Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, Story, SystemClock, Unfinished, pending,
 };
 
 /// Log that a session keeps.
@@ -13,6 +13,8 @@ pub(in crate::bench) struct SessionLog {
     tail: Option<LogTail>,
     /// Clock that gives doses their times.
     pub(in crate::bench) clock: Box<dyn Clock>,
+    /// Rack of which the motions are a part. `None` for a pump by itself.
+    pub(in crate::bench) rack: Option<Asked>,
     /// Number of the last dose that is on record.
     pub(in crate::bench) doses: u64,
     /// Dose that has ended and is not on record yet.
@@ -35,7 +37,8 @@ impl SessionLog {
             part.intent.terms.by_weight && part.intent.told.is_some_and(|told| told.number > doses)
         };
         let unlogged = cut_off.or(story.state.and_then(|state| state.unfinished).filter(is_unlogged));
-        let session = Self { log, tail, clock: Box::new(SystemClock), doses, ended: None, unlogged };
+        let clock = Box::new(SystemClock);
+        let session = Self { log, tail, clock, rack: None, doses, ended: None, unlogged };
         (session, mended.err().map(|error| notice(&error)))
     }
 

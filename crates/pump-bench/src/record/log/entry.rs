@@ -35,9 +35,12 @@ pub struct LogEntry {
     pub carry_ml: f64,
     /// End of the dose.
     pub end: LogEnd,
-    /// Cause of a fault. `None` otherwise.
+    /// Cause of a fault with its sources, or who or what stopped the dose. `None` where there is none, or nobody says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cause: Option<String>,
+    /// Rack of which the dose was a part. `None` for a pump by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rack: Option<Asked>,
     /// True if the dose is the rest of one that was stopped or cut off.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub resumed: bool,
@@ -81,6 +84,7 @@ impl LogEntry {
             carry_ml: 0.0,
             end,
             cause: None,
+            rack: told.and_then(|told| told.rack),
             resumed: if intent.terms.by_weight { earlier_ml != 0.0 } else { intent.whole.is_some() },
             tube,
             calibration: told.and_then(|told| told.calibration),

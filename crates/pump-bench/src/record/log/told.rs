@@ -24,6 +24,9 @@ pub(crate) struct Told {
     /// Volume of a dose by weight, in mL, that the entries of earlier commands have. An entry tells its own share.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub(crate) earlier_ml: f64,
+    /// Rack of which the motion is a part. `None` for a pump by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) rack: Option<Asked>,
 }
 
 fn is_zero(value: &f64) -> bool {

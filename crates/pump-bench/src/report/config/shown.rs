@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::config::Config;
 use crate::record::FolderError;
-use crate::report::error::with_sources;
+use crate::notice::with_sources;
 
 /// Schema of the JSON.
 const SCHEMA: &str = "config/1";

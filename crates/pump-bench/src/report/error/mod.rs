@@ -11,6 +11,6 @@ mod remedies;
 mod remedies_of_drives;
 mod report;
 
-pub use explain::{ErrorFacts, Explain, with_sources};
+pub use explain::{ErrorFacts, Explain};
 pub use kind::ErrorKind;
 pub use report::ErrorReport;

@@ -5,7 +5,7 @@ use crate::record::{LogEnd, LogEntry};
 
 /// Header of the table of which [`log_csv`] writes the rows.
 pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
-    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s";
+    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack";
 
 /// Words a dose for people, in one line without its end.
 pub fn log_text(entry: &LogEntry) -> String {
@@ -20,20 +20,22 @@ pub fn log_text(entry: &LogEntry) -> String {
         None => format!("{:.4}{unsure} mL", entry.delivered_ml),
     };
     let cause = entry.cause.as_ref().map_or(String::new(), |cause| format!(" ({cause})"));
-    let end = match entry.end {
-        LogEnd::Done => "done",
-        LogEnd::Weighed => "ended by the balance",
-        LogEnd::Stopped => "stopped by the user",
-        LogEnd::Fault => "ended by a fault",
-        LogEnd::CutOff => "cut off: the process ended",
+    let end = match (entry.end, &entry.cause) {
+        (LogEnd::Done, _) => format!("done{cause}"),
+        (LogEnd::Weighed, _) => format!("ended by the balance{cause}"),
+        (LogEnd::Stopped, Some(cause)) => format!("stopped by {cause}"),
+        (LogEnd::Stopped, None) => "stopped by the user".to_owned(),
+        (LogEnd::Fault, _) => format!("ended by a fault{cause}"),
+        (LogEnd::CutOff, _) => format!("cut off: the process ended{cause}"),
     };
+    let rack = entry.rack.map_or(String::new(), |rack| format!(", rack {}", rack.as_str()));
     let rest = if entry.resumed { ", the rest of a dose" } else { "" };
     let calibration = match entry.calibration {
         Some(version) => format!("calibration {version}"),
         None => "no calibration".to_owned(),
     };
     format!(
-        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}; {end}{cause}{rest}",
+        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}{rack}; {end}{rest}",
         entry.number,
         entry.time,
         entry.purpose,
@@ -64,6 +66,7 @@ pub fn log_csv(entry: &LogEntry) -> String {
         entry.calibration.map_or(String::new(), |version| version.to_string()),
         entry.steps.map_or(String::new(), |steps| steps.to_string()),
         number(entry.motion_s),
+        quoted(entry.rack.as_ref().map_or("", |rack| rack.as_str())),
     ]
     .join(",")
 }
@@ -92,6 +95,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry) -> String {
         "calibration": entry.calibration,
         "steps": entry.steps,
         "motion_s": entry.motion_s,
+        "rack": entry.rack,
     })
     .to_string()
 }
@@ -123,6 +127,7 @@ mod tests {
             carry_ml: -0.0004,
             end: LogEnd::Fault,
             cause: Some("the board said \"no\", then nothing".to_owned()),
+            rack: None,
             resumed: false,
             tube: 2,
             calibration: Some(3),
@@ -136,10 +141,10 @@ mod tests {
         assert_eq!(
             log_csv(&entry()),
             "7,2026-11-23T03:15:00+01:00,dose,25 mL,25,25.0004,,,0.125,-0.0004,fault,\"the board said \"\"no\"\", then \
-             nothing\",false,2,3,27284,"
+             nothing\",false,2,3,27284,,"
         );
-        assert_eq!(LOG_CSV_HEADER.split(',').count(), 17);
-        assert_eq!(log_csv(&LogEntry { cause: None, ..entry() }).split(',').count(), 17);
+        assert_eq!(LOG_CSV_HEADER.split(',').count(), 18);
+        assert_eq!(log_csv(&LogEntry { cause: None, ..entry() }).split(',').count(), 18);
     }
 
     #[test]
@@ -147,6 +152,13 @@ mod tests {
         let line = log_text(&entry());
         assert!(line.contains("25.0004 ± 0.12 mL") && line.contains("tube 2, calibration 3"), "{line}");
         assert!(line.ends_with("ended by a fault (the board said \"no\", then nothing)"), "{line}");
+        let stopped = LogEntry {
+            end: LogEnd::Stopped,
+            cause: Some("SIGTERM".to_owned()),
+            rack: Some(Asked::new("mix")),
+            ..entry()
+        };
+        assert!(log_text(&stopped).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
         assert!(log_text(&cut).contains("1.0000 to 2.0000 mL"), "{}", log_text(&cut));
