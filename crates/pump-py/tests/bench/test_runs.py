@@ -30,6 +30,25 @@ def test_a_run_has_its_rate_and_its_time_and_leaves_the_carry(tmp_path: Path) ->
         assert bench.dose("1mL").run is None
 
 
+@pytest.mark.parametrize("purpose", ["prime", "purge"])
+def test_a_line_is_primed_and_purged_for_a_time(tmp_path: Path, purpose: str) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        motion = {"prime": bench.prime, "purge": bench.purge}[purpose]
+        report = motion(duration="20s", rate="5mL/s")
+        assert (report.purpose, report.completed) == (purpose, True)
+        assert report.motion_s == pytest.approx(20, abs=0.2)
+        assert report.run is not None
+        assert (report.run.until, report.run.asked_s) == ("time", 20)
+        assert report.run.mean_flow_ml_s == pytest.approx(5, abs=0.4)
+        assert bench.status().carry_ml == 0
+        back = motion(duration="2s", rate="5mL/s", reverse=True)
+        assert back.delivered_ml is not None
+        assert back.delivered_ml < -8
+        for wrong in ({}, {"volume": "1mL", "duration": "1s"}):
+            with pytest.raises(ValueError, match="give one of them"):
+                motion(**wrong)
+
+
 def test_a_run_until_it_is_stopped_is_complete_once_it_is(tmp_path: Path) -> None:
     with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
         timer = threading.Timer(1.5, bench.stop)

@@ -100,6 +100,7 @@ mod tests {
             carry_ml: 0.0,
             end: LogEnd::Done,
             cause: None,
+            rack: None,
             resumed: false,
             tube: 1,
             calibration: None,

@@ -2,7 +2,7 @@
 
 from pumpmodel._pumpmodel import Balance, Limits
 from pumpmodel.bench.planning import BenchPlans, Progress
-from pumpmodel.bench.request import asked, by_weight
+from pumpmodel.bench.request import asked, by_weight, one_end
 from pumpmodel.choices import Finish, Ramps
 from pumpmodel.dose import Dose
 
@@ -135,8 +135,10 @@ class BenchDoses(BenchPlans):
 
     def prime(
         self,
-        volume: str,
+        volume: str | None = None,
         *,
+        duration: str | None = None,
+        reverse: bool = False,
         rate: str | None = None,
         speed: str | None = None,
         within: str | None = None,
@@ -152,8 +154,13 @@ class BenchDoses(BenchPlans):
 
         Parameters
         ----------
-        volume : str
+        volume : str, optional
             Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
+        duration : str, optional
+            Time from the first step to the last, ramps included, as "20s". Give one of `volume` and
+            `duration`; `within` goes with a volume.
+        reverse : bool
+            Run in reverse.
         rate : str, optional
             Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
         speed : str, optional
@@ -189,7 +196,7 @@ class BenchDoses(BenchPlans):
         TypeError
             If a quantity is a bare number.
         ValueError
-            If a text is not the expected quantity.
+            If a text is not the expected quantity, or not one of `volume` and `duration` is given.
         PlanError
             If the pump cannot make the dose.
         UnfinishedError
@@ -197,6 +204,7 @@ class BenchDoses(BenchPlans):
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
+        one_end(volume, duration)
         request = asked(
             volume,
             rate,
@@ -209,13 +217,17 @@ class BenchDoses(BenchPlans):
             start_angle_rad,
             start_half_width_rad,
             limits,
+            duration=duration,
+            reverse=reverse,
         )
         return self._run("prime", request, dry_run, progress)
 
     def purge(
         self,
-        volume: str,
+        volume: str | None = None,
         *,
+        duration: str | None = None,
+        reverse: bool = False,
         rate: str | None = None,
         speed: str | None = None,
         within: str | None = None,
@@ -231,8 +243,13 @@ class BenchDoses(BenchPlans):
 
         Parameters
         ----------
-        volume : str
+        volume : str, optional
             Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
+        duration : str, optional
+            Time from the first step to the last, ramps included, as "20s". Give one of `volume` and
+            `duration`; `within` goes with a volume.
+        reverse : bool
+            Run in reverse.
         rate : str, optional
             Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
         speed : str, optional
@@ -268,7 +285,7 @@ class BenchDoses(BenchPlans):
         TypeError
             If a quantity is a bare number.
         ValueError
-            If a text is not the expected quantity.
+            If a text is not the expected quantity, or not one of `volume` and `duration` is given.
         PlanError
             If the pump cannot make the dose.
         UnfinishedError
@@ -276,6 +293,7 @@ class BenchDoses(BenchPlans):
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
+        one_end(volume, duration)
         request = asked(
             volume,
             rate,
@@ -288,5 +306,7 @@ class BenchDoses(BenchPlans):
             start_angle_rad,
             start_half_width_rad,
             limits,
+            duration=duration,
+            reverse=reverse,
         )
         return self._run("purge", request, dry_run, progress)

@@ -45,6 +45,12 @@ def asked(
     }
 
 
+def one_end(volume: str | None, duration: str | None) -> None:
+    """Refuse a motion that has no end, or two."""
+    if (volume is None) == (duration is None):
+        raise ValueError("volume and duration each end the motion; give one of them")
+
+
 def by_weight(
     until_scale: Balance | None, max_volume: str | None, slow_rate: str | None, scale: str | None
 ) -> dict[str, Any] | None:
