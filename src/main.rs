@@ -15,6 +15,7 @@ mod refusals;
 mod shown;
 mod terminal;
 mod told_commands;
+mod warned;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -19,6 +19,7 @@ use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
 use crate::progress::until_next;
 use crate::terminal::{is_reader_gone, noted, print, tell, waiting, warn};
+use crate::warned::Warned;
 
 /// Longest sleep between two looks for a signal.
 const SLICE: Duration = Duration::from_millis(50);
@@ -59,7 +60,7 @@ pub(super) fn run(
         before: Vec::new(),
         options,
         total: Total::default(),
-        warned: Vec::new(),
+        warned: Warned::default(),
     };
     let (ended, verb) = if options.dry_run {
         (batch.rehearse(), "planned")
@@ -127,8 +128,8 @@ struct Batch<'a> {
     before: Vec<Notice>,
     options: &'a DosingOptions,
     total: Total,
-    /// Warnings that were printed. Each is printed once.
-    warned: Vec<String>,
+    /// Warnings that were printed. Each kind is printed once.
+    warned: Warned,
 }
 
 /// Sums over the doses of a batch.
@@ -207,7 +208,8 @@ impl Batch<'_> {
                     prepared.warnings.append(&mut self.before);
                     prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
-                    let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
+                    let (json, warned) = (self.said.json, &mut self.warned);
+                    let delivered = deliver(self.bench, session, &prepared, interrupt, json, warned)?;
                     self.done += u64::from(delivered.0.completed);
                     let volume_ml = delivered.0.volume_ml;
                     self.report(number, &prepared, Some(delivered))?;
@@ -293,7 +295,8 @@ impl Batch<'_> {
         self.total.add(&report);
         let printed = if self.said.json || self.said.verbose {
             let place = Some((number, self.count));
-            let printed = report_once(self.bench, report, &self.said, place, mem::take(&mut self.untold));
+            let (untold, warned) = (mem::take(&mut self.untold), &mut self.warned);
+            let printed = report_once(self.bench, report, &self.said, place, untold, warned);
             let space = if number < self.count && !self.said.json { print("\n") } else { Ok(()) };
             printed.and(space)
         } else {
@@ -302,7 +305,8 @@ impl Batch<'_> {
         ended(printed, delivered)
     }
 
-    /// Prints a dose as one line. The headline comes before the first, and a warning after the first dose that has it.
+    /// Prints a dose as one line. The headline comes before the first, and a warning after the first dose that has one of
+    /// its kind.
     fn print_line(&mut self, number: u64, report: &DoseReport) -> Result<(), Failure> {
         let was_run = report.delivered_ml.is_some();
         // A real motor was announced before it moved, and so were the warnings.
@@ -311,13 +315,10 @@ impl Batch<'_> {
             1 if !is_announced => report.headline() + "\n",
             _ => String::new(),
         };
-        let warnings: Vec<String> =
-            report.warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
-        let unsaid = warnings.into_iter().filter(|line| !is_announced && !self.warned.contains(line));
-        let unsaid: Vec<String> = unsaid.collect();
+        let unsaid = if is_announced { Vec::new() } else { self.warned.untold(&report.warnings) };
+        let unsaid: String = unsaid.iter().map(|warning| format!("warning: {warning}\n")).collect();
         let line = report.batch_line(number, self.count);
-        self.warned.extend(unsaid.iter().cloned());
-        tell(&format!("{headline}{line}\n{}", unsaid.concat()))
+        tell(&format!("{headline}{line}\n{unsaid}"))
     }
 
     /// Prints the total of a batch for people.

@@ -10,6 +10,7 @@ use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
 use crate::progress::MotionBar;
 use crate::terminal::{announce, noted, waiting, warn};
+use crate::warned::Warned;
 
 /// The message after a signal.
 const STOPPED: &str = "stopped by the user; `dose resume --until-scale` with the vessel on its balance makes the rest \
@@ -35,7 +36,7 @@ pub(super) fn run(
     if dosing.dry_run {
         let prepared = bench.prepare_by_weight(&order)?;
         let report = DoseReport::planned_by_weight(bench, &prepared);
-        return report_once(bench, report, &said, None, Vec::new());
+        return report_once(bench, report, &said, None, Vec::new(), &mut Warned::default());
     }
     make(bench, &said, options, balance, |session, scale, interrupt| {
         let before = before_dose(bench, session, dosing, interrupt)?;
@@ -104,7 +105,7 @@ fn make(
     let difference_g = delivered.difference_standard_g(options.scale, bench.file());
     let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
     let delivered_ml = report.delivered_ml.unwrap_or_default();
-    let printed = report_once(bench, report, said, None, Vec::new());
+    let printed = report_once(bench, report, said, None, Vec::new(), &mut Warned::default());
     match (printed, delivered.completed) {
         (Err(failure), _) => Err(failure.after_motion().delivered(delivered_ml)),
         (Ok(()), true) => Ok(()),

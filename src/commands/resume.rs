@@ -17,6 +17,7 @@ use crate::options::report::{FormatOption, VerboseOption};
 use crate::options::speed::{CruiseOptions, RampsOption};
 use crate::options::unattended::{OnFailOption, has_no_terminal};
 use crate::terminal::{noted, say, tell, warn};
+use crate::warned::Warned;
 
 #[derive(Debug, Args)]
 pub(crate) struct ResumeArgs {
@@ -92,7 +93,7 @@ impl ResumeArgs {
             }
             prepared => noted(&mut session, prepared)?,
         };
-        let delivered = deliver(&bench, &mut session, &prepared, &interrupt, json)?;
+        let delivered = deliver(&bench, &mut session, &prepared, &interrupt, json, &mut Warned::default())?;
         report(&bench, &prepared, Some(delivered), &said)
     }
 }

@@ -57,7 +57,8 @@ mod tests {
 
     #[test]
     fn a_time_has_the_unit_that_suits_it() {
-        for (time_s, told) in [(3.672, "3.67 s"), (600.0, "10 min"), (36_000.0, "10 h"), (1_700_398_800.0, "53.9 years")]
+        for (time_s, told) in
+            [(3.672, "3.67 s"), (600.0, "10 min"), (36_000.0, "10 h"), (1_700_398_800.0, "53.9 years")]
         {
             assert_eq!(duration(time_s), told);
         }

@@ -18,6 +18,7 @@ use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{noted, say, warn, warn_of_pump};
+use crate::warned::Warned;
 
 /// Runs that were weighed.
 pub(super) struct Weighed {
@@ -214,8 +215,14 @@ impl Guide<'_, '_> {
             say(&format!("{title}: moving\n"));
             self.scale.before()?;
             let prepared = self.prepare(speed_rpm)?;
-            let (delivered, signal) =
-                deliver(self.bench, &mut self.session, &prepared, &self.interrupt, self.json)?;
+            let (delivered, signal) = deliver(
+                self.bench,
+                &mut self.session,
+                &prepared,
+                &self.interrupt,
+                self.json,
+                &mut Warned::default(),
+            )?;
             if !delivered.completed {
                 return Err(Failure::stopped(signal.unwrap_or(0), true, "stopped by the user in a run"));
             }

@@ -22,6 +22,7 @@ use crate::options::report::FormatOption;
 use crate::options::speed::CruiseOptions;
 use crate::options::unattended::OnFailOption;
 use crate::terminal::{noted, print_json, say, tell, warn_of_pump};
+use crate::warned::Warned;
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
@@ -144,7 +145,8 @@ impl VerifyArgs {
             let prepared = session.prepare(request);
             let prepared = noted(session, prepared)?;
             let json = self.format.json();
-            let (delivered, signal) = deliver(bench, session, &prepared, &interrupt, json)?;
+            let (delivered, signal) =
+                deliver(bench, session, &prepared, &interrupt, json, &mut Warned::default())?;
             if !delivered.completed {
                 return Err(Failure::stopped(
                     signal.unwrap_or(0),

@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
 use crate::terminal::{noted, print, warn};
+use crate::warned::Warned;
 
 /// Does what the policies of a dose say before it is prepared. Returns what the dose's report is to tell of it.
 pub(in crate::commands) fn before_dose(
@@ -99,7 +100,7 @@ fn resume(
     prepared
         .warnings
         .push(Notice::from("this is the rest of an interrupted dose on record (--unfinished resume)"));
-    let delivered = deliver(bench, session, &prepared, interrupt, json)?;
+    let delivered = deliver(bench, session, &prepared, interrupt, json, &mut Warned::default())?;
     let said = Said { json, verbose: options.verbose.verbose, asked: None };
     report(bench, &prepared, Some(delivered), &said)?;
     if json { Ok(()) } else { print("\n") }

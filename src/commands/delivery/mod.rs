@@ -17,6 +17,7 @@ use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
 use crate::terminal::{announce, noted, print_json, tell, warn};
+use crate::warned::Warned;
 
 pub(super) use before_dose::{before_dose, find_angle};
 
@@ -76,21 +77,23 @@ pub(super) fn run_one(
     prepared.warnings.extend(before);
     prepared.warnings.extend(options.start_angle.assumed(bench).map(Notice::from));
     write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
-    let delivered = deliver(bench, &mut session, &prepared, &interrupt, json)?;
+    let delivered = deliver(bench, &mut session, &prepared, &interrupt, json, &mut Warned::default())?;
     report(bench, &prepared, Some(delivered), &said)
 }
 
-/// Runs a dose, with its progress on standard error. A signal stops it. That a motor moves is said before it does.
+/// Runs a dose, with its progress on standard error. A signal stops it. That a motor moves is said before it does, with
+/// the warnings of kinds that were not `warned` of yet.
 pub(super) fn deliver(
     bench: &Bench,
     session: &mut Session<'_>,
     prepared: &Prepared,
     interrupt: &Interrupt,
     json: bool,
+    warned: &mut Warned,
 ) -> Result<DeliveryEnd, Failure> {
     announce(bench, json)?;
     if warns_first(bench) {
-        warn(&prepared.warnings);
+        warn(&warned.untold(&prepared.warnings));
     }
     let bar = MotionBar::of(prepared, json);
     let delivered = session.run(prepared, |made| {
@@ -100,7 +103,7 @@ pub(super) fn deliver(
     bar.end();
     let delivered = noted(session, delivered)?;
     if warns_first(bench) {
-        warn(&delivered.warnings);
+        warn(&warned.untold(&delivered.warnings));
     }
     Ok((delivered, interrupt.signal()))
 }
@@ -119,27 +122,29 @@ pub(super) fn report(
 ) -> Result<(), Failure> {
     let report = DoseReport::new(bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
     let stood = delivered.as_ref().and_then(|(end, _)| Some((end.stand?, end.volume_ml)));
-    ended(report_once(bench, report, said, None, Vec::new()), delivered)?;
+    ended(report_once(bench, report, said, None, Vec::new(), &mut Warned::default()), delivered)?;
     let Some((stand, volume_ml)) = stood else { return Ok(()) };
     // A run that a limit has ended is no success: its flow was to go on.
     Err(Failure::of(bench.refusal(stand, true)).after_motion().delivered(volume_ml))
 }
 
-/// Prints a report. Its warnings appear once: before and after the motion of a real motor, or here. A program reads in
-/// the report what a person was `told` before.
+/// Prints a report. Its warnings appear once: before and after the motion of a real motor, or here, and beside a report
+/// for a program those of kinds that were not `warned` of yet. A program reads in the report what a person was `told`
+/// before.
 pub(super) fn report_once(
     bench: &Bench,
     report: DoseReport,
     said: &Said<'_>,
     of_batch: Option<(u64, u64)>,
     told: Vec<String>,
+    warned: &mut Warned,
 ) -> Result<(), Failure> {
     let mut report = report.worded(advice::words);
     let was_run = report.delivered_ml.is_some();
     let has_warned = was_run && warns_first(bench);
     if said.json {
         if !has_warned {
-            warn(&report.warnings);
+            warn(&warned.untold(&report.warnings));
         }
         report.warnings.extend(told.into_iter().map(Notice::from));
         return print_json(&(report.json() + "\n"));

@@ -19,6 +19,7 @@ use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
 use crate::terminal::{announce, noted, warn};
+use crate::warned::Warned;
 
 /// The message after a signal.
 const STOPPED: &str =
@@ -44,7 +45,14 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
         let mut prepared = bench.prepare_profile(request, &profile)?;
         prepared.whole.warnings.extend(assumed());
         write_outputs(&bench, &prepared, options)?;
-        return report_once(&bench, DoseReport::by_profile(&bench, &prepared, None), &said, None, Vec::new());
+        return report_once(
+            &bench,
+            DoseReport::by_profile(&bench, &prepared, None),
+            &said,
+            None,
+            Vec::new(),
+            &mut Warned::default(),
+        );
     }
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
@@ -71,7 +79,7 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
         warn(&delivered.warnings);
     }
     let report = DoseReport::by_profile(&bench, &prepared, Some(&delivered));
-    let printed = report_once(&bench, report, &said, None, Vec::new());
+    let printed = report_once(&bench, report, &said, None, Vec::new(), &mut Warned::default());
     match printed {
         Err(failure) => Err(failure.after_motion().delivered(delivered.volume_ml)),
         Ok(()) if delivered.completed => Ok(()),

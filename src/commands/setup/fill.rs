@@ -10,6 +10,7 @@ use super::written::rounded;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::terminal::noted;
+use crate::warned::Warned;
 
 /// Revolutions that fill the hoses of most pumps.
 const REVOLUTIONS: f64 = 10.0;
@@ -55,7 +56,8 @@ fn prime(course: &mut Course, volume_ml: f64) -> Asked<()> {
     let mut prepared = noted(&mut session, prepared)?;
     quieten(&mut prepared);
     course.tell_time(prepared.motion_s());
-    let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
+    let delivered =
+        deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false, &mut Warned::default());
     course.note_motion(&session);
     let (delivered, signal) = delivered?;
     course.tell(&DoseReport::new(&bench, &prepared, Some(&delivered)).summary(None, None))?;

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::options::balance::BalanceOptions;
 use crate::terminal::noted;
+use crate::warned::Warned;
 
 /// Usual volume of the dose that is weighed, mL: a kitchen scale of 0.01 g then reads it to a thousandth.
 const USUAL_ML: f64 = 10.0;
@@ -133,7 +134,8 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>,
     let mut prepared = noted(&mut session, prepared)?;
     quieten(&mut prepared);
     course.tell_time(prepared.motion_s());
-    let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
+    let delivered =
+        deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false, &mut Warned::default());
     course.note_motion(&session);
     let (delivered, signal) = delivered?;
     let report = DoseReport::new(&bench, &prepared, Some(&delivered));

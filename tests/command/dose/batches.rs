@@ -287,3 +287,20 @@ fn what_a_batch_cannot_obey_is_refused_by_name() {
     user.json(&["1mL", "--repeat", "1", "--steps", "x.csv"]);
     assert!(user.path("x.csv").exists(), "a batch of one dose may have its files");
 }
+
+#[test]
+fn a_warning_of_one_kind_is_told_once_though_its_numbers_differ() {
+    let user = User::new();
+    let arguments = ["0.1mL", "--repeat", "6", "--start-angle", "10deg"];
+    let json = user.types(&[&arguments[..], &["--format", "json"]].concat());
+    let reports = objects(&json.out);
+    let peaks = |report: &Value| {
+        let warnings = report["warnings"].as_array().unwrap().iter();
+        warnings.map(|text| text.as_str().unwrap().to_owned()).find(|text| text.contains("peaks at"))
+    };
+    let told: std::collections::BTreeSet<String> = reports.iter().filter_map(peaks).collect();
+    assert!(told.len() > 1, "the doses peak at several speeds: {told:?}");
+    assert_eq!(json.err.matches("peaks at").count(), 1, "{}", json.err);
+    let text = user.types(&arguments).out;
+    assert_eq!(text.matches("peaks at").count(), 1, "{text}");
+}

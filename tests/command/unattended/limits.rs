@@ -135,8 +135,7 @@ fn a_run_until_stopped_that_a_limit_ends_stands_with_exit_code_5_and_tells_of_it
     let user = User::new();
     let tank = pump(&user, "vessel_ml = 5.0");
     let tell = "cat > reason.json; echo $DOSE_FAIL_LEAST_ML > least_ml";
-    let ran =
-        user.types(&["run", "--rate", "6mL/s", "--pump", tank, "--format", "json", "--on-fail", tell]);
+    let ran = user.types(&["run", "--rate", "6mL/s", "--pump", tank, "--format", "json", "--on-fail", tell]);
     assert_eq!(ran.code, 5, "{}", ran.err);
     let report: Value = serde_json::from_str(&ran.out).unwrap();
     let delivered_ml = number(&report, "delivered_ml");

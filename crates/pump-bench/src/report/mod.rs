@@ -22,12 +22,12 @@ mod verification;
 
 pub use crate::dosing::{RippleAt, RippleReport};
 pub use crate::notice::Remedy;
+pub use crate::notice::with_sources;
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
 pub use config::{ShownConfig, ShownPump, ShownRack};
 pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, ProfileReport, RunReport, Until};
 pub use ending::Ending;
-pub use crate::notice::with_sources;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain};
 pub use log::{LOG_CSV_HEADER, LogTotal, LogTotals, log_csv, log_json, log_text};
 pub use phase::{phase_json, phase_text};

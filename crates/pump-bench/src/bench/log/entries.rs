@@ -8,7 +8,9 @@ use crate::bench::session::Session;
 use crate::bench::{DeliveredByWeight, PreparedByWeight};
 use crate::dosing::{Swept, weighed_shares};
 use crate::notice::with_sources;
-use crate::record::{Asked, Clock, Intent, LogEnd, LogEntry, PumpState, Purpose, Stamp, Told, Unfinished, Why};
+use crate::record::{
+    Asked, Clock, Intent, LogEnd, LogEntry, PumpState, Purpose, Stamp, Told, Unfinished, Why,
+};
 
 impl Session<'_> {
     /// Has doses get their times from `clock`, in place of the system's.

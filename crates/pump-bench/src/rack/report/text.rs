@@ -44,7 +44,11 @@ impl RackPumpReport {
         let volume = volume(self.delivered_ml, unsure_ml);
         let (least_ml, most_ml) = (self.delivered_least_ml, self.delivered_most_ml);
         let range = if most_ml - least_ml > 1e-9 {
-            format!(", between {} and {} by the steps", digits(least_ml, unsure_ml), digits(most_ml, unsure_ml))
+            format!(
+                ", between {} and {} by the steps",
+                digits(least_ml, unsure_ml),
+                digits(most_ml, unsure_ml)
+            )
         } else {
             String::new()
         };

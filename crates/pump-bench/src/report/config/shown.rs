@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::config::Config;
-use crate::record::FolderError;
 use crate::notice::with_sources;
+use crate::record::FolderError;
 
 /// Schema of the JSON.
 const SCHEMA: &str = "config/1";
