@@ -22,6 +22,8 @@ pub(crate) struct Failure {
     message: String,
     /// Smallest and largest volume that was delivered, in mL; none if nobody knows.
     delivered_ml: Option<(f64, f64)>,
+    /// Name of the pump of a rack that failed; none for a pump by itself, and if no single one did.
+    pump: Option<String>,
 }
 
 /// The volume of a command in which nothing moved, in mL.
@@ -62,14 +64,14 @@ impl Failure {
             Ending::Stopped => How::Stopped { signal: interrupt::signal().unwrap_or(0), moved: false },
             Ending::Moved => How::Fault,
         };
-        Self { how, facts: error.facts(), message: advice::told(&error), delivered_ml: NOTHING }
+        Self { how, facts: error.facts(), message: advice::told(&error), delivered_ml: NOTHING, pump: None }
     }
 
     /// A file that cannot be read.
     pub(crate) fn unread(path: &Path, error: &io::Error) -> Self {
         let facts = ErrorFacts::of_file(ErrorKind::Input, path, error);
         let message = format!("cannot read {}: {error}", path.display());
-        Self { how: How::Refused, facts, message, delivered_ml: NOTHING }
+        Self { how: How::Refused, facts, message, delivered_ml: NOTHING, pump: None }
     }
 
     /// A file that cannot be written.
@@ -84,7 +86,7 @@ impl Failure {
             }
             None => format!("cannot write {path_shown}: {error}"),
         };
-        Self { how: How::Refused, facts, message, delivered_ml: NOTHING }
+        Self { how: How::Refused, facts, message, delivered_ml: NOTHING, pump: None }
     }
 
     /// A fault after motion began.
@@ -103,7 +105,13 @@ impl Failure {
     }
 
     fn new(how: How, kind: ErrorKind, message: impl ToString) -> Self {
-        Self { how, facts: ErrorFacts::of(kind), message: message.to_string(), delivered_ml: NOTHING }
+        Self {
+            how,
+            facts: ErrorFacts::of(kind),
+            message: message.to_string(),
+            delivered_ml: NOTHING,
+            pump: None,
+        }
     }
 
     /// The failure after so much was delivered, in mL.
@@ -116,6 +124,16 @@ impl Failure {
     /// The smallest and the largest volume that was delivered, in mL; none if nobody knows.
     pub(crate) fn delivered_ml(&self) -> Option<(f64, f64)> {
         self.delivered_ml
+    }
+
+    /// The failure of this pump of a rack.
+    pub(crate) fn of_pump(self, pump: Option<String>) -> Self {
+        Self { pump, ..self }
+    }
+
+    /// The name of the pump of a rack that failed.
+    pub(crate) fn pump(&self) -> Option<&str> {
+        self.pump.as_deref()
     }
 
     /// The word of the kind.

@@ -1,6 +1,7 @@
 //! The command of the shell that is run once a dose has failed: it tells a person.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::{ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -22,16 +23,20 @@ pub(crate) struct OnFail {
     command: String,
     /// The pump's name.
     pump: String,
+    /// The rack's name; none for a pump by itself.
+    rack: Option<String>,
 }
 
 impl OnFail {
     pub(crate) fn new(command: &str, pump: &str) -> Self {
-        Self { command: command.to_owned(), pump: pump.to_owned() }
+        Self { command: command.to_owned(), pump: pump.to_owned(), rack: None }
     }
 
-    /// The command for the failure of something else, as a rack.
-    pub(crate) fn of(self, name: &str) -> Self {
-        Self { pump: name.to_owned(), ..self }
+    /// The command for the failure of a rack, which is named by its file or by its name in the configuration. The pump
+    /// is then the one that failed.
+    pub(crate) fn of_rack(self, named: &str) -> Self {
+        let stem = Path::new(named).file_stem().map_or(named.into(), |stem| stem.to_string_lossy());
+        Self { pump: String::new(), rack: Some(stem.into_owned()), ..self }
     }
 
     /// Runs the command with the reason of a failure. Its own failure is a warning: the dose has failed anyway.
@@ -51,7 +56,8 @@ impl OnFail {
             .delivered_ml()
             .map_or((String::new(), String::new()), |(least, most)| (least.to_string(), most.to_string()));
         let mut child = shell_command(&self.command)
-            .env("DOSE_FAIL_PUMP", &self.pump)
+            .env("DOSE_FAIL_PUMP", failure.pump().unwrap_or(&self.pump))
+            .env("DOSE_FAIL_RACK", self.rack.as_deref().unwrap_or_default())
             .env("DOSE_FAIL_CODE", failure.exit_code().to_string())
             .env("DOSE_FAIL_KIND", failure.kind_word())
             .env("DOSE_FAIL_LEAST_ML", least_ml)

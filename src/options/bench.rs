@@ -43,7 +43,7 @@ impl BenchOptions {
 
     /// The bench with this pump file.
     pub(crate) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
-        let MotorOptions { driver, port, configure, accept_settings, wait, confirm_pump } = &self.motor;
+        let MotorOptions { driver, port, configure, accept_settings, confirm_pump, .. } = &self.motor;
         let given = [
             ("--port", port.port.is_some()),
             ("--configure", *configure),
@@ -51,18 +51,29 @@ impl BenchOptions {
             ("--confirm-pump", *confirm_pump),
         ];
         refuse_unless_real(&file, driver, &given)?;
+        Ok(self
+            .simulated(file)?
+            .at_port(port.port.clone())
+            .configuring(*configure)
+            .accepting_settings(*accept_settings)
+            .confirming_pump(*confirm_pump))
+    }
+
+    /// True if the motor of this pump file is simulated.
+    pub(crate) fn is_simulated(&self, file: &PumpFile) -> bool {
+        is_simulated(file, &self.motor.driver)
+    }
+
+    /// The bench with this pump file, without the options of real motors.
+    pub(crate) fn simulated(&self, file: PumpFile) -> Result<Bench, Failure> {
+        let MotorOptions { driver, wait, .. } = &self.motor;
         let bench = Bench::new(file, driver.driver, &self.record.folder(&self.pump.config()?)?)?;
         let limit = wait.map(|wait_s| Duration::try_from_secs_f64(wait_s).unwrap_or(Duration::MAX));
         let bench = match limit {
             Some(limit) => bench.waiting(limit, |text| say(&format!("{text}\n"))),
             None => bench,
         };
-        Ok(bench
-            .at_port(port.port.clone())
-            .configuring(*configure)
-            .accepting_settings(*accept_settings)
-            .confirming_pump(*confirm_pump)
-            .stopping_on(interrupt::stop_request()))
+        Ok(bench.stopping_on(interrupt::stop_request()))
     }
 }
 
@@ -95,11 +106,13 @@ impl RecordOptions {
 fn refuse_unless_real(file: &PumpFile, driver: &DriverOption, given: &[(&str, bool)]) -> Result<(), Failure> {
     let given = given.iter().find(|(_, given)| *given);
     match given {
-        Some((name, _)) if driver.driver.unwrap_or(file.driver()) == DriverName::Sim => {
-            Err(Failure::refused(format!(
-                "{name} means nothing to a simulated motor; to move a real one name its driver, as --driver grbl"
-            )))
-        }
+        Some((name, _)) if is_simulated(file, driver) => Err(Failure::refused(format!(
+            "{name} means nothing to a simulated motor; to move a real one name its driver, as --driver grbl"
+        ))),
         _ => Ok(()),
     }
+}
+
+fn is_simulated(file: &PumpFile, driver: &DriverOption) -> bool {
+    driver.driver.unwrap_or(file.driver()) == DriverName::Sim
 }

@@ -118,9 +118,15 @@ impl DosingOptions {
         self.bench.pump.typed().filter(|typed| of_environment.as_deref() != Some(typed))
     }
 
-    /// The bench of one pump of a rack.
-    pub(crate) fn bench_of_rack(&self, file: PumpFile) -> Result<Bench, Failure> {
-        self.bench.bench_of(file)
+    /// The benches of the pumps of a rack. Options of real motors are those of its real ones.
+    pub(crate) fn benches_of_rack(&self, files: Vec<PumpFile>) -> Result<Vec<Bench>, Failure> {
+        let moves = |file: &PumpFile| !self.bench.is_simulated(file);
+        let is_mixed = files.iter().any(moves);
+        let bench = |file: PumpFile| match is_mixed && !moves(&file) {
+            true => self.bench.simulated(file),
+            false => self.bench.bench_of(file),
+        };
+        files.into_iter().map(bench).collect()
     }
 
     /// The command to run if the dose fails; none without one, and for a dry run.

@@ -19,7 +19,7 @@ use crate::progress::MotionBar;
 use crate::terminal::{announce, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
-pub(super) use before_dose::{before_dose, find_angle};
+pub(in crate::commands) use before_dose::{before_dose, find_angle};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =

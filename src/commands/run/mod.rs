@@ -47,7 +47,7 @@ impl RunArgs {
     pub(crate) fn on_fail(&self) -> Option<OnFail> {
         self.options
             .on_fail()
-            .map(|on_fail| self.rack.name().map_or(on_fail.clone(), |name| on_fail.of(name)))
+            .map(|on_fail| self.rack.name().map_or(on_fail.clone(), |name| on_fail.of_rack(name)))
     }
 
     pub(crate) fn run(&self) -> Result<(), Failure> {

@@ -6,9 +6,11 @@ use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use indicatif::ProgressBar;
-use pump_bench::rack::{Rack, RackEnd, RackFile, RackPace, RackProgress, RackReport};
+use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackPace, RackProgress, RackReport};
+use pump_bench::safety::UnfinishedPolicy;
 
 use crate::advice;
+use crate::commands::delivery::before_dose;
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::options::choice::choice;
@@ -20,7 +22,7 @@ const STOPPED: &str = "stopped by the user; `dose resume --pump NAME` makes the 
                        NAME` leaves it";
 
 /// Options that mean nothing to a rack, whose file says them: by clap's ids.
-const NOT_OF_RACKS: [&str; 23] = [
+const NOT_OF_RACKS: [&str; 22] = [
     "for",
     "volume",
     "profile",
@@ -38,7 +40,6 @@ const NOT_OF_RACKS: [&str; 23] = [
     "tube_limit",
     "max_per_day",
     "port",
-    "unfinished",
     "verbose",
     "steps",
     "trace",
@@ -75,22 +76,61 @@ impl RackArgs {
         let json = options.format.json();
         let config = options.config()?;
         let path = config.find_rack(name).map_err(Failure::of)?;
-        let file = RackFile::read(&path).map_err(Failure::of)?;
-        let pumps = file.pump_files(&config).map_err(Failure::of)?;
-        let benches = pumps.into_iter().map(|pump| options.bench_of_rack(pump));
-        let benches = benches.collect::<Result<Vec<_>, _>>()?;
-        let rack = Rack::new(file, benches).map_err(Failure::of)?.paced(self.pace.unwrap_or_default());
+        let file = RackFile::read(&path).map_err(refused)?;
+        let benches = options.benches_of_rack(file.pump_files(&config).map_err(refused)?)?;
+        let rack = Rack::new(file, benches).map_err(refused)?.paced(self.pace.unwrap_or_default());
         if options.dry_run {
-            return said(rack.rehearse().map_err(Failure::of)?, json, &BTreeSet::new()).map(drop);
+            return said(rack.rehearse().map_err(refused)?, json, &BTreeSet::new()).map(drop);
         }
         let interrupt = Interrupt::watch()?;
         let rack = rack.stopping_on(interrupt::stop_request()).unattended(options.unattended.is_unattended());
+        let moved = finish_interrupted(&rack, options, &interrupt)?;
         let shown = Shown::new(&rack, json);
         let report = rack.run(|progress| shown.show(&progress));
         shown.bar.finish_and_clear();
-        let report = said(report.map_err(Failure::of)?, json, &shown.warned());
-        ended(report?, &interrupt)
+        let report =
+            report.map_err(|error| if moved { refused(error).after_motion() } else { refused(error) })?;
+        ended(said(report, json, &shown.warned())?, &interrupt)
     }
+}
+
+/// The failure of a rack, with the name of the pump that refuses it.
+fn refused(error: RackError) -> Failure {
+    let pump = match &error {
+        RackError::Dose { pump, .. } | RackError::Pump { pump, .. } => Some(pump.clone()),
+        _ => None,
+    };
+    Failure::of(error).of_pump(pump)
+}
+
+/// Does as `--unfinished` says with the interrupted dose of each pump, one after the other, before the rack is planned.
+/// Returns true if a pump moved.
+fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrupt) -> Result<bool, Failure> {
+    let mut moved = false;
+    if options.unattended.unfinished() == UnfinishedPolicy::Ask {
+        // Planning refuses it.
+        return Ok(moved);
+    }
+    for member in rack.members() {
+        let of_member = |failure: Failure| {
+            let failure = failure.after(&format!("pump `{}` of the rack: ", member.name));
+            failure.of_pump(Some(member.name.clone()))
+        };
+        let bench = options.unattended.change(member.bench.clone()).stopping_on(interrupt::stop_request());
+        let mut session = bench.session().map_err(|error| of_member(error.into()))?;
+        if session.state().is_none_or(|state| state.unfinished.is_none()) {
+            continue;
+        }
+        let told = before_dose(&bench, &mut session, options, interrupt);
+        moved |= session.has_moved();
+        let told = told.map_err(|failure| of_member(if moved { failure.after_motion() } else { failure }))?;
+        warn(&told.iter().map(|notice| format!("{}: {notice}", member.name)).collect::<Vec<_>>());
+        if let Some(signal) = interrupt.signal() {
+            let stopped = "stopped by the user before the rack began; what was moved is on record";
+            return Err(Failure::stopped(signal, moved, stopped));
+        }
+    }
+    Ok(moved)
 }
 
 /// Progress bar and words of the pumps, which their threads show.
@@ -179,7 +219,7 @@ fn ended(report: RackReport, interrupt: &Interrupt) -> Result<(), Failure> {
     match (report.end, report.fault) {
         (RackEnd::Fault, Some(fault)) => {
             let failure = Failure::of(&fault.error).after(&format!("pump `{}` of the rack: ", fault.pump));
-            let failure = failure.with("; every other pump was stopped");
+            let failure = failure.with("; every other pump was stopped").of_pump(Some(fault.pump));
             Err(if moved { failure.after_motion() } else { failure })
         }
         (RackEnd::Stopped, _) => {

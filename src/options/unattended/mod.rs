@@ -40,9 +40,9 @@ pub(crate) struct OnFailOption {
     /// Run this command of the shell if this one fails or is refused
     #[arg(
         long_help = "Run this command of the shell if this one fails or is refused. It has the reason on its standard \
-        input, as one line of JSON (error/1), and DOSE_FAIL_PUMP, DOSE_FAIL_CODE, DOSE_FAIL_KIND, DOSE_FAIL_LEAST_ML \
-        and DOSE_FAIL_MOST_ML in its environment. It has 10 s. The default of a dose or its rest without a terminal is \
-        the configuration's on_fail."
+        input, as one line of JSON (error/1), and DOSE_FAIL_PUMP, DOSE_FAIL_RACK, DOSE_FAIL_CODE, DOSE_FAIL_KIND, \
+        DOSE_FAIL_LEAST_ML and DOSE_FAIL_MOST_ML in its environment. It has 10 s. The default of a dose or its rest \
+        without a terminal is the configuration's on_fail."
     )]
     #[arg(long, value_name = "CMD", hide_short_help = true)]
     on_fail: Option<String>,

@@ -1,5 +1,7 @@
 //! Racks as a user types them: names, refusals with their exit codes, and a stop that prints the report.
 
+#[cfg(unix)]
+mod unattended;
 mod waits;
 
 use std::fs;

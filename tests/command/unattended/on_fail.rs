@@ -29,7 +29,7 @@ fn a_refusal_is_told_with_its_reason_and_its_exit_code_stays() {
         environment,
         format!(
             "DOSE_FAIL_CODE=2\nDOSE_FAIL_KIND={kind}\nDOSE_FAIL_LEAST_ML=0\nDOSE_FAIL_MOST_ML=0\n\
-             DOSE_FAIL_PUMP=three-roller\n"
+             DOSE_FAIL_PUMP=three-roller\nDOSE_FAIL_RACK=\n"
         )
     );
     // A dose that is made, and a dry run, tell nobody.

@@ -1,0 +1,122 @@
+//! Racks that nobody watches: interrupted doses, disturbed angles, options of real motors, and failures that are told.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::{MIX, desk};
+use crate::user::{Answer, User, number};
+
+/// The same pumps for a minute and a half.
+fn slow() -> String {
+    MIX.replace("6mL\"\nrate = \"6mL/s", "90mL\"\nrate = \"1mL/s")
+}
+
+/// Leaves a rack whose process was killed on its way.
+fn killed(user: &User) {
+    let mut command = user.command(&["run", "mix.toml"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    let is_under_way = |pump: &str| {
+        let journal = fs::read_to_string(user.path(&format!("state/{pump}/sim/journal.jsonl")));
+        journal.is_ok_and(|text| text.contains("\"progress\""))
+    };
+    while !is_under_way("three-roller") || !is_under_way("two-roller") {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+/// Types a command without a terminal.
+fn unattended(user: &User, arguments: &[&str]) -> Answer {
+    let output = user.command(arguments).stdin(Stdio::null()).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    Answer { code: output.status.code().unwrap(), out: text(output.stdout), err: text(output.stderr) }
+}
+
+fn objects(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn a_rack_after_a_power_cut_asks_or_makes_each_rest_first_or_accepts_it() {
+    let user = desk(&slow());
+    killed(&user);
+    let fast = |policy: &str| {
+        user.types(&["run", "mix.toml", "--pace", "fast", "--format", "json", "--unfinished", policy])
+    };
+    assert_eq!(user.types(&["run", "mix.toml", "--pace", "fast"]).code, 4);
+    assert_eq!(fast("ask").code, 4);
+    let resumed = fast("resume");
+    assert_eq!(resumed.code, 0, "{}", resumed.err);
+    let [acid, base, rack] = &objects(&resumed.out)[..] else { panic!("{}", resumed.out) };
+    for (rest, pump) in [(acid, "three-roller"), (base, "two-roller")] {
+        assert_eq!((&rest["schema"], &rest["pump"]), (&"dose/1".into(), &pump.into()));
+        assert!(rest["warnings"].to_string().contains("the rest of an interrupted dose"), "{rest}");
+        let status = user.json(&["status", "--pump", pump]);
+        assert!(status["unfinished"].is_null(), "{status}");
+    }
+    assert_eq!((&rack["schema"], &rack["end"]), (&"rack/1".into(), &"completed".into()));
+    // Twice 60 and 30 mL in all.
+    let worn_ml = |pump: &str| number(&user.json(&["status", "--pump", pump])["wear"], "volume_ml");
+    assert!((worn_ml("three-roller") - 120.0).abs() < 0.5 && (worn_ml("two-roller") - 60.0).abs() < 0.5);
+    let user = desk(&slow());
+    killed(&user);
+    let accepted =
+        user.types(&["run", "mix.toml", "--pace", "fast", "--format", "json", "--unfinished", "accept"]);
+    assert_eq!((accepted.code, objects(&accepted.out).len()), (0, 1), "{}", accepted.err);
+    assert_eq!(accepted.err.matches("was accepted as it is").count(), 2, "{}", accepted.err);
+}
+
+#[test]
+fn a_rack_without_a_person_obeys_home_and_turns_no_pump_to_its_sensor() {
+    for (home, code) in [("refuse", 2), ("sensor", 2), ("accept", 0)] {
+        let user = desk(&MIX.replace("two-roller", "base.toml"));
+        let pump =
+            user.types(&["pumps", "show", "two-roller"]).out.replace("id = \"two-roller\"", "id = \"base\"");
+        fs::write(user.path("base.toml"), format!("{pump}\n[safety]\nhome = \"{home}\"\n")).unwrap();
+        let rack = ["run", "mix.toml", "--pace", "fast", "--format", "json"];
+        assert_eq!(unattended(&user, &rack).code, 0, "{home}: nothing was disturbed");
+        assert_eq!(user.types(&["release", "--pump", "base.toml"]).code, 0);
+        let before = user.json(&["status"]);
+        let answer = unattended(&user, &rack);
+        assert_eq!(answer.code, code, "{home}: {}", answer.err);
+        if home == "accept" {
+            assert!(answer.err.contains("[safety] home = \"accept\""), "{}", answer.err);
+        } else {
+            let error: Value = serde_json::from_str(answer.err.lines().last().unwrap()).unwrap();
+            assert_eq!((&error["kind"], &error["moved"]), (&"angle".into(), &false.into()), "{error}");
+            assert_eq!(user.json(&["status"])["wear"], before["wear"], "the other pump did not move");
+        }
+    }
+}
+
+#[test]
+fn options_of_real_motors_are_those_of_the_real_pumps_of_a_rack() {
+    let user = desk(&MIX.replace("two-roller", "base.toml"));
+    let pump =
+        user.types(&["pumps", "show", "two-roller"]).out.replace("id = \"two-roller\"", "id = \"base\"");
+    let drive = "[drive]\ndriver = \"node\"\nport = \"/no/such/port\"\n";
+    for (text, refused) in [(pump.clone(), true), (format!("{pump}\n{drive}"), false)] {
+        fs::write(user.path("base.toml"), text).unwrap();
+        let answer = user.types(&["run", "mix.toml", "--dry-run", "--confirm-pump"]);
+        assert_eq!(answer.code, if refused { 2 } else { 0 }, "{}{}", answer.out, answer.err);
+        assert_eq!(answer.err.contains("means nothing to a simulated motor"), refused, "{}", answer.err);
+    }
+}
+
+#[test]
+fn the_command_of_a_failure_hears_the_rack_and_the_pump_that_failed() {
+    let user = desk(&MIX.replace("two-roller", "base.toml"));
+    let pump =
+        user.types(&["pumps", "show", "two-roller"]).out.replace("id = \"two-roller\"", "id = \"base\"");
+    fs::write(user.path("base.toml"), format!("{pump}\n[safety]\nmax_ml_per_day = 1.5\n")).unwrap();
+    let tell = "echo \"$DOSE_FAIL_RACK $DOSE_FAIL_PUMP $DOSE_FAIL_CODE\" > told";
+    assert_eq!(user.types(&["run", "./mix.toml", "--pace", "fast", "--on-fail", tell]).code, 5);
+    assert_eq!(fs::read_to_string(user.path("told")).unwrap(), "mix base 5\n");
+}
