@@ -28,12 +28,18 @@ impl Bench {
     ///
     /// [`DoseError`] as in [`Self::use_calibration`], or if the calibration cannot be written.
     pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
+        let stored = self.add_calibration(calibration)?;
+        self.use_calibration(Some(stored.version))?;
+        Ok(stored)
+    }
+
+    /// Keeps a calibration under the next number, as one of the tube in the head.
+    fn add_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
         let state = self.story()?.state;
         self.refuse_unfinished(state)?;
         let tube_number = Some(state.map_or(1, |state| state.tube()));
         let calibration = Calibration { tube_number, ..calibration };
         let version = self.calibrations().add(&calibration)?;
-        self.use_calibration(Some(version))?;
         Ok(Stored { version, calibration })
     }
 
@@ -48,11 +54,9 @@ impl Bench {
         if self.would_use(&calibration)? {
             return self.keep_calibration(calibration);
         }
-        self.refuse_unfinished(self.story()?.state)?;
-        let calibrations = self.calibrations();
-        let version = calibrations.add(&calibration)?;
-        calibrations.wait()?;
-        Ok(Stored { version, calibration })
+        let stored = self.add_calibration(calibration)?;
+        self.calibrations().wait()?;
+        Ok(stored)
     }
 
     /// Returns false for weighed doses that show the mean volume less well than the model, while no calibration is in
