@@ -8,6 +8,7 @@ use indicatif::ProgressBar;
 use pump_bench::Rehearsal;
 use pump_bench::dosing::{Schedule, ScheduleAction};
 use pump_bench::notice::Notice;
+use pump_bench::record::ClockWatch;
 use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Finish;
@@ -60,6 +61,8 @@ pub(super) fn run(
         before: Vec::new(),
         options,
         total: Total::default(),
+        clock: ClockWatch::of_system(),
+        jumps: 0,
         warned: Warned::default(),
     };
     let (ended, verb) = if options.dry_run {
@@ -128,6 +131,9 @@ struct Batch<'a> {
     before: Vec<Notice>,
     options: &'a DosingOptions,
     total: Total,
+    clock: ClockWatch,
+    /// Number of jumps of the clock that were told.
+    jumps: u64,
     /// Warnings that were printed. Each kind is printed once.
     warned: Warned,
 }
@@ -202,6 +208,7 @@ impl Batch<'_> {
                 }
                 ScheduleAction::Dose(number) => {
                     self.still_wanted(interrupt)?;
+                    self.tell_clock()?;
                     find_angle(session, self.options, interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
@@ -212,6 +219,7 @@ impl Batch<'_> {
                     let delivered = deliver(self.bench, session, &prepared, interrupt, json, warned)?;
                     self.done += u64::from(delivered.0.completed);
                     let volume_ml = delivered.0.volume_ml;
+                    self.tell_clock()?;
                     self.report(number, &prepared, Some(delivered))?;
                     self.done_ml += volume_ml;
                     self.still_read()?;
@@ -266,6 +274,19 @@ impl Batch<'_> {
             return Ok(());
         }
         Err(Failure::refused("nobody reads the reports of the batch any more").kind(ErrorKind::Output))
+    }
+
+    /// Tells of a jump of the computer's clock. The times of the doses do not follow it.
+    fn tell_clock(&mut self) -> Result<(), Failure> {
+        let Some(jump) = self.clock.look() else { return Ok(()) };
+        self.jumps += 1;
+        let message = format!("{jump}; the batch keeps its times by a clock that does not jump");
+        if !self.said.json {
+            return tell(&format!("warning: {message}\n"));
+        }
+        warn(std::slice::from_ref(&message));
+        self.untold.push(message);
+        Ok(())
     }
 
     fn tell_skipped(&mut self, first: u64, last: u64) -> Result<(), Failure> {
@@ -329,7 +350,17 @@ impl Batch<'_> {
         let pump = &self.bench.file().pump.id;
         // Doses that were skipped or stopped were asked for too.
         let asked_ml = self.count as f64 * self.request.volume_ml;
-        tell(&self.total.line(pump, self.count, asked_ml, self.options.dry_run))
+        let jumps = match self.jumps {
+            0 => String::new(),
+            1 => "the computer's clock jumped once meanwhile: the log has the times that it showed\n"
+                .to_owned(),
+            jumps => {
+                format!(
+                    "the computer's clock jumped {jumps} times meanwhile: the log has the times that it showed\n"
+                )
+            }
+        };
+        tell(&(self.total.line(pump, self.count, asked_ml, self.options.dry_run) + &jumps))
     }
 }
 

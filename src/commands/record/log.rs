@@ -16,7 +16,7 @@ use crate::terminal::say;
 pub(crate) struct LogArgs {
     #[command(flatten)]
     record: RecordOptions,
-    /// List doses that began then or later: 90min, 12h, 2d, 1w ago, 2026-11-23, or a time with its offset
+    /// List doses that began then or later: 90min, 12h, 2d, 1w ago, 2026-11-23, "2026-11-23 08:00"
     #[arg(long, value_name = "TIME")]
     since: Option<String>,
     /// List doses that began before then, written as for --since
@@ -78,6 +78,9 @@ impl LogArgs {
                 _ => {}
             }
         }
+        if let Some(told) = out.left_out() {
+            say(&told);
+        }
         match listed.and_then(|()| out.end(&mut to)).and_then(|()| to.flush()) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => {
                 let refused = Failure::refused(format!("the log could not be printed: {error}"));
@@ -96,12 +99,17 @@ struct Listing<'a> {
     totals: LogTotals,
     /// Time of the dose before, in seconds since 1970.
     before: u64,
+    /// Latest time of a dose, in seconds since 1970.
+    latest: u64,
     listed: u64,
+    /// Number of doses that are left out since their time is before the span, though they came after a dose within it.
+    behind: u64,
 }
 
 impl<'a> Listing<'a> {
     fn new(bench: &'a Bench, format: LogFormat, only_totals: bool) -> Self {
-        Self { bench, format, only_totals, totals: LogTotals::default(), before: 0, listed: 0 }
+        let totals = LogTotals::default();
+        Self { bench, format, only_totals, totals, before: 0, latest: 0, listed: 0, behind: 0 }
     }
 
     fn begin(&self, to: &mut dyn Write) -> io::Result<()> {
@@ -115,24 +123,37 @@ impl<'a> Listing<'a> {
     fn dose(&mut self, to: &mut dyn Write, entry: &LogEntry, span: &Span) -> io::Result<()> {
         let unix_s = entry.time.unix_s;
         let went_back = unix_s < std::mem::replace(&mut self.before, unix_s);
+        self.latest = self.latest.max(unix_s);
         if !(span.since..span.until).contains(&unix_s) {
+            // A dose after one of the span belongs to it by its place in the record.
+            self.behind += u64::from(unix_s < span.since && self.latest >= span.since);
             return Ok(());
         }
-        self.totals.add(entry);
+        self.totals.add(entry, went_back);
         self.listed += 1;
         if self.only_totals {
             return Ok(());
         }
+        let (pump, driver) = (self.bench.file().pump.id.as_str(), self.bench.drive_id());
         match self.format {
             LogFormat::Text => {
-                let remark = if went_back { "; the clock had gone back" } else { "" };
-                writeln!(to, "{}{remark}", shown(&log_text(entry)))
+                writeln!(to, "{}", shown(&log_text(entry, went_back)))
             }
-            LogFormat::Csv => writeln!(to, "{}", log_csv(entry)),
-            LogFormat::Json => {
-                writeln!(to, "{}", log_json(&self.bench.file().pump.id, self.bench.drive_id(), entry))
-            }
+            LogFormat::Csv => writeln!(to, "{}", log_csv(pump, driver, entry, went_back)),
+            LogFormat::Json => writeln!(to, "{}", log_json(pump, driver, entry, went_back)),
         }
+    }
+
+    /// The warning of doses that are left out though they were made within the span; none if there are none.
+    fn left_out(&self) -> Option<String> {
+        let were = match self.behind {
+            0 => return None,
+            1 => "1 dose is left out: its time is".to_owned(),
+            count => format!("{count} doses are left out: their times are"),
+        };
+        Some(format!(
+            "warning: {were} before --since, since the clock had gone back; without --since every dose is listed\n"
+        ))
     }
 
     fn end(&self, to: &mut dyn Write) -> io::Result<()> {

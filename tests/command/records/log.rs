@@ -65,6 +65,56 @@ fn a_time_leaves_out_the_doses_before_it_and_nonsense_is_refused() {
     assert!(message.contains("`last week` is no moment") && message.contains("2d"), "{message}");
 }
 
+/// Writes other times into the log, one a dose.
+fn set_times(user: &User, times_s: &[u64]) {
+    let path = user.path("state/three-roller/sim/log.jsonl");
+    let mut log = String::new();
+    for (line, time_s) in fs::read_to_string(&path).unwrap().lines().zip(times_s) {
+        let mut line: Value = serde_json::from_str(line).unwrap();
+        let time = jiff::Timestamp::from_second(i64::try_from(*time_s).unwrap()).unwrap();
+        line["entry"]["time"] = time.to_string().replace('Z', "+00:00").into();
+        let text = line["entry"].to_string();
+        log += &format!("{{\"crc32\":\"{:08x}\",\"entry\":{text}}}\n", crc32fast::hash(text.as_bytes()));
+    }
+    fs::write(path, log).unwrap();
+}
+
+#[test]
+fn a_clock_that_was_set_back_is_remarked_in_every_format_and_hides_no_dose_in_silence() {
+    let user = User::new();
+    (0..3).for_each(|_| drop(user.types(&["1mL"])));
+    // The third dose was made after the second one, by a clock that had been set back by 27 hours.
+    set_times(&user, &[1_795_300_000, 1_795_400_000, 1_795_302_800]);
+    let remarked = |dose: &Value| dose["clock_went_back"] == true;
+    let listed = objects(&user.types(&["log", "--format", "json"]).out);
+    assert_eq!(listed.iter().map(remarked).collect::<Vec<_>>(), [false, false, true]);
+    let csv = user.types(&["log", "--format", "csv"]).out;
+    assert!(csv.lines().nth(3).unwrap().ends_with(",true,three-roller,sim"), "{csv}");
+    let text = user.types(&["log"]).out;
+    assert!(text.contains("; the clock had gone back\n"), "{text}");
+    assert!(text.contains("in 3 doses; the clock had gone back once"), "{text}");
+    let totals = objects(&user.types(&["log", "--totals", "--format", "json"]).out);
+    assert_eq!(totals.last().unwrap()["clock_went_back"], 1);
+    let since = user.types(&["log", "--since", "2026-11-23T01:00:00Z", "--format", "json"]);
+    assert_eq!(objects(&since.out).len(), 1);
+    assert!(since.err.contains("warning: 1 dose is left out: its time is before --since"), "{}", since.err);
+    assert_eq!(user.types(&["log", "--since", "1970-01-02"]).err, "");
+}
+
+#[test]
+fn a_total_has_what_was_pumped_in_either_direction() {
+    let user = User::new();
+    for words in [&["10mL"][..], &["purge", "--reverse", "15mL"]] {
+        assert_eq!(user.types(words).code, 0);
+    }
+    let totals = objects(&user.types(&["log", "--totals", "--format", "json"]).out);
+    let tube = totals.last().unwrap();
+    assert!((number(tube, "delivered_ml") + 5.0).abs() < 0.01, "{tube}");
+    assert!((number(tube, "pumped_ml") - 25.0).abs() < 0.01, "{tube}");
+    let worn_ml = 1e3 * number(&user.json(&["tube"]), "volume_l");
+    assert!((number(tube, "pumped_ml") - worn_ml).abs() < 0.01, "as the tube counts it: {worn_ml}");
+}
+
 #[test]
 fn a_damaged_line_is_told_and_the_others_are_listed() {
     let user = User::new();

@@ -27,7 +27,10 @@ pub use intent::Intent;
 pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};
 pub use journal::{JournalError, Storage, Story};
 pub use last_dose::LastDose;
-pub use log::{Asked, Clock, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp, SystemClock, moment};
+pub use log::{
+    Asked, Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp,
+    SystemClock, moment,
+};
 pub(crate) use log::{Log, LogTail, Told, pending};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;

@@ -64,7 +64,8 @@ const LITRES: Units = &[
     ("mm3", 1e-3),
 ];
 const GRAMS: Units = &[("kg", 1e3), ("g", 1.0), ("mg", 1e-3)];
-const SECONDS: Units = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("min", 60.0), ("h", 3600.0)];
+const SECONDS: Units =
+    &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
 const TURN: f64 = std::f64::consts::TAU;
 const ANGLES: Units =
     &[("deg", TURN / 360.0), ("°", TURN / 360.0), ("rad", 1.0), ("mrad", 1e-3), ("rev", TURN)];

@@ -289,7 +289,8 @@ class LoggedDose(Record):
 
     `delivered_least_ml` and `delivered_most_ml` are numbers where nobody knows how many steps were made, and
     None otherwise. `end` tells how the dose ended, and `cause` the reason of a fault, or who or what stopped
-    the dose. `rack` is the rack of which it was a part. The rest of a dose that was stopped, and the
+    the dose. `rack` is the rack of which it was a part. `requested_ml` is None for a run until it is stopped.
+    `clock_went_back` is True if the time is before that of the dose before. The rest of a dose that was stopped, and the
     retraction after a dose, have entries of their own.
     """
 
@@ -300,7 +301,7 @@ class LoggedDose(Record):
     time: str
     purpose: Purpose
     asked: str | None
-    requested_ml: float
+    requested_ml: float | None
     delivered_ml: float
     delivered_least_ml: float | None
     delivered_most_ml: float | None
@@ -314,6 +315,7 @@ class LoggedDose(Record):
     steps: int | None
     motion_s: float | None
     rack: str | None
+    clock_went_back: bool
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,16 @@ impl Bench {
         let (bench, since) = (&self.bench, since.unwrap_or(0));
         let read = || -> Result<Vec<String>, String> {
             let lines = bench.log().map_err(|error| with_sources(&error))?;
-            let mut doses = Vec::new();
+            let (mut doses, mut before_s) = (Vec::new(), 0);
             for line in lines {
                 match line.map_err(|error| with_sources(&error))? {
-                    LogLine::Dose(entry) if entry.time.unix_s >= since => {
-                        doses.push(log_json(&bench.file().pump.id, bench.drive_id(), &entry));
+                    LogLine::Dose(entry) => {
+                        let unix_s = entry.time.unix_s;
+                        let went_back = unix_s < std::mem::replace(&mut before_s, unix_s);
+                        if unix_s >= since {
+                            let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
+                            doses.push(log_json(pump, driver, &entry, went_back));
+                        }
                     }
                     _ => {}
                 }

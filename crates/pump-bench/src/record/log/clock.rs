@@ -8,7 +8,8 @@ use jiff::tz::TimeZone;
 
 use super::Stamp;
 
-/// Clock that gives doses their times. People read them, and the safety limit of a day follows them. Nothing else does.
+/// Clock that gives doses their times. People read them, and the safety limit of a day follows them. So do the dates of
+/// calibrations, from which a tube's drift follows.
 pub trait Clock: Debug + Send {
     /// Returns the present time.
     fn now(&self) -> Stamp;

@@ -23,6 +23,9 @@ pub struct LogEntry {
     pub asked: Option<Asked>,
     /// Volume that was asked for, in mL. Negative in reverse.
     pub requested_ml: f64,
+    /// True for a run until it is stopped. `requested_ml` is then the most that it may have delivered.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub until_stopped: bool,
     /// Volume that the made steps are booked with, in mL. A dose that a balance ended has the weighed volume.
     pub delivered_ml: f64,
     /// Smallest and largest volume, in mL, where nobody knows how many steps were made.
@@ -78,6 +81,7 @@ impl LogEntry {
             purpose: intent.purpose,
             asked: told.and_then(|told| told.asked),
             requested_ml: intent.requested_ml,
+            until_stopped: intent.terms.until_stopped,
             delivered_ml,
             delivered_range_ml: (!is_exact).then_some((least_ml.min(most_ml), least_ml.max(most_ml))),
             expanded_uncertainty_ml: uncertainty_ml.map(|ml| if is_exact { ml } else { ml + half_ml }),

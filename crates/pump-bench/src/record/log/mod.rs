@@ -2,6 +2,7 @@
 
 mod asked;
 mod clock;
+mod clock_watch;
 mod ended;
 mod entry;
 mod file;
@@ -12,6 +13,7 @@ mod told;
 
 pub use asked::Asked;
 pub use clock::{Clock, SystemClock};
+pub use clock_watch::{ClockJump, ClockWatch};
 pub use ended::LogEnd;
 pub use entry::LogEntry;
 pub(crate) use file::{Log, LogTail};

@@ -1,6 +1,6 @@
 //! A moment as people write it: a time ago, a date, or a time with its offset.
 
-use jiff::civil::Date;
+use jiff::civil::{Date, DateTime};
 use thiserror::Error;
 
 use super::Stamp;
@@ -11,8 +11,8 @@ const UNITS: [(&str, f64); 5] = [("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d",
 /// Text that names no moment.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "`{text}` is no moment; write a time ago as 90min, 12h, 2d or 1w, a date as 2026-11-23, or a time with its \
-         offset as 2026-11-23T08:00:00+01:00"
+    "`{text}` is no moment; write a time ago as 90min, 12h, 2d or 1w, a date as 2026-11-23, a local time as \
+         2026-11-23 08:00, or a time with its offset as 2026-11-23T08:00:00+01:00"
 )]
 #[non_exhaustive]
 pub struct MomentError {
@@ -21,7 +21,7 @@ pub struct MomentError {
 }
 
 /// Reads a moment, in seconds since 1970. A time ago counts back from `now`. A date begins at midnight of `now`'s
-/// offset.
+/// offset, and a time without an offset has it too.
 ///
 /// # Errors
 ///
@@ -37,6 +37,12 @@ pub fn moment(text: &str, now: Stamp) -> Result<u64, MomentError> {
     {
         let midnight = now.offset().to_timestamp(date.at(0, 0, 0, 0)).map_err(|_| refused())?;
         return u64::try_from(midnight.as_second()).map_err(|_| refused());
+    }
+    if let Ok(local) = text.parse::<DateTime>()
+        && text.contains(':')
+    {
+        let time = now.offset().to_timestamp(local).map_err(|_| refused())?;
+        return u64::try_from(time.as_second()).map_err(|_| refused());
     }
     let unit = text.trim_start_matches(|letter: char| letter.is_ascii_digit() || letter == '.');
     let (number, unit) = (&text[..text.len() - unit.len()], unit.trim());
@@ -63,6 +69,8 @@ mod tests {
             // Midnight in a zone one hour before UTC: date -d 2026-11-22T23:00Z +%s, by GNU date.
             ("2026-11-23", 1_795_388_400),
             ("2026-11-23T02:15:00Z", 1_795_400_100),
+            ("2026-11-23 03:15", 1_795_400_100),
+            ("2026-11-23T03:15:00", 1_795_400_100),
         ] {
             assert_eq!(moment(text, now), Ok(unix_s), "{text}");
         }
@@ -77,7 +85,7 @@ mod tests {
             "1e3d",
             "yesterday",
             "2026-13-01",
-            "2026-11-23T02:15",
+            "2026-11-23 25:15",
         ] {
             assert!(moment(text, now).is_err(), "{text}");
         }

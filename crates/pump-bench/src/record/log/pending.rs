@@ -94,6 +94,7 @@ mod tests {
             purpose: Purpose::Dose,
             asked: None,
             requested_ml: 1.0,
+            until_stopped: false,
             delivered_ml: 1.0,
             delivered_range_ml: None,
             expanded_uncertainty_ml: Some(0.1),

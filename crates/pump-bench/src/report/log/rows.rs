@@ -5,12 +5,14 @@ use crate::record::{LogEnd, LogEntry};
 
 /// Header of the table of which [`log_csv`] writes the rows.
 pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
-    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack";
+    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack,clock_went_back,pump,driver";
 
-/// Words a dose for people, in one line without its end.
-pub fn log_text(entry: &LogEntry) -> String {
+/// Words a dose for people, in one line without its end. `went_back` is true if its time is before that of the dose
+/// before it.
+pub fn log_text(entry: &LogEntry, went_back: bool) -> String {
     let asked = match &entry.asked {
         Some(asked) => asked.as_str().to_owned(),
+        None if entry.until_stopped => "until stopped".to_owned(),
         None => format!("{} mL", significant(entry.requested_ml, 6)),
     };
     let unsure =
@@ -29,13 +31,14 @@ pub fn log_text(entry: &LogEntry) -> String {
         (LogEnd::CutOff, _) => format!("cut off: the process ended{cause}"),
     };
     let rack = entry.rack.map_or(String::new(), |rack| format!(", rack {}", rack.as_str()));
+    let clock = if went_back { "; the clock had gone back" } else { "" };
     let rest = if entry.resumed { ", the rest of a dose" } else { "" };
     let calibration = match entry.calibration {
         Some(version) => format!("calibration {version}"),
         None => "no calibration".to_owned(),
     };
     format!(
-        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}{rack}; {end}{rest}",
+        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}{rack}; {end}{rest}{clock}",
         entry.number,
         entry.time,
         entry.purpose,
@@ -44,8 +47,14 @@ pub fn log_text(entry: &LogEntry) -> String {
     )
 }
 
-/// Writes a dose as a row of CSV without its end. A cell is empty where nobody knows the value.
-pub fn log_csv(entry: &LogEntry) -> String {
+/// Returns the volume that was asked for, in mL. `None` for a run until it is stopped, which nobody asked a volume of.
+fn requested_ml(entry: &LogEntry) -> Option<f64> {
+    Some(entry.requested_ml).filter(|_| !entry.until_stopped)
+}
+
+/// Writes a dose of `pump` by `driver` as a row of CSV without its end. A cell is empty where nobody knows the value.
+/// `went_back` is true if its time is before that of the dose before it.
+pub fn log_csv(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> String {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let (least_ml, most_ml) = entry.delivered_range_ml.unzip();
     [
@@ -53,7 +62,7 @@ pub fn log_csv(entry: &LogEntry) -> String {
         entry.time.to_string(),
         entry.purpose.to_string(),
         quoted(entry.asked.as_ref().map_or("", |asked| asked.as_str())),
-        entry.requested_ml.to_string(),
+        number(requested_ml(entry)),
         entry.delivered_ml.to_string(),
         number(least_ml),
         number(most_ml),
@@ -67,12 +76,16 @@ pub fn log_csv(entry: &LogEntry) -> String {
         entry.steps.map_or(String::new(), |steps| steps.to_string()),
         number(entry.motion_s),
         quoted(entry.rack.as_ref().map_or("", |rack| rack.as_str())),
+        went_back.to_string(),
+        quoted(pump),
+        quoted(driver),
     ]
     .join(",")
 }
 
-/// Writes a dose of `pump` by `driver` as one line of JSON (`schema` `log/1`), without its end.
-pub fn log_json(pump: &str, driver: &str, entry: &LogEntry) -> String {
+/// Writes a dose of `pump` by `driver` as one line of JSON (`schema` `log/1`), without its end. `went_back` is true if
+/// its time is before that of the dose before it.
+pub fn log_json(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> String {
     let (least_ml, most_ml) = entry.delivered_range_ml.unzip();
     serde_json::json!({
         "schema": "log/1",
@@ -82,7 +95,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry) -> String {
         "time": entry.time,
         "purpose": entry.purpose,
         "asked": entry.asked,
-        "requested_ml": entry.requested_ml,
+        "requested_ml": requested_ml(entry),
         "delivered_ml": entry.delivered_ml,
         "delivered_least_ml": least_ml,
         "delivered_most_ml": most_ml,
@@ -96,6 +109,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry) -> String {
         "steps": entry.steps,
         "motion_s": entry.motion_s,
         "rack": entry.rack,
+        "clock_went_back": went_back,
     })
     .to_string()
 }
@@ -121,6 +135,7 @@ mod tests {
             purpose: Purpose::Dose,
             asked: Some(Asked::new("25 mL")),
             requested_ml: 25.0,
+            until_stopped: false,
             delivered_ml: 25.0004,
             delivered_range_ml: None,
             expanded_uncertainty_ml: Some(0.125),
@@ -139,17 +154,23 @@ mod tests {
     #[test]
     fn a_row_quotes_what_would_break_the_table_and_has_a_cell_for_each_column() {
         assert_eq!(
-            log_csv(&entry()),
+            log_csv("tank", "grbl", &entry(), false),
             "7,2026-11-23T03:15:00+01:00,dose,25 mL,25,25.0004,,,0.125,-0.0004,fault,\"the board said \"\"no\"\", then \
-             nothing\",false,2,3,27284,,"
+             nothing\",false,2,3,27284,,,false,tank,grbl"
         );
-        assert_eq!(LOG_CSV_HEADER.split(',').count(), 18);
-        assert_eq!(log_csv(&LogEntry { cause: None, ..entry() }).split(',').count(), 18);
+        assert_eq!(LOG_CSV_HEADER.split(',').count(), 21);
+        let endless = LogEntry { cause: None, until_stopped: true, ..entry() };
+        let row = log_csv("tank", "grbl", &endless, true);
+        let cells: Vec<&str> = row.split(',').collect();
+        assert_eq!((cells.len(), cells[4], cells[18]), (21, "", "true"), "{row}");
+        let object: serde_json::Value =
+            serde_json::from_str(&log_json("tank", "grbl", &endless, true)).unwrap();
+        assert!(object["requested_ml"].is_null() && object["clock_went_back"] == true, "{object}");
     }
 
     #[test]
     fn a_line_says_who_stopped_the_dose() {
-        let line = log_text(&entry());
+        let line = log_text(&entry(), false);
         assert!(line.contains("25.0004 ± 0.12 mL") && line.contains("tube 2, calibration 3"), "{line}");
         assert!(line.ends_with("ended by a fault (the board said \"no\", then nothing)"), "{line}");
         let stopped = LogEntry {
@@ -158,12 +179,13 @@ mod tests {
             rack: Some(Asked::new("mix")),
             ..entry()
         };
-        assert!(log_text(&stopped).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
+        assert!(log_text(&stopped, false).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
-        assert!(log_text(&cut).contains("1.0000 to 2.0000 mL"), "{}", log_text(&cut));
+        assert!(log_text(&cut, false).contains("1.0000 to 2.0000 mL"), "{}", log_text(&cut, false));
         assert!(
-            log_text(&LogEntry { resumed: true, ..cut }).ends_with("the process ended, the rest of a dose")
+            log_text(&LogEntry { resumed: true, ..cut }, false)
+                .ends_with("the process ended, the rest of a dose")
         );
     }
 }

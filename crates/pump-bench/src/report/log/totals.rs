@@ -13,6 +13,10 @@ pub struct LogTotal {
     pub doses: u64,
     /// Volume delivered less that sucked back or run in reverse, in mL.
     pub delivered_ml: f64,
+    /// Volume that was pumped in either direction, with primes, purges and retractions, in mL.
+    pub pumped_ml: f64,
+    /// Number of doses whose time is before that of the dose before them: the clock had gone back.
+    pub clock_went_back: u64,
     /// Largest error of the volume where nobody knows how many steps were made, in mL.
     pub unknown_ml: f64,
 }
@@ -28,7 +32,9 @@ pub struct LogTotals {
 }
 
 impl LogTotal {
-    fn add(&mut self, entry: &LogEntry) {
+    fn add(&mut self, entry: &LogEntry, went_back: bool) {
+        self.clock_went_back += u64::from(went_back);
+        self.pumped_ml += entry.delivered_ml.abs();
         self.doses += u64::from(entry.purpose != Purpose::Retract);
         self.delivered_ml += entry.delivered_ml;
         self.unknown_ml +=
@@ -40,15 +46,26 @@ impl LogTotal {
             0.0 => String::new(),
             ml => format!(", known to ± {} mL", significant(ml, 2)),
         };
-        format!("{} mL in {} doses{unknown}", significant(self.delivered_ml, 9), self.doses)
+        let [net, pumped] = [self.delivered_ml, self.pumped_ml].map(|ml| significant(ml, 4));
+        let volume = if net == pumped {
+            format!("{net} mL")
+        } else {
+            format!("{net} mL net, {pumped} mL in either direction,")
+        };
+        let doses = if self.doses == 1 { "dose" } else { "doses" };
+        let clock = match self.clock_went_back {
+            0 => String::new(),
+            count => format!("; the clock had gone back {count} times"),
+        };
+        format!("{volume} in {} {doses}{unknown}{}", self.doses, clock.replace(" 1 times", " once"))
     }
 }
 
 impl LogTotals {
-    /// Adds a dose.
-    pub fn add(&mut self, entry: &LogEntry) {
-        self.by_day.entry(entry.time.date()).or_default().add(entry);
-        self.by_tube.entry(entry.tube).or_default().add(entry);
+    /// Adds a dose. `went_back` is true if its time is before that of the dose before it.
+    pub fn add(&mut self, entry: &LogEntry, went_back: bool) {
+        self.by_day.entry(entry.time.date()).or_default().add(entry, went_back);
+        self.by_tube.entry(entry.tube).or_default().add(entry, went_back);
     }
 
     /// Words the totals for people, a line a day and a line a tube.
@@ -58,29 +75,46 @@ impl LogTotals {
         days.chain(tubes).collect()
     }
 
-    /// Writes the totals as a table: `day,tube,doses,delivered_ml,unknown_ml`. Each row has a day or a tube.
+    /// Writes the totals as a table: `day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back`. Each row has a day or a tube.
     pub fn csv(&self) -> String {
         let row = |day: &str, tube: &str, total: &LogTotal| {
-            let LogTotal { doses, delivered_ml, unknown_ml } = total;
-            format!("{day},{tube},{doses},{delivered_ml},{unknown_ml}\n")
+            let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back } = total;
+            format!("{day},{tube},{doses},{delivered_ml},{unknown_ml},{pumped_ml},{clock_went_back}\n")
         };
         let days = self.by_day.iter().map(|(day, total)| row(day, "", total));
         let tubes = self.by_tube.iter().map(|(tube, total)| row("", &tube.to_string(), total));
-        ["day,tube,doses,delivered_ml,unknown_ml\n".to_owned()].into_iter().chain(days).chain(tubes).collect()
+        let header = "day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back\n";
+        [header.to_owned()].into_iter().chain(days).chain(tubes).collect()
     }
 
     /// Writes the totals of `pump` by `driver` as JSON (`schema` `log-total/1`), a line a day and a line a tube.
     pub fn json(&self, pump: &str, driver: &str) -> String {
         let row = |key: &str, value: serde_json::Value, total: &LogTotal| {
-            let LogTotal { doses, delivered_ml, unknown_ml } = total;
+            let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back } = total;
             let mut row = serde_json::json!({
                 "schema": "log-total/1", "pump": pump, "driver": driver, "day": null, "tube": null,
-                "doses": doses, "delivered_ml": delivered_ml, "unknown_ml": unknown_ml,
+                "doses": doses, "delivered_ml": delivered_ml, "unknown_ml": unknown_ml, "pumped_ml": pumped_ml,
+                "clock_went_back": clock_went_back,
             });
             row[key] = value;
             format!("{row}\n")
         };
         let days = self.by_day.iter().map(|(day, total)| row("day", day.as_str().into(), total));
         days.chain(self.by_tube.iter().map(|(tube, total)| row("tube", (*tube).into(), total))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_total_tells_what_was_pumped_beside_what_is_left_of_it() {
+        let one = LogTotal { doses: 1, delivered_ml: 9.537_426, pumped_ml: 9.537_426, ..LogTotal::default() };
+        assert_eq!(one.text(), "9.537 mL in 1 dose");
+        let both = LogTotal { doses: 5, delivered_ml: -5.751_642, pumped_ml: 25.0, ..one };
+        assert_eq!(both.text(), "-5.752 mL net, 25 mL in either direction, in 5 doses");
+        let jumped = LogTotal { clock_went_back: 1, ..one };
+        assert_eq!(jumped.text(), "9.537 mL in 1 dose; the clock had gone back once");
     }
 }
