@@ -66,13 +66,12 @@ fn a_time_leaves_out_the_doses_before_it_and_nonsense_is_refused() {
 }
 
 /// Writes other times into the log, one a dose.
-fn set_times(user: &User, times_s: &[u64]) {
+fn set_times(user: &User, times: &[&str]) {
     let path = user.path("state/three-roller/sim/log.jsonl");
     let mut log = String::new();
-    for (line, time_s) in fs::read_to_string(&path).unwrap().lines().zip(times_s) {
+    for (line, time) in fs::read_to_string(&path).unwrap().lines().zip(times) {
         let mut line: Value = serde_json::from_str(line).unwrap();
-        let time = jiff::Timestamp::from_second(i64::try_from(*time_s).unwrap()).unwrap();
-        line["entry"]["time"] = time.to_string().replace('Z', "+00:00").into();
+        line["entry"]["time"] = (*time).into();
         let text = line["entry"].to_string();
         log += &format!("{{\"crc32\":\"{:08x}\",\"entry\":{text}}}\n", crc32fast::hash(text.as_bytes()));
     }
@@ -84,7 +83,10 @@ fn a_clock_that_was_set_back_is_remarked_in_every_format_and_hides_no_dose_in_si
     let user = User::new();
     (0..3).for_each(|_| drop(user.types(&["1mL"])));
     // The third dose was made after the second one, by a clock that had been set back by 27 hours.
-    set_times(&user, &[1_795_300_000, 1_795_400_000, 1_795_302_800]);
+    set_times(
+        &user,
+        &["2026-11-21T23:00:00+00:00", "2026-11-23T02:15:00+00:00", "2026-11-21T23:15:00+00:00"],
+    );
     let remarked = |dose: &Value| dose["clock_went_back"] == true;
     let listed = objects(&user.types(&["log", "--format", "json"]).out);
     assert_eq!(listed.iter().map(remarked).collect::<Vec<_>>(), [false, false, true]);

@@ -131,7 +131,7 @@ impl Kind {
             Self::Mass => "kg, g, mg",
             Self::Flow => "a volume over a time, as in mL/s, mL/min, L/h, uL/min",
             Self::Speed => "rpm, r/min, rev/s, rad/s, deg/s",
-            Self::Time => "s, ms, us, min, h",
+            Self::Time => "s, ms, us, min, h, d",
             Self::Angle => "deg, rad, mrad, rev",
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
             Self::Temperature => "degC (°C)",
