@@ -12,8 +12,22 @@ use pump_bench::config::Config;
 const OF_PLACES: [(&str, &str); 3] =
     [("pump", "--pump"), ("config", "--config"), ("state_dir", "--state-dir")];
 
-/// Options that were typed, with their values, and the definitions of all commands.
-static TYPED: OnceLock<(Vec<(&'static str, String)>, Command)> = OnceLock::new();
+/// Arguments that say that a command means several pumps, by clap's ids.
+const OF_SEVERAL: [&str; 2] = ["rack", "all"];
+
+/// Word of a told command in place of which the name of the pump stands.
+const NAME: &str = "NAME";
+
+/// The pump of the command line, its places that the next command needs too, and the definitions of all commands.
+struct Told {
+    /// Options that were typed, with their values.
+    typed: Vec<(&'static str, String)>,
+    /// Name of the pump; none where a command means several.
+    pump: Option<String>,
+    root: Command,
+}
+
+static TOLD: OnceLock<Told> = OnceLock::new();
 
 /// Notes the options of the command line that the next command needs too. The pump that a command without `--pump`
 /// means anyway is left out.
@@ -33,27 +47,42 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
     let of_environment = std::env::var("DOSE_PUMP").ok().filter(|pump| !pump.is_empty());
     let of_config = || Some(Config::of_user(config).ok()?.default_pump().to_owned());
     let usual = of_environment.or_else(of_config);
+    let named = typed.iter().find(|(option, _)| *option == "--pump").map(|(_, pump)| pump.clone());
+    let is_typed = |id: &&str| {
+        leaf.ids().any(|known| known == *id) && leaf.value_source(id) == Some(ValueSource::CommandLine)
+    };
+    let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(|id| is_typed(&id)));
     typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
-    let _ = TYPED.set((typed, root));
+    let _ = TOLD.set(Told { typed, pump, root });
 }
 
 /// Completes the commands of a text, which stand between back quotes.
 pub(crate) fn completed(text: &str) -> Cow<'_, str> {
-    match TYPED.get() {
-        Some((typed, root)) if !typed.is_empty() && text.contains("`dose ") => {
-            Cow::Owned(completed_with(text, typed, root))
-        }
+    match TOLD.get() {
+        Some(told) if text.contains("`dose ") => Cow::Owned(completed_with(text, told)),
         _ => Cow::Borrowed(text),
     }
 }
 
-fn completed_with(text: &str, typed: &[(&str, String)], root: &Command) -> String {
+fn completed_with(text: &str, Told { typed, pump, root }: &Told) -> String {
     let parts = text.split('`').enumerate();
     let parts = parts.map(|(at, part)| match part.strip_prefix("dose ") {
-        Some(rest) if at % 2 == 1 => command(rest, typed, root),
+        Some(rest) if at % 2 == 1 => command(&named(rest, pump.as_deref()), typed, root),
         _ => part.to_owned(),
     });
     parts.collect::<Vec<_>>().join("`")
+}
+
+/// A command with the pump in place of its `NAME`.
+fn named<'a>(rest: &'a str, pump: Option<&str>) -> Cow<'a, str> {
+    match pump {
+        Some(pump) if rest.split(' ').any(|word| word == NAME) => {
+            let words =
+                rest.split(' ').map(|word| if word == NAME { shell_word(pump) } else { word.to_owned() });
+            Cow::Owned(words.collect::<Vec<_>>().join(" "))
+        }
+        _ => Cow::Borrowed(rest),
+    }
 }
 
 /// Completes a command by the options that it takes.
@@ -108,7 +137,12 @@ mod tests {
     #[test]
     fn commands_mean_the_pump_and_the_record_that_were_typed() {
         let typed = [("--pump", "my acid.toml".to_owned()), ("--state-dir", "/srv/state".to_owned())];
-        let told = |text: &str| completed_with(text, &typed, &definitions());
+        let told = Told { typed: typed.to_vec(), pump: Some("my acid.toml".to_owned()), root: definitions() };
+        let told = |text: &str| completed_with(text, &told);
+        assert_eq!(
+            told("`dose pumps clear NAME --reason <TEXT>`"),
+            "`dose pumps clear 'my acid.toml' --reason <TEXT>`"
+        );
         let places = "--pump 'my acid.toml' --state-dir /srv/state";
         assert_eq!(
             told("finish it with `dose resume`, or"),

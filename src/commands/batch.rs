@@ -338,7 +338,8 @@ impl Batch<'_> {
         };
         let unsaid = if is_announced { Vec::new() } else { self.warned.untold(&report.warnings) };
         let unsaid: String = unsaid.iter().map(|warning| format!("warning: {warning}\n")).collect();
-        let line = report.batch_line(number, self.count);
+        let began = report.time.map_or(String::new(), |time| format!("{time}  "));
+        let line = began + &report.batch_line(number, self.count);
         tell(&format!("{headline}{line}\n{unsaid}"))
     }
 

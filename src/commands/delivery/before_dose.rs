@@ -75,9 +75,19 @@ fn accept(bench: &Bench, session: &mut Session<'_>) -> Result<Notice, Failure> {
     });
     let AcceptedReport { requested_ml, delivered_least_ml, delivered_most_ml, dropped_carry_ml, .. } =
         AcceptedReport::new(bench, &accepted, Vec::new());
+    let delivered = if delivered_most_ml - delivered_least_ml < 1e-4 {
+        format!("{delivered_least_ml:.4} mL")
+    } else {
+        format!("{delivered_least_ml:.4} to {delivered_most_ml:.4} mL")
+    };
+    let dropped = if dropped_carry_ml.abs() < 5e-5 {
+        String::new()
+    } else {
+        format!(", and {dropped_carry_ml:.4} mL of carry are dropped")
+    };
     Ok(Notice::from(format!(
-        "an interrupted dose of {requested_ml} mL was accepted as it is (--unfinished accept): {delivered_least_ml:.4} \
-         to {delivered_most_ml:.4} mL were delivered, and {dropped_carry_ml:.4} mL of carry are dropped{unasked}"
+        "an interrupted dose of {requested_ml} mL was accepted as it is (--unfinished accept): {delivered} were \
+         delivered{dropped}{unasked}"
     )))
 }
 

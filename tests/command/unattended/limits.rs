@@ -36,10 +36,7 @@ fn a_pump_stands_with_exit_code_5_until_it_is_cleared_by_name_with_a_reason() {
         (&5.into(), &"safety".into(), &false.into())
     );
     assert!(
-        error["message"]
-            .as_str()
-            .unwrap()
-            .contains("`dose safety clear NAME --reason <TEXT> --pump tank.toml`"),
+        error["message"].as_str().unwrap().contains("`dose safety clear tank.toml --reason <TEXT>`"),
         "{error}"
     );
     for words in

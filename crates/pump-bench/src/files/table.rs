@@ -47,7 +47,15 @@ impl<'a> Table<'a> {
         let columns = cells(header);
         for (n, column) in columns.iter().enumerate() {
             if !known.contains(column) {
-                return refuse(first, format!("unknown column `{column}`; known: {}", known.join(", ")));
+                let hint = if header.contains(';') || header.contains('\t') {
+                    "; the cells stand between commas, and numbers have a point: 42.5"
+                } else {
+                    ""
+                };
+                return refuse(
+                    first,
+                    format!("unknown column `{column}`; known: {}{hint}", known.join(", ")),
+                );
             }
             if columns[..n].contains(column) {
                 return refuse(first, format!("column `{column}` stands twice; keep one of them"));
@@ -129,5 +137,23 @@ impl Row<'_> {
             }
         }
         found.ok_or_else(|| self.error(format!("give one of {}", columns.map(|(name, _)| name).join(", "))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_of_a_spreadsheet_with_other_separators_is_told_what_stands_between_cells() {
+        for text in ["time_s;flow_ml_s\n0;1,5\n", "time_s\tflow_ml_s\n0\t1\n"] {
+            let refused = Table::parse(text, &["time_s", "flow_ml_s"]).unwrap_err().to_string();
+            assert!(
+                refused.contains("the cells stand between commas, and numbers have a point"),
+                "{refused}"
+            );
+        }
+        let refused = Table::parse("time,flow_ml_s\n", &["time_s", "flow_ml_s"]).unwrap_err().to_string();
+        assert!(refused.ends_with("known: time_s, flow_ml_s"), "{refused}");
     }
 }

@@ -52,16 +52,16 @@ impl Status {
 
     fn tube(&self) -> String {
         let Wear { volume_ml, revolutions, motion_s } = self.wear;
-        let time = if motion_s < 3600.0 {
-            format!("{:.1} min", motion_s / 60.0)
-        } else {
-            format!("{:.1} h", motion_s / 3600.0)
+        let time = match motion_s {
+            ..60.0 => format!("{motion_s:.1} s"),
+            ..3600.0 => format!("{:.1} min", motion_s / 60.0),
+            _ => format!("{:.1} h", motion_s / 3600.0),
         };
         let life = self.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {life_ml} mL"));
         let turns = self.tube_life_revolutions.map_or(String::new(), |turns| format!(" of {turns}"));
         let hours = self.tube_life_h.map_or(String::new(), |hours| format!(" (of {hours} h)"));
         format!(
-            "tube: {volume_ml:.1} mL{life} in {revolutions:.1}{turns} revolutions and {time}{hours} of motion"
+            "tube: {volume_ml:.1} mL{life} in {revolutions:.2}{turns} revolutions and {time}{hours} of motion"
         )
     }
 

@@ -214,6 +214,12 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_zero_and_not_minus_zero() {
+        assert!(SafetyAccount::default().day_ml(0).is_sign_positive());
+        assert!(SafetyAccount::default().cleared(9).day_ml(9).is_sign_positive());
+    }
+
+    #[test]
     fn an_early_record_counts_in_full_as_of_now() {
         let account = SafetyAccount::of_early_record(300.0, 7 * DAY);
         assert_eq!(

@@ -28,8 +28,8 @@ impl LastDay {
         self.volumes()
             .iter()
             .filter(|(time_s, _)| counts(*time_s, at_s))
-            .map(|(_, volume_ml)| volume_ml)
-            .sum()
+            // The sum of no volumes is 0, and not the -0 of `Iterator::sum`.
+            .fold(0.0, |sum_ml, (_, volume_ml)| sum_ml + volume_ml)
     }
 
     /// Returns the volumes with one more, of a motion that began at `at_s`. Those that are a day old go.

@@ -5,7 +5,7 @@ use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::dosing::DoseError;
 use crate::notice::Notice;
-use crate::numbers::significant;
+use crate::numbers::duration;
 use crate::record::{Clock, PumpState, SystemClock, Why};
 use crate::safety::{SafetyAccount, SafetyLimit, SafetyLimits, Stand};
 
@@ -187,9 +187,9 @@ impl Session<'_> {
             return;
         }
         let text = format!(
-            "the clock is {} h behind the latest time on record: it was set back, which frees no volume of the last \
+            "the clock is {} behind the latest time on record: it was set back, which frees no volume of the last \
              24 h",
-            significant(behind_s as f64 / 3600.0, 3)
+            duration(behind_s as f64)
         );
         if !self.notes.iter().any(|note| note.text() == text) {
             self.notes.push(Notice::from(text));

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::bench::{Bench, system_now_s};
 use crate::notice::{Remedy, Wording};
-use crate::numbers::significant;
+use crate::numbers::{duration, significant};
 use crate::record::{PumpState, Stamp};
 use crate::safety::{SafetyLimit, Stand};
 
@@ -80,8 +80,8 @@ impl SafetyStatus {
             format!("the vessel has received {received} of {} mL, {} mL left", ml(holds_ml), ml(left_ml))
         });
         let behind = (self.max_ml_per_day.is_some() && self.clock_behind_s > 0).then(|| {
-            let hours = significant(self.clock_behind_s as f64 / 3600.0, 3);
-            format!("the clock is {hours} h behind the record, which frees no volume")
+            let behind = duration(self.clock_behind_s as f64);
+            format!("the clock is {behind} behind the record, which frees no volume")
         });
         let stand = self.stand.map(|stand| {
             let first = (stand.stand.limit == SafetyLimit::Vessel).then_some(Remedy::EmptyVessel);

@@ -141,10 +141,11 @@ impl TubeReport {
             of(self.life_h)
         );
         if let Some(part) = self.used_part {
-            text += &format!(
-                "{} % of its life is used; the first measure that is reached counts\n",
-                significant(100.0 * part, 3)
-            );
+            let percent = match 100.0 * part {
+                little if little > 0.0 && little < 0.01 => "less than 0.01".to_owned(),
+                percent => significant(percent, 3),
+            };
+            text += &format!("{percent} % of its life is used; the first measure that is reached counts\n");
         }
         for calibration in &self.calibrations {
             text += &calibration.line(self.speed_rpm.unwrap_or_default());

@@ -3,6 +3,7 @@
 use super::TubeReport;
 #[cfg(feature = "plot")]
 use crate::export::{PlotError, tube_svg};
+use crate::numbers::duration;
 use crate::record::Stamp;
 
 /// Lines of the picture in a terminal, and its columns.
@@ -74,8 +75,9 @@ impl TubeReport {
             text += "\n";
         }
         text + &format!(
-            "          +{}\n          0 to {days:.0} days, model volume times the factor (k = 2)\n",
-            "-".repeat(COLUMNS)
+            "          +{}\n          0 to {}, model volume times the factor (k = 2)\n",
+            "-".repeat(COLUMNS),
+            if days < 2.0 { duration(DAY_S * days) } else { format!("{days:.0} days") }
         )
     }
 
