@@ -67,22 +67,25 @@ pub(crate) fn completed(text: &str) -> Cow<'_, str> {
 fn completed_with(text: &str, Told { typed, pump, root }: &Told) -> String {
     let parts = text.split('`').enumerate();
     let parts = parts.map(|(at, part)| match part.strip_prefix("dose ") {
-        Some(rest) if at % 2 == 1 => command(&named(rest, pump.as_deref()), typed, root),
+        Some(rest) if at % 2 == 1 => match named(rest, pump.as_deref()) {
+            // The name says the pump, so an option would say it twice.
+            Some(rest) => {
+                let places: Vec<_> =
+                    typed.iter().filter(|(option, _)| *option != "--pump").cloned().collect();
+                command(&rest, &places, root)
+            }
+            None => command(rest, typed, root),
+        },
         _ => part.to_owned(),
     });
     parts.collect::<Vec<_>>().join("`")
 }
 
-/// A command with the pump in place of its `NAME`.
-fn named<'a>(rest: &'a str, pump: Option<&str>) -> Cow<'a, str> {
-    match pump {
-        Some(pump) if rest.split(' ').any(|word| word == NAME) => {
-            let words =
-                rest.split(' ').map(|word| if word == NAME { shell_word(pump) } else { word.to_owned() });
-            Cow::Owned(words.collect::<Vec<_>>().join(" "))
-        }
-        _ => Cow::Borrowed(rest),
-    }
+/// A command with the pump in place of its `NAME`; none for a command without it, or where nobody knows the pump.
+fn named(rest: &str, pump: Option<&str>) -> Option<String> {
+    let pump = shell_word(pump.filter(|_| rest.split(' ').any(|word| word == NAME))?);
+    let words: Vec<&str> = rest.split(' ').map(|word| if word == NAME { &pump } else { word }).collect();
+    Some(words.join(" "))
 }
 
 /// Completes a command by the options that it takes.
@@ -140,8 +143,8 @@ mod tests {
         let told = Told { typed: typed.to_vec(), pump: Some("my acid.toml".to_owned()), root: definitions() };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(
-            told("`dose pumps clear NAME --reason <TEXT>`"),
-            "`dose pumps clear 'my acid.toml' --reason <TEXT>`"
+            told("`dose resume NAME --reason <TEXT>`"),
+            "`dose resume 'my acid.toml' --reason <TEXT> --state-dir /srv/state`"
         );
         let places = "--pump 'my acid.toml' --state-dir /srv/state";
         assert_eq!(

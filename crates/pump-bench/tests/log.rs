@@ -2,13 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::fs;
+use std::fs::{self, File};
+use std::io;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use pump_bench::record::{Clock, LogEnd, LogEntry, LogLine, Purpose, Stamp};
+use pump_bench::record::{Clock, LogEnd, LogEntry, LogLine, Purpose, Stamp, Storage};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session, built_in};
+use pump_ctl::plan::Phase;
 
 /// Clock that a test sets.
 #[derive(Debug, Clone)]
@@ -109,6 +111,46 @@ fn a_log_that_is_lost_or_behind_is_complete_for_a_reader_and_mended_at_the_next_
     fs::remove_file(&path).unwrap();
     drop(bench.session().unwrap());
     assert_eq!(fs::read(&path).unwrap(), whole);
+}
+
+/// Disk that never waits.
+#[derive(Debug)]
+struct NoDisk;
+
+impl Storage for NoDisk {
+    fn sync(&mut self, _file: &File) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_log_is_complete_and_mended_over_a_journal_that_was_rotated() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(&folder);
+    let older = bench.folder().path().join("journal-1.jsonl");
+    let path = bench.folder().path().join("log.jsonl");
+    let mut session = bench.session().unwrap();
+    session.store_by(Box::new(NoDisk));
+    (0..3).for_each(|_| dose(&mut session, 0.5));
+    // Rests fill the journal until it begins a new file.
+    let mut rests = 0;
+    while !older.exists() {
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+        rests += 1;
+        assert!(rests < 100_000, "the journal is never rotated");
+    }
+    (0..3).for_each(|_| dose(&mut session, 0.5));
+    drop(session);
+    let (listed, whole) = (doses(&bench), fs::read(&path).unwrap());
+    let numbers: Vec<u64> = listed.iter().map(|dose| dose.number).collect();
+    assert_eq!(numbers, [1, 2, 3, 4, 5, 6]);
+    // The log is lost, or ends among the doses of the older part.
+    for length in [0, whole.len() / 3] {
+        fs::write(&path, &whole[..length]).unwrap();
+        assert_eq!(doses(&bench), listed, "a reader misses nothing");
+        drop(bench.session().unwrap());
+        assert_eq!(fs::read(&path).unwrap(), whole, "{length}");
+    }
 }
 
 #[test]

@@ -87,7 +87,10 @@ fn a_batch_is_a_line_a_dose_and_a_total_for_people() {
         assert_eq!(lines.len(), 5, "{text}");
         assert!(lines[0].starts_with("SIMULATED: no motor moved"), "{text}");
         for (n, line) in lines[1..4].iter().enumerate() {
-            assert!(line.starts_with(&format!("three-roller, dose {} of 3: 1.00 mL ± 0.1", n + 1)), "{text}");
+            // A dose that was made begins with its time: 2026-11-23T03:15:00+01:00.
+            let (time, dose) = line.split_once("  ").unwrap_or(("", line));
+            assert_eq!(time.len(), if verb == "planned" { 0 } else { 25 }, "{text}");
+            assert!(dose.starts_with(&format!("three-roller, dose {} of 3: 1.00 mL ± 0.1", n + 1)), "{text}");
         }
         assert!(
             lines[4].starts_with("three-roller: 3 doses, ")

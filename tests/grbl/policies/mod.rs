@@ -1,11 +1,12 @@
 //! Claims about doses without a person on a board whose motor was let go.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use pump_bench::built_in;
 use pump_bench::pump_file::{DriveTable, DriverName, HomePolicy};
+use pump_bench::{Bench, PumpFile, built_in};
 
 use crate::rig::plug;
 use crate::simulated::Simulated;
@@ -70,4 +71,37 @@ fn a_dose_without_a_person_does_as_the_pump_file_says_once_the_angle_was_disturb
             }
         }
     }
+}
+
+/// A dose waits for the port that a pump of another name has, says for whom, and goes on once the port is free.
+#[test]
+fn a_dose_waits_for_a_port_that_another_pump_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let (board, pump) = bench(folder.path(), HomePolicy::Accept);
+    let state = folder.path().join("state");
+    let mut file = PumpFile::read(&pump).unwrap();
+    file.pump.id = "other".to_owned();
+    let other = Bench::new(file, None, &state).unwrap();
+    let mut session = other.session().unwrap();
+    session.connect().unwrap();
+    let refused = types(folder.path(), &pump, &["0.5mL", "--rate", "2mL/s"]);
+    assert_eq!(refused.status.code(), Some(3), "at once without --wait: {refused:?}");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
+    command.args(["0.5mL", "--rate", "2mL/s", "--wait", "600s", "--pump"]).arg(&pump);
+    command.env("DOSE_STATE_DIR", &state).env("XDG_CONFIG_HOME", folder.path()).env_remove("DOSE_CONFIG");
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    said.read_line(&mut line).unwrap();
+    let port = board.path().display().to_string();
+    assert!(
+        line.starts_with(&format!("waiting for {port}, in use by process {}", std::process::id())),
+        "{line}"
+    );
+    assert_eq!(board.rest().steps, 0, "nothing moved meanwhile");
+    drop(session);
+    let ended = child.wait_with_output().unwrap();
+    assert!(ended.status.success(), "{ended:?}");
+    assert!(board.rest().steps > 0);
 }

@@ -28,9 +28,43 @@ pump = "base"
 volume = "1mL"
 "#;
 
-/// Runs the rack with the axes X and Y of a board. `stopped` is true once somebody has asked for a stop. `heard` is
-/// called with each progress.
+/// A gradient of two equal pumps, and a step of each that begins while the other one's is under way.
+const GRADIENT: &str = r#"
+schema = "rack/1"
+[pumps]
+acid = "acid"
+base = "base"
+[[step]]
+gradient = { acid = [1, 0], base = [0, 1] }
+rate = "2mL/s"
+for = "3s"
+ramp = "1s"
+[[step]]
+at = "4s"
+pump = "acid"
+volume = "1mL"
+rate = "2mL/s"
+[[step]]
+at = "4.2s"
+pump = "base"
+volume = "1mL"
+rate = "2mL/s"
+"#;
+
+/// Runs the rack [`MIX`], as [`run`] does.
 fn mix(
+    world: &SharedWorld,
+    state: &Path,
+    stopped: &'static AtomicBool,
+    heard: &(dyn Fn() + Sync),
+) -> RackReport {
+    run(MIX, world, state, stopped, heard)
+}
+
+/// Runs a rack with the axes X and Y of a board. `stopped` is true once somebody has asked for a stop. `heard` is
+/// called with each progress.
+fn run(
+    rack: &str,
     world: &SharedWorld,
     state: &Path,
     stopped: &'static AtomicBool,
@@ -59,7 +93,7 @@ fn mix(
         drives.push(drive);
         benches.push(bench);
     }
-    let file = RackFile::parse(MIX, Path::new("mix.toml")).unwrap();
+    let file = RackFile::parse(rack, Path::new("mix.toml")).unwrap();
     let asked = StopRequest::new(|| stopped.load(Ordering::SeqCst));
     let rack = Rack::new(file, benches).unwrap().stopping_on(asked);
     let drives = drives.iter_mut().map(|drive| Some(Box::new(drive) as Box<dyn Drive>)).collect();
@@ -83,6 +117,29 @@ fn axes_of_one_node_that_a_rack_begins_at_one_time_begin_at_one_tick() {
     assert!(acid.len() > 100 && base.len() > acid.len(), "{} and {}", acid.len(), base.len());
     let apart = acid.iter().zip(&base).map(|(one, other)| one.abs_diff(*other)).max().unwrap();
     assert!(apart <= 1, "{apart} us");
+}
+
+#[test]
+fn axes_of_one_node_follow_a_gradient_and_begin_at_times_of_their_own() {
+    static STOPPED: AtomicBool = AtomicBool::new(false);
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let report = run(GRADIENT, &world, state.path(), &STOPPED, &|| {});
+    assert!(report.completed, "{}", report.json());
+    // 2 mL/s for 3 s with a ramp of 1 s at either end are 4 mL, of which each equal pump has the half.
+    let delivered: Vec<f64> = report.pumps.iter().map(|pump| pump.delivered_ml).collect();
+    assert!((delivered[0] - 3.0).abs() < 5e-3 && (delivered[1] - 3.0).abs() < 5e-3, "{delivered:?}");
+    let (acid, base) = (rises(&world, 0), rises(&world, 1));
+    let [acid_steps, base_steps] =
+        [0, 1].map(|pump| report.pumps[pump].doses[0].dose.steps_made.unwrap().unsigned_abs() as usize);
+    // In the gradient the one is ahead at first, and the other catches up: by the flows that were asked for, a third of
+    // the steps of the falling flow are made before the rising flow has made a tenth of its own.
+    let at = |rises: &[u64], step: usize| rises[step] - acid[0].min(base[0]);
+    assert!(at(&acid, acid_steps / 3) < at(&base, base_steps / 3), "the flows do not cross");
+    assert!(at(&acid, acid_steps - 1) < at(&base, base_steps - 1) + 1_000_000);
+    // The second steps begin 0.2 s apart, in us of the board: appointments are kept by this computer's clock, which a
+    // busy machine may serve late, so no more is claimed than their order.
+    assert!(base[base_steps] > acid[acid_steps], "{} and {}", base[base_steps], acid[acid_steps]);
+    assert_eq!(report.pumps[1].doses[1].begin_s, 4.2);
 }
 
 #[test]
