@@ -2,6 +2,7 @@
 
 use pump_bench::drives::{Disturbance, Drive, DriveError, NodeError, Opening, StopRequest};
 use pump_bench::pump_file::Axis;
+use pump_link::sender::TooFast;
 
 use crate::rig::{Rig, dose, node_error, run};
 use crate::world::SharedWorld;
@@ -80,15 +81,37 @@ fn a_user_who_asks_to_stop_is_heard_while_a_board_is_sought() {
     assert!(matches!(refused, DriveError::Interrupted), "{refused:?}");
 }
 
+/// Rate of a line of this baud that is for segments: four fifths, ten bits a byte.
+fn carried_bytes_s(baud: u32) -> u64 {
+    u64::from(baud / 10) * 4 / 5
+}
+
 #[test]
-fn a_dose_that_the_line_cannot_carry_is_refused_before_anything_moves() {
-    let rig = Rig::new();
-    let mut drive = rig.open_by(&Rig::table().with_baud(1200), &rig.opening()).unwrap();
-    let refused = drive.check(&dose(100.0, 8.0, true)).unwrap_err();
-    assert!(matches!(node_error(&refused), NodeError::Demand(_)), "{refused:?}");
-    assert!(rig.world.rises().is_empty());
-    drive.connect().unwrap();
-    drive.check(&dose(1.0, 0.2, false)).unwrap();
+fn a_dose_that_the_line_cannot_carry_is_refused_with_the_rate_that_would_carry_it() {
+    for (volume_ml, ml_s, baud) in
+        [(40.0, 8.0, 2400), (100.0, 8.0, 1200), (25.0, 4.0, 2400), (25.0, 4.0, 300)]
+    {
+        let plan = dose(volume_ml, ml_s, true);
+        let rig = Rig::new();
+        let mut drive = rig.open_by(&Rig::table().with_baud(baud), &rig.opening()).unwrap();
+        let refused = drive.check(&plan).unwrap_err();
+        let NodeError::Demand(TooFast::Link { needed_bytes_s, allowed_bytes_s }) = *node_error(&refused)
+        else {
+            panic!("{refused:?}")
+        };
+        assert_eq!(allowed_bytes_s, carried_bytes_s(baud));
+        assert!(needed_bytes_s > allowed_bytes_s, "{refused}");
+        assert!(rig.world.rises().is_empty());
+        drive.connect().unwrap();
+        drive.check(&dose(1.0, 0.2, false)).unwrap();
+        drop(drive);
+        // A line that carries just as much takes the plan, and one that carries a byte a second less does not.
+        let enough = (1..).find(|tens| carried_bytes_s(tens * 10) >= needed_bytes_s).unwrap() * 10;
+        for (baud, is_enough) in [(enough, true), (enough - 20, false)] {
+            let mut drive = rig.open_by(&Rig::table().with_baud(baud), &rig.opening()).unwrap();
+            assert_eq!(drive.check(&plan).is_ok(), is_enough, "{baud} baud, {needed_bytes_s} bytes/s");
+        }
+    }
 }
 
 /// CRC-32/ISO-HDLC, bit by bit (the table of check values in Greg Cook's catalogue of CRCs).

@@ -20,7 +20,7 @@ const BITS: u32 = 10;
 /// segments, are no faster than the plan by more than the rest.
 const INTERVAL_SHARE: f64 = 0.98;
 
-/// Number of halvings by which the rate is found that a plan needs.
+/// Number of halvings by which the rate is found that a plan takes of the line.
 const HALVINGS: u32 = 6;
 
 /// Part of the line that a plan may have.
@@ -56,7 +56,7 @@ pub(in crate::drives::node) struct Task {
     pub(in crate::drives::node) sharers: u32,
     /// Most steps in which the motor stops by its brake.
     pub(in crate::drives::node) brake_steps: u64,
-    /// Bytes a second that the plan needs where it needs most.
+    /// Bytes a second that the plan takes of the line, by no more than a part in 64 of the free part too many.
     pub(in crate::drives::node) needs_bytes_s: u32,
 }
 
@@ -79,25 +79,11 @@ impl Task {
             64.. => demand::<64>(plan, tick_rate, bytes_s),
             _ => demand::<16>(plan, tick_rate, bytes_s),
         };
-        // The least rate that is enough lies between these two.
-        let least = |too_few: u32, enough: u32| {
-            let (mut too_few, mut enough) = (too_few, enough);
-            for _ in 0..HALVINGS {
-                let middle = too_few + (enough - too_few) / 2;
-                let bound = if demanded(middle).is_ok() { &mut enough } else { &mut too_few };
-                *bound = middle;
-            }
-            enough
-        };
         let LineRoom { all_bytes_s, free_bytes_s, .. } = room;
-        if let Err(error) = demanded(free_bytes_s) {
-            if free_bytes_s == all_bytes_s || demanded(all_bytes_s).is_err() {
-                return Err(error);
-            }
-            let needed_bytes_s = least(free_bytes_s, all_bytes_s);
-            return Err(NodeError::LineFull { needed_bytes_s, free_bytes_s, all_bytes_s });
+        if demanded(free_bytes_s).is_err() {
+            return Err(refusal(&demanded, free_bytes_s, all_bytes_s));
         }
-        let needs_bytes_s = least(0, free_bytes_s);
+        let needs_bytes_s = least(&demanded, 0, free_bytes_s, free_bytes_s >> HALVINGS);
         let ends = |segment: Segment| {
             segment.interval_before(1).whole.min(segment.interval_before(segment.steps()).whole)
         };
@@ -107,6 +93,44 @@ impl Task {
         let way = brake.descent(fastest, plan.direction()).map(|segment| u64::from(segment.steps()));
         Ok(Self { shortest_interval, sharers: room.sharers, brake_steps: way.sum(), needs_bytes_s })
     }
+}
+
+/// Returns the refusal of a plan that needs more than the free part of the line, with the least rate that is enough.
+fn refusal(
+    demanded: &impl Fn(u32) -> Result<(), NodeError>,
+    free_bytes_s: u32,
+    all_bytes_s: u32,
+) -> NodeError {
+    // A queue that is too short for the plan is so at any rate.
+    if let Err(error) = demanded(u32::MAX) {
+        return error;
+    }
+    let (mut too_few, mut enough) = (free_bytes_s, free_bytes_s.max(1).saturating_mul(2));
+    while demanded(enough).is_err() {
+        (too_few, enough) = (enough, enough.saturating_mul(2));
+    }
+    let needed_bytes_s = least(demanded, too_few, enough, 1);
+    if needed_bytes_s <= all_bytes_s {
+        return NodeError::LineFull { needed_bytes_s, free_bytes_s, all_bytes_s };
+    }
+    let (needed_bytes_s, allowed_bytes_s) = (needed_bytes_s.into(), all_bytes_s.into());
+    TooFast::Link { needed_bytes_s, allowed_bytes_s }.into()
+}
+
+/// Returns a rate between one that is too low and one that is enough: it is enough, and by no more than `within`
+/// above the least that is. All are bytes a second.
+fn least(
+    demanded: &impl Fn(u32) -> Result<(), NodeError>,
+    mut too_few: u32,
+    mut enough: u32,
+    within: u32,
+) -> u32 {
+    while enough - too_few > within.max(1) {
+        let middle = too_few + (enough - too_few) / 2;
+        let bound = if demanded(middle).is_ok() { &mut enough } else { &mut too_few };
+        *bound = middle;
+    }
+    enough
 }
 
 /// Checks that the segments of `plan` reach a queue of `Q` segments in time over so many bytes a second.
