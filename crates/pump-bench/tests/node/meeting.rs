@@ -1,7 +1,9 @@
 //! Boards that are met: the right one, another one, and something else.
 
-use pump_bench::drives::{Disturbance, Drive, DriveError, NodeError, Opening, StopRequest};
+use pump_bench::built_in;
+use pump_bench::drives::{Disturbance, Drive, DriveError, Node, NodeError, Opening, StopRequest};
 use pump_bench::pump_file::Axis;
+use pump_ctl::plan::{Cruise, Doser, Phase, Request};
 use pump_link::sender::TooFast;
 
 use crate::rig::{Rig, dose, node_error, run};
@@ -112,6 +114,22 @@ fn a_dose_that_the_line_cannot_carry_is_refused_with_the_rate_that_would_carry_i
             assert_eq!(drive.check(&plan).is_ok(), is_enough, "{baud} baud, {needed_bytes_s} bytes/s");
         }
     }
+}
+
+#[test]
+fn a_dose_of_more_steps_a_second_than_the_board_makes_is_refused_with_both_rates() {
+    let mut file = built_in("three-roller").unwrap();
+    file.motor.steps_per_rev *= 32;
+    let (pump, request) = (file.model().unwrap(), Request::new(1.0, Cruise::Flow { ml_s: 8.0 }));
+    let plan = Doser::new(&pump, file.limits()).unwrap().plan(Phase::known(0.3), &request).unwrap();
+    let rig = Rig::new();
+    let mut drive =
+        Node::over(Box::new(rig.world.clone()), &Rig::table(), &file.motor, &rig.opening()).unwrap();
+    let refused = drive.check(&plan).unwrap_err();
+    let NodeError::Fast { steps_s, most_s: 66_000 } = *node_error(&refused) else { panic!("{refused:?}") };
+    let peak_steps_s = plan.profile().peak_rad_s() / plan.step_rad();
+    assert!(steps_s > 66_000.0 && (steps_s / peak_steps_s - 1.0).abs() < 1e-9, "{steps_s} {peak_steps_s}");
+    assert!(rig.world.rises().is_empty());
 }
 
 /// CRC-32/ISO-HDLC, bit by bit (the table of check values in Greg Cook's catalogue of CRCs).
