@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use console::Term;
@@ -124,6 +126,35 @@ pub(crate) fn noted<T>(session: &mut Session<'_>, result: Result<T, DoseError>) 
         warn(&session.notes());
     }
     result
+}
+
+/// Makes a motion of a session. A real motor is announced just before it moves, with the warnings, once nothing refuses
+/// the motion any more.
+pub(crate) fn announced<'a, T>(
+    session: &mut Session<'a>,
+    json: bool,
+    warnings: &[Notice],
+    motion: impl FnOnce(&mut Session<'a>) -> T,
+) -> Result<T, Failure> {
+    let bench = session.bench();
+    if bench.is_simulated() {
+        return Ok(motion(session));
+    }
+    let untold = Arc::new(Mutex::new(None));
+    let (failed, warnings) = (Arc::clone(&untold), warnings.to_vec());
+    session.before_motion(move || match announce(bench, json) {
+        Ok(()) => {
+            warn(&warnings);
+            ControlFlow::Continue(())
+        }
+        Err(failure) => {
+            *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
+            ControlFlow::Break(())
+        }
+    });
+    let ended = motion(session);
+    let failed = untold.lock().unwrap_or_else(PoisonError::into_inner).take();
+    failed.map_or(Ok(ended), Err)
 }
 
 /// Announces that a motor moves, before it does: on standard output, or on standard error if a program reads that.

@@ -1,5 +1,7 @@
 //! `dose <VOLUME> --until-scale` and `dose resume --until-scale`: a dose that a balance ends, and the rest of one.
 
+use std::cell::LazyCell;
+
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, PreparedByWeight, Session};
 
@@ -9,7 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
 use crate::progress::MotionBar;
-use crate::terminal::{announce, noted, waiting, warn};
+use crate::terminal::{announced, noted, waiting, warn};
 use crate::warned::Warned;
 
 /// The message after a signal.
@@ -81,24 +83,22 @@ fn make(
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
     let (prepared, reading) = prepare(&mut session, scale.as_mut(), &interrupt)?;
-    announce(bench, json)?;
-    if !bench.is_simulated() {
-        warn(&prepared.whole.warnings);
-    }
     let (steps, whole_ml) = (prepared.whole.plan.steps().unsigned_abs(), prepared.whole.plan.planned_ml());
-    let bar = MotionBar::new(steps, whole_ml, None, json);
+    let bar = LazyCell::new(|| MotionBar::new(steps, whole_ml, None, json));
     let (mut before, mut last) = (0, 0);
-    let made = session.run_from_tare(&prepared, reading, scale.as_mut(), |made| {
-        // Each stretch counts its own steps.
-        if made < last {
-            before += last;
-        }
-        last = made;
-        bar.made(before + made, || whole_ml * (before + made) as f64 / steps as f64);
-        interrupt.flow()
+    let made = announced(&mut session, json, &prepared.whole.warnings, |session| {
+        session.run_from_tare(&prepared, reading, scale.as_mut(), |made| {
+            // Each stretch counts its own steps.
+            if made < last {
+                before += last;
+            }
+            last = made;
+            bar.made(before + made, || whole_ml * (before + made) as f64 / steps as f64);
+            interrupt.flow()
+        })
     });
     bar.end();
-    let delivered = of_session(&mut session, made)?;
+    let delivered = of_session(&mut session, made?)?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }

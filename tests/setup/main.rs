@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 #![cfg(unix)]
 
+mod announced;
 #[allow(dead_code, reason = "the balance of other tests, with more defects")]
 #[path = "../../examples/simulated_grbl/balance/mod.rs"]
 mod balance;

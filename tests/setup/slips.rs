@@ -11,9 +11,7 @@ const SIM: [&str; 8] = ["--microsteps", "16", "--driver", "sim", "--altitude", "
 fn a_volume_that_no_head_delivers_through_its_bore_is_refused_with_the_range() {
     let desk = Desk::new();
     // pi²/12 d³ to pi/4 d² 10 m.
-    for (ml, bore, range) in
-        [("500mL", "1.6mm", "0.003 to 20.1 mL"), ("0.5mL", "30mm", "22.207 to 7068.6 mL")]
-    {
+    for (ml, bore, range) in [("500mL", "1.6mm", "0.0034 to 20 mL"), ("0.5mL", "30mm", "22 to 7069 mL")] {
         let head = ["setup", "acid", "--ml-per-rev", ml, "--bore", bore, "--rollers", "4"];
         let refused = desk.types(&[&head[..], &SIM].concat());
         assert_eq!(refused.code, 2, "{}", refused.err);

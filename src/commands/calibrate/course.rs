@@ -199,18 +199,21 @@ fn usual_rad_s(bench: &Bench) -> f64 {
     pump_ctl::plan::speed_for_flow(bench.model(), bench.file().pump.default_rate_ml_s)
 }
 
-/// The speeds that are given, with one more where they leave out the default rate: doses that name no rate would be
-/// refused. One speed is used at every speed, so it is enough. A rate that the device cannot have is left out.
+/// The speeds that are given, with one more where they leave out the default rate, or leave it no margin on one side:
+/// doses that name no rate would be refused once the runs show another factor. One speed is used at every speed, so it
+/// is enough. A rate that the device cannot have is left out.
 fn with_default_rate(bench: &Bench, (least_rad_s, most_rad_s): (f64, f64), given: &[f64]) -> Vec<f64> {
     let mut speeds_rad_s = given.to_vec();
     let fastest_rad_s = given.iter().copied().fold(0.0, f64::max);
     let slowest_rad_s = given.iter().copied().fold(f64::INFINITY, f64::min);
     let usual_rad_s = usual_rad_s(bench);
     if slowest_rad_s < fastest_rad_s && (least_rad_s..=most_rad_s).contains(&usual_rad_s) {
-        if usual_rad_s < slowest_rad_s {
-            speeds_rad_s.insert(0, (usual_rad_s / BEYOND).max(least_rad_s));
-        } else if usual_rad_s > fastest_rad_s {
-            speeds_rad_s.push((usual_rad_s * BEYOND).min(most_rad_s));
+        let (below_rad_s, above_rad_s) =
+            ((usual_rad_s / BEYOND).max(least_rad_s), (usual_rad_s * BEYOND).min(most_rad_s));
+        if below_rad_s < slowest_rad_s {
+            speeds_rad_s.insert(0, below_rad_s);
+        } else if above_rad_s > fastest_rad_s {
+            speeds_rad_s.push(above_rad_s);
         }
     }
     speeds_rad_s

@@ -2,6 +2,8 @@
 
 mod before_dose;
 
+use std::cell::LazyCell;
+
 use pump_bench::export::write_steps;
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
@@ -16,7 +18,7 @@ use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
-use crate::terminal::{announce, noted, print_json, tell, warn};
+use crate::terminal::{announced, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
 pub(in crate::commands) use before_dose::{before_dose, find_angle};
@@ -91,17 +93,16 @@ pub(super) fn deliver(
     json: bool,
     warned: &mut Warned,
 ) -> Result<DeliveryEnd, Failure> {
-    announce(bench, json)?;
-    if warns_first(bench) {
-        warn(&warned.untold(&prepared.warnings));
-    }
-    let bar = MotionBar::of(prepared, json);
-    let delivered = session.run(prepared, |made| {
-        bar.made(made, || prepared.plan.delivered_ml(&prepared.model, made));
-        interrupt.flow()
+    let delivered = announced(session, json, &warned.untold(&prepared.warnings), |session| {
+        let bar = LazyCell::new(|| MotionBar::of(prepared, json));
+        let delivered = session.run(prepared, |made| {
+            bar.made(made, || prepared.plan.delivered_ml(&prepared.model, made));
+            interrupt.flow()
+        });
+        bar.end();
+        delivered
     });
-    bar.end();
-    let delivered = noted(session, delivered)?;
+    let delivered = noted(session, delivered?)?;
     if warns_first(bench) {
         warn(&warned.untold(&delivered.warnings));
     }

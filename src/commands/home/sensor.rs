@@ -8,7 +8,7 @@ use pump_bench::report::{carry_dropped_text, rotor_text};
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{announce, noted, tell, warn};
+use crate::terminal::{announced, noted, tell, warn};
 
 /// Finds the angle by the index sensor.
 pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
@@ -21,10 +21,10 @@ pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
         let most_ml = bench.model().revolution_ml();
         agree(&format!("the pump turns forward until the sensor answers, and pumps up to {most_ml:.1} mL"))?;
     }
-    announce(bench, false)?;
     let interrupt = Interrupt::watch()?;
-    let sought = session.seek_index(|_| interrupt.flow());
+    let sought = announced(&mut session, false, &[], |session| session.seek_index(|_| interrupt.flow()));
     warn(&session.notes());
+    let sought = sought?;
     match sought.map_err(|error| Failure::from(error).of_session(&session))? {
         Some(state) => {
             let dropped = carry_dropped_text(carry_ml - state.carry_ml);

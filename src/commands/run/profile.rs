@@ -1,5 +1,6 @@
 //! `dose run --profile FILE`: a flow over time.
 
+use std::cell::LazyCell;
 use std::path::Path;
 
 use pump_bench::dosing::FlowProfile;
@@ -18,7 +19,7 @@ use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
-use crate::terminal::{announce, noted, warn};
+use crate::terminal::{announced, noted, warn};
 use crate::warned::Warned;
 
 /// The message after a signal.
@@ -62,19 +63,18 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
     prepared.whole.warnings.extend(before.into_iter().chain(assumed()));
     write_outputs(&bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
-    announce(&bench, json)?;
-    if !bench.is_simulated() {
-        warn(&prepared.whole.warnings);
-    }
     let motion = prepared.motion();
     let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
-    let bar = MotionBar::new(steps, prepared.planned_ml(), Some(whole_s), json);
-    let delivered = session.run_profile(&prepared, |made| {
-        bar.made(made, || prepared.delivered_ml(made));
-        interrupt.flow()
+    let delivered = announced(&mut session, json, &prepared.whole.warnings, |session| {
+        let bar = LazyCell::new(|| MotionBar::new(steps, prepared.planned_ml(), Some(whole_s), json));
+        let delivered = session.run_profile(&prepared, |made| {
+            bar.made(made, || prepared.delivered_ml(made));
+            interrupt.flow()
+        });
+        bar.end();
+        delivered
     });
-    bar.end();
-    let delivered = noted(&mut session, delivered)?;
+    let delivered = noted(&mut session, delivered?)?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }

@@ -63,14 +63,15 @@ impl SetupArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let config = self.config.config()?;
         let path = self.config.path().ok_or(SetupError::NoPlace)?;
-        let folder = SetupFolder::of(&path);
+        let state_dir = self.record.folder(&config)?;
+        let folder = SetupFolder::of(&path).recording_in(&state_dir);
         let mut asker = Asker::new(self.yes)?;
         let answers = match self.begin(&mut asker, &folder, &config) {
             Ok(answers) => answers,
             Err(Stop::Left) => return Ok(()),
             Err(Stop::Failed(failure)) => return Err(failure),
         };
-        let (like, state_dir) = (self.liked(&folder)?, self.record.folder(&config)?);
+        let like = self.liked(&folder)?;
         let mut course = Course::new(asker, answers, folder, (state_dir, &config), like);
         let name = course.answers.name.clone();
         course.runnable = self.runnable(&name);

@@ -17,7 +17,7 @@ use super::place;
 use super::written::{rewrite, rounded};
 use crate::advice;
 use crate::failure::Failure;
-use crate::terminal::{announce, noted};
+use crate::terminal::{announced, noted};
 
 /// Speed of the revolution, r/min: slow enough to follow with the eyes.
 const WATCHED_RPM: f64 = 10.0;
@@ -181,11 +181,12 @@ fn may_move(course: &mut Course) -> Asked<()> {
 fn turn(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
     let mut session = bench.session()?;
-    announce(&bench, false)?;
     let steps = session.steps_of(std::f64::consts::TAU);
     let interrupt = course.asker.interrupt();
-    let made = session.jog(steps, rad_s(WATCHED_RPM), |_| interrupt.flow());
-    let made = noted(&mut session, made);
+    let made = announced(&mut session, false, &[], |session| {
+        session.jog(steps, rad_s(WATCHED_RPM), |_| interrupt.flow())
+    });
+    let made = noted(&mut session, made?);
     let notes = session.notes();
     course.note_motion(&session);
     course.warn(&notes);

@@ -16,7 +16,7 @@ use crate::record::Purpose;
 use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
 use super::ended_motion::EndedMotion;
-use super::session::Session;
+use super::session::{BeforeMotion, Session};
 use super::stretches::AnnouncedStretches;
 
 /// Number of steps between two calls of `watch`, at most.
@@ -73,16 +73,18 @@ pub(super) struct Moved {
 /// End of a motion by the drive, with the times and the error of the journal meanwhile.
 struct Driven {
     ended: Result<IndexSearch, DriveFault>,
+    /// True if the drive was not asked to move.
+    is_refused: bool,
     measured_s: f64,
     pace: Pace,
     halt: Option<Halt>,
 }
 
 impl Driven {
-    /// Returns the end of a motion that its drive has refused.
+    /// Returns the end of a motion that was refused before the drive was asked to move.
     fn refused(error: DriveError) -> Self {
         let (ended, pace) = (Err(DriveFault::at(0, error)), Pace::default());
-        Self { ended, measured_s: 0.0, pace, halt: None }
+        Self { ended, is_refused: true, measured_s: 0.0, pace, halt: None }
     }
 }
 
@@ -115,13 +117,18 @@ impl<'a> Session<'a> {
         }
         let intent = self.announce(motion, &before)?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
+        let told = self.before_motion.take().map_or(ControlFlow::Continue(()), BeforeMotion::tell);
         let driven = self.journal.announcing(|announcer| {
-            match place.map_or(Ok(()), |place| device.drive.begin_with(place)) {
+            let begins = match told {
+                ControlFlow::Continue(()) => place.map_or(Ok(()), |place| device.drive.begin_with(place)),
+                ControlFlow::Break(()) => Err(DriveError::Interrupted),
+            };
+            match begins {
                 Ok(()) => drive(&mut device, motion, announcer, &mut watch),
                 Err(error) => Driven::refused(error),
             }
         });
-        let Driven { ended, measured_s, pace, halt } = match driven {
+        let Driven { ended, is_refused, measured_s, pace, halt } = match driven {
             Ok(driven) => driven,
             // Nothing has moved.
             Err(error) => {
@@ -130,7 +137,7 @@ impl<'a> Session<'a> {
                 return Err(error.into());
             }
         };
-        self.moved = true;
+        self.moved |= !is_refused;
         device.holds_since = Instant::now();
         match ended {
             Ok(IndexSearch { made, beyond }) => {
@@ -138,7 +145,7 @@ impl<'a> Session<'a> {
                 self.conclude(device, motion, after, &mut || watch(made))
             }
             // Nothing has moved.
-            Err(fault) if begins_with_others && fault.is_at_rest() => {
+            Err(fault) if is_refused || begins_with_others && fault.is_at_rest() => {
                 self.put_away(device.drive);
                 self.rest(Why::Fault, before)?;
                 Err(DoseError::Connection(fault.error))
@@ -235,5 +242,5 @@ fn drive(
     };
     let AnnouncedSteps { pace, halt, .. } = announced;
     let took_s = pace.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    Driven { ended, measured_s: drive.simulated_s().unwrap_or(took_s), pace, halt }
+    Driven { ended, is_refused: false, measured_s: drive.simulated_s().unwrap_or(took_s), pace, halt }
 }

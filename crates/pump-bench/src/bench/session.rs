@@ -1,7 +1,10 @@
 //! A session: this process holds the pump and runs doses. Every stretch of a dose is on record before it
 //! happens.
 
+mod before_motion;
 mod patience;
+
+use std::ops::ControlFlow;
 
 use libm::ceil;
 use pump_model::units::rpm;
@@ -12,6 +15,7 @@ use crate::drives::{BeginPlace, Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
+pub(super) use self::before_motion::BeforeMotion;
 pub(super) use self::patience::Patience;
 use super::bench::Bench;
 use super::device::Device;
@@ -39,6 +43,8 @@ pub struct Session<'a> {
     is_given: bool,
     /// Place of the next motion among those that begin together.
     pub(super) place: Option<BeginPlace>,
+    /// Function to call before the next motion that begins.
+    pub(super) before_motion: Option<BeforeMotion<'a>>,
     /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<Notice>,
     /// True if this session has turned the motor.
@@ -108,6 +114,7 @@ impl<'a> Session<'a> {
             given: None,
             is_given: bench.is_given_its_drive(),
             place: None,
+            before_motion: None,
             notes: note.into_iter().collect(),
             moved: false,
             log,
@@ -187,6 +194,28 @@ impl<'a> Session<'a> {
         }
         self.place = Some(place);
         Ok(())
+    }
+
+    /// Has `tell` called once, just before the next motion begins. By then the device has taken the plan and every
+    /// check has passed, so no refusal comes after it. When `tell` breaks, nothing moves, and nothing is left
+    /// unfinished: the motion ends with [`DriveError::Interrupted`].
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    ///
+    /// use pump_bench::{Bench, DoseRequest, built_in};
+    ///
+    /// let state = tempfile::tempdir()?;
+    /// let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
+    /// let mut session = bench.session()?;
+    /// let prepared = session.prepare(DoseRequest::dose(0.1))?;
+    /// session.before_motion(|| ControlFlow::Break(()));
+    /// assert!(session.run(&prepared, |_steps| ControlFlow::Continue(())).is_err());
+    /// assert!(!session.has_moved());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn before_motion(&mut self, tell: impl FnOnce() -> ControlFlow<()> + Send + 'a) {
+        self.before_motion = Some(BeforeMotion::new(tell));
     }
 
     /// Returns the bench of this session.

@@ -117,7 +117,7 @@ pub enum CalibrationError {
     /// A reading cannot be right.
     #[error(
         "run {run} gave {measured_ml:.4} mL where the model gives {model_ml:.4} mL; more than twice or \
-         less than half is a mistake in a unit, an angle, a reading or the motor's steps per revolution"
+         less than half is a mistake in a unit, a tare, an angle, a reading or the motor's steps per revolution"
     )]
     Implausible {
         /// Number of the run, from 1.

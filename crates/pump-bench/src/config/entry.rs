@@ -9,6 +9,11 @@ use super::file::Config;
 const EMPTY: &str = "schema = \"config/1\"\n";
 
 impl Config {
+    /// Returns the text of a configuration that has no file yet and keeps its records in `state_dir`.
+    pub(crate) fn first_text(state_dir: &Path) -> String {
+        format!("{EMPTY}state_dir = {}\n", quoted(state_dir))
+    }
+
     /// Returns `text`, the text of the configuration at `path`, with the pump file `file` under `name`. The pump
     /// becomes the usual one if the text names none. `None` stands for a configuration without a file.
     ///

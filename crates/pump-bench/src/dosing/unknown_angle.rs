@@ -12,6 +12,9 @@ use crate::record::Purpose;
 /// Digits of an offered volume. A ten-thousandth of the volume is less than any share of the budget.
 const DIGITS: i32 = 5;
 
+/// Least part of a pitch that is offered as a volume that is exact at any angle.
+const LEAST_OFFERED: f64 = 0.01;
+
 /// Returns the warning of a dose that a balance ends, in the place of [`warnings`].
 pub(crate) fn by_weight() -> Notice {
     let text = "the rollers' angle is unknown: the first stretches are shorter, and each weighing tells more of the \
@@ -44,8 +47,8 @@ fn of_a_part(model: &Pump, plan: &Plan) -> [Notice; 2] {
     let way = 1.0_f64.copysign(owed_ml);
     let list = |pitches: &[f64]| {
         let volumes = pitches.iter().map(|pitches| way * pitches * pitch_ml - carry_ml);
-        // The carry may be more than a pitch.
-        let volumes = volumes.filter(|volume_ml| volume_ml * way > 0.0);
+        // The carry may be more than a pitch, or leave next to nothing of one.
+        let volumes = volumes.filter(|volume_ml| volume_ml * way > LEAST_OFFERED * pitch_ml);
         volumes.map(|volume_ml| significant(volume_ml, DIGITS)).collect::<Vec<_>>()
     };
     let (first, below) = (floor(way * carry_ml / pitch_ml).max(0.0), floor(owed_ml.abs() / pitch_ml));

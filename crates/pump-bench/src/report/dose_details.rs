@@ -202,7 +202,7 @@ impl DoseReport {
     }
 
     /// The model volume that the budget is of, mL: that of the plan, or of the part that was made.
-    pub(super) fn budgeted_ml(&self) -> f64 {
+    fn budgeted_ml(&self) -> f64 {
         match self.delivered_ml {
             Some(delivered_ml) if self.is_part() && self.phase.is_stated() => delivered_ml,
             Some(_) if self.is_part() => 0.5 * (self.volume_least_ml + self.volume_most_ml),

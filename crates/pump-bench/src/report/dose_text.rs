@@ -60,12 +60,14 @@ impl DoseReport {
     }
 
     /// The volume that was delivered or planned, and its uncertainty. Of an angle that is not known, the volume in the
-    /// middle stands there: a simulated vessel knows more than the plan, and does not tell.
+    /// middle of all stands there. A simulated vessel knows more than the plan, and does not tell. The plan is of the
+    /// sum of all doses since the angle was last sure, so its volume may stand elsewhere.
     fn volume(&self) -> String {
         let is_sure = self.phase.is_stated() || self.by_weight.is_some();
         let volume_ml = match self.delivered_ml {
             Some(delivered_ml) if is_sure => delivered_ml,
-            _ => self.budgeted_ml(),
+            _ if is_sure => self.planned_ml,
+            _ => 0.5 * (self.volume_least_ml + self.volume_most_ml),
         };
         let verb = match (self.delivered_ml, self.purpose) {
             (None, _) if self.is_endless() => "at most (dry run, nothing recorded)",

@@ -80,7 +80,7 @@ impl Status {
         } else {
             format!("a dose of {asked_ml} mL{weighed}")
         };
-        let by_model = if dose.by_weight { " by the model" } else { "" };
+        let by_model = " by the motor's steps, the pump's own \u{b1} besides";
         match &self.in_use_by {
             Some(holder) => format!(
                 "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \

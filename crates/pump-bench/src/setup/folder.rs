@@ -16,12 +16,22 @@ use crate::pump_file::PumpFile;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SetupFolder {
     pub(super) config: PathBuf,
+    /// Folder of the records that a configuration without a file will name.
+    state_dir: Option<PathBuf>,
 }
 
 impl SetupFolder {
     /// Returns the folder of the configuration at `config`, whether that file is there or not.
     pub fn of(config: &Path) -> Self {
-        Self { config: config.to_owned() }
+        Self { config: config.to_owned(), state_dir: None }
+    }
+
+    /// Returns the folder whose configuration names `state_dir`, if it has no file yet. Whoever reads that file then
+    /// finds the same records, another user's cron too.
+    #[must_use]
+    pub fn recording_in(self, state_dir: &Path) -> Self {
+        let state_dir = std::path::absolute(state_dir).unwrap_or_else(|_| state_dir.to_owned());
+        Self { state_dir: Some(state_dir), ..self }
     }
 
     /// Returns the path of the pump file.
@@ -133,7 +143,9 @@ impl SetupFolder {
             Err(error) if error.kind() == ErrorKind::NotFound => None,
             Err(source) => return Err(SetupError::File { action: "read", path: path.clone(), source }),
         };
-        let with = Config::with_pump(text.as_deref(), path, name, &Self::pump_entry(name))?;
+        let first = || self.state_dir.as_deref().map(Config::first_text);
+        let before = text.clone().or_else(first);
+        let with = Config::with_pump(before.as_deref(), path, name, &Self::pump_entry(name))?;
         if text.as_deref() == Some(&with) { Ok(()) } else { write(path, &with) }
     }
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
+mod before_motion;
 mod given;
 mod settling;
 mod stepped;

@@ -101,12 +101,12 @@ impl Bench {
         Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
     }
 
-    /// Returns what is expected of a weighed dose with the drop at the nozzle: a dose has the same share.
+    /// Returns what is expected of a weighed dose or run with the drop at the nozzle: a dose has the same share.
     ///
     /// # Errors
     ///
     /// [`DoseError::Calibration`] if the drop cannot be computed.
-    pub(crate) fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
+    pub fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
         let drop_ml = drop_ml(self.file()).map_err(CalibrationError::Model)?;
         Ok(expected.with_drop_ml(drop_ml / sqrt(6.0)))
     }
