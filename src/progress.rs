@@ -19,8 +19,8 @@ pub(crate) struct MotionBar {
 }
 
 impl MotionBar {
-    /// The bar of a motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads the report
-    /// wants none.
+    /// The bar of a motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads the
+    /// report wants none.
     pub(crate) fn new(steps: u64, whole_ml: f64, whole_s: Option<f64>, json: bool) -> Self {
         if json {
             return Self { bar: ProgressBar::hidden(), whole_ml, whole_s, steps };

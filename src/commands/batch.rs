@@ -326,8 +326,8 @@ impl Batch<'_> {
         ended(printed, delivered)
     }
 
-    /// Prints a dose as one line. The headline comes before the first, and a warning after the first dose that has one of
-    /// its kind.
+    /// Prints a dose as one line. The headline comes before the first, and a warning after the first dose that has one
+    /// of its kind.
     fn print_line(&mut self, number: u64, report: &DoseReport) -> Result<(), Failure> {
         let was_run = report.delivered_ml.is_some();
         // A real motor was announced before it moved, and so were the warnings.

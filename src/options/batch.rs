@@ -21,7 +21,8 @@ pub(crate) struct BatchOptions {
     /// Skip a dose whose time has passed, or make it now [default: skip]
     #[arg(
         long_help = "What becomes of a dose whose time has passed, because the one before took longer or the process \
-        was suspended: skip leaves it out, and the batch goes on and ends with exit code 1; now makes it at once. Default: skip"
+        was suspended: skip leaves it out, and the batch goes on and ends with exit code 1; now makes \
+        it at once. Default: skip"
     )]
     #[arg(long, value_name = "skip|now", value_parser = choice(&[
         (Missed::Skip, "Leave it out; the exit code is 1 at the end"),

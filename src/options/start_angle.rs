@@ -26,8 +26,8 @@ pub(crate) struct StatedStartOption {
     /// Angle of the rollers at the start, as 30deg+-1deg [default: as recorded]
     #[arg(
         long_help = "Angle of the rollers at the start and its tolerance, as 30deg+-1deg. At 0deg a roller \
-        begins to leave the outlet. Without a tolerance 1deg is assumed, and 10deg of a head without a drawing. The default is the angle on \
-        record."
+        begins to leave the outlet. Without a tolerance 1deg is assumed, and 10deg of a head without a \
+        drawing. The default is the angle on record."
     )]
     #[arg(long, value_name = "ANGLE", value_parser = stated_angle)]
     start_angle: Option<StatedAngle>,

@@ -78,7 +78,11 @@ fn a_bought_head_gets_from_nothing_to_a_calibrated_dose_in_one_sitting() {
         {
             assert!(file.contains(line), "{line}: {file}");
         }
-        assert!(desk.configured("config.toml").unwrap().contains("default_pump = \"acid\""));
+        let config = desk.configured("config.toml").unwrap();
+        assert!(config.contains("default_pump = \"acid\""), "{config}");
+        // Another user's cron that reads this file finds the same records.
+        let names_folder = config.lines().any(|line| line.starts_with("state_dir = \"/"));
+        assert!(names_folder, "{config}");
         doses_within_its_interval(&desk, &mut pump);
     }
 }

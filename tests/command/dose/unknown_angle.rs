@@ -56,6 +56,22 @@ fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_woul
 }
 
 #[test]
+fn the_interval_of_a_later_dose_from_an_unknown_angle_holds_its_range() {
+    let user = turned_by_hand();
+    user.json(&["25mL"]);
+    // Planned for the sum of both doses, so its own volume lies elsewhere than 1 mL.
+    let report = user.json(&["1mL", "--dry-run"]);
+    let (least, most) = (number(&report, "volume_least_ml"), number(&report, "volume_most_ml"));
+    let unsure = number(&report, "expanded_uncertainty_ml");
+    let middle = 0.5 * (least + most);
+    assert!((middle - number(&report, "planned_ml")).abs() > 0.1, "{report}");
+    assert!(middle - unsure < least && middle + unsure > most, "{report}");
+    let text = user.types(&["1mL", "--dry-run"]).out;
+    assert!(text.contains(&format!(": {middle:.2} mL \u{b1} {unsure:.2} mL planned")), "{text}");
+    assert!(!text.contains("nearest to 1 mL: 0.000"), "{text}");
+}
+
+#[test]
 fn the_angle_stays_unknown_until_somebody_says_it() {
     let user = turned_by_hand();
     user.json(&["5mL"]);

@@ -225,8 +225,8 @@ fn waits(
     let (file, base) = (bench.file(), bench.model());
     let of_doses = found.whole_standard_at(base, found.reference_rpm)?;
     Ok(format!(
-        "calibration {} waits: the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} {:.2} \
-         % (k = 2); doses keep to the model until more are weighed; {}\n",
+        "calibration {} waits: the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} \
+         {:.2} % (k = 2); doses keep to the model until more are weighed; {}\n",
         stored.version,
         200.0 * of_doses / found.factor,
         200.0 * file.model_standard(),

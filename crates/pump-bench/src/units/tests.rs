@@ -93,7 +93,8 @@ fn lengths_and_tubes_are_read() {
     );
     assert_eq!(
         tube_size("3x1mm").unwrap_err().to_string(),
-        "`3x1mm` has no wall: the outer diameter, 1 mm, must be more than the bore, 3 mm; write the bore first, as 10x14mm"
+        "`3x1mm` has no wall: the outer diameter, 1 mm, must be more than the bore, 3 mm; write the bore \
+         first, as 10x14mm"
     );
     for text in ["10x14", "x14mm", "10xmm", "0x14mm", "-10x14mm", "10x14mL", ""] {
         assert!(tube_size(text).is_err(), "{text}");

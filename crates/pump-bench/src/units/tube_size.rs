@@ -17,8 +17,8 @@ pub struct TubeSize {
 /// Reads a tube as bore x outer diameter, both positive: `10x14mm`, `3.2 x 6.4 mm`.
 ///
 /// # Errors
-/// [`QuantityError::NoTube`] if the text has no `x`. [`QuantityError::NoWall`] if the tube has no wall. Otherwise the error of a diameter that is no positive
-/// length.
+/// [`QuantityError::NoTube`] if the text has no `x`. [`QuantityError::NoWall`] if the tube has no
+/// wall. Otherwise the error of a diameter that is no positive length.
 pub fn tube_size(text: &str) -> Result<TubeSize, QuantityError> {
     let no_tube = || QuantityError::NoTube { text: shown(text.trim()) };
     let (bore, outer) = text.split_once(['x', 'X', '×']).ok_or_else(no_tube)?;

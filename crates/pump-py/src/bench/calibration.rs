@@ -75,6 +75,7 @@ impl Bench {
     ) -> PyResult<Calibration> {
         let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
+        let expected = self.bench.with_drop(&expected).map_err(|error| errors::dose(py, error))?;
         self.kept(py, move |file, before| {
             let mut calibration =
                 DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;

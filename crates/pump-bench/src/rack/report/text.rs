@@ -23,7 +23,8 @@ impl RackReport {
         let planned_s = self.planned_s;
         let began = self.time.map_or(String::new(), |time| format!(", began {time}"));
         format!(
-            "{}: {pumps}, {steps} in {planned_s:.3} s, {ended}{began}\n{rows}{:<width$}  {volume}, {requested} mL asked\n",
+            "{}: {pumps}, {steps} in {planned_s:.3} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
+             {requested} mL asked\n",
             self.rack, "total"
         )
     }

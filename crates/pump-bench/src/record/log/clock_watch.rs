@@ -9,8 +9,8 @@ use crate::numbers::duration;
 /// Least jump that is told, in s. A time server that slews a clock stays below it.
 const LEAST_S: f64 = 5.0;
 
-/// Part of the time between two looks by which a clock may be slewed: the kernel slews by 500 ppm at most, and a crystal
-/// errs by 100 ppm.
+/// Part of the time between two looks by which a clock may be slewed: the kernel slews by 500 ppm at most, and a
+/// crystal errs by 100 ppm.
 const SLEWED: f64 = 1e-3;
 
 /// Jump of the computer's clock: it was set, or the computer slept.

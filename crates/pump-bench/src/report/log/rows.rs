@@ -5,7 +5,8 @@ use crate::record::{LogEnd, LogEntry};
 
 /// Header of the table of which [`log_csv`] writes the rows.
 pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
-    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack,clock_went_back,pump,driver";
+    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack,\
+    clock_went_back,pump,driver";
 
 /// Words a dose for people, in one line without its end. `went_back` is true if its time is before that of the dose
 /// before it.
