@@ -9,6 +9,7 @@ mod dosing;
 mod exit_codes;
 mod faults;
 mod interference;
+mod lines;
 mod motions;
 mod policies;
 mod record;

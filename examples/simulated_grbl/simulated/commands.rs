@@ -1,6 +1,7 @@
 //! The lines that a simulated board understands.
 
 use super::machine::{Machine, State};
+use super::motor::OTHERS;
 use super::number::read;
 use super::options::Firmware;
 
@@ -18,6 +19,8 @@ const INCH_MM: f32 = 25.4;
 struct Words {
     codes: Vec<String>,
     target: Option<f32>,
+    /// Targets of the axes that go along with the first.
+    others: [Option<f32>; OTHERS],
     feed: Option<f32>,
 }
 
@@ -158,7 +161,8 @@ impl Machine {
             return Err(15);
         }
         let farther = if self.defects.stretches == Some(self.jogs) { mm - self.planned_mm() } else { 0.0 };
-        let waits = self.way(mm + farther, feed);
+        let others = words.others.map(|other| other.map(|place| place * unit_mm));
+        let waits = self.way(mm + farther, feed, others)?;
         self.state = State::Jog;
         Ok(waits)
     }
@@ -168,17 +172,35 @@ impl Machine {
         (self.motor.planned() + self.miscounted) as f32 / self.settings.get(100)
     }
 
-    /// Queues a way to `mm` at `feed` mm/min. Returns true if there is no room.
-    fn way(&mut self, mm: f32, feed: f32) -> bool {
+    /// Queues a way to `mm` at `feed` mm/min along it, with the other axes that have a target. Returns true if there is
+    /// no room.
+    fn way(&mut self, mm: f32, feed: f32, targets: [Option<f32>; OTHERS]) -> Result<bool, u16> {
         let end = f64::from(mm * self.settings.get(100)).round() as i64 - self.miscounted;
-        let feed = feed.min(self.settings.get(110)).max(LEAST_FEED_MM_MIN);
-        let steps_s = f64::from(feed * self.settings.get(100) / 60.0);
-        if self.motor.is_full() {
-            self.pending = Some((end, steps_s));
-            return true;
+        let planned = self.motor.planned_others();
+        let mut others = planned;
+        let mut way_mm = vec![(0, f64::from(mm - self.planned_mm()).abs())];
+        for (axis, (place, target)) in (1..).zip(others.iter_mut().zip(targets)) {
+            let steps_per_mm = self.settings.get(100 + axis);
+            if let Some(target) = target {
+                way_mm.push((axis, f64::from(target - *place as f32 / steps_per_mm).abs()));
+                *place = f64::from(target * steps_per_mm).round() as i64;
+            }
         }
-        self.motor.push(end, steps_s);
-        false
+        if others != planned && end == self.motor.planned() {
+            return Err(33);
+        }
+        let length_mm = way_mm.iter().map(|(_, mm)| mm * mm).sum::<f64>().sqrt();
+        let share = |way_mm: f64| if length_mm > 0.0 { way_mm / length_mm } else { 1.0 };
+        let allowed = way_mm.iter().map(|(axis, mm)| f64::from(self.settings.get(110 + axis)) / share(*mm));
+        let feed =
+            f64::from(feed).min(allowed.fold(f64::INFINITY, f64::min)).max(f64::from(LEAST_FEED_MM_MIN));
+        let steps_s = feed * share(way_mm[0].1) * f64::from(self.settings.get(100)) / 60.0;
+        if self.motor.is_full() {
+            self.pending = Some((end, steps_s, others));
+            return Ok(true);
+        }
+        self.motor.push(end, steps_s, others);
+        Ok(false)
     }
 
     /// Sets modes, and probes. Returns true if the answer comes at the end of the motion.
@@ -216,13 +238,13 @@ impl Machine {
             return Ok(false);
         }
         let mm = if self.relative { target + self.planned_mm() } else { target + self.offset_mm };
-        self.way(mm, feed);
+        self.way(mm, feed, [None; OTHERS])?;
         self.state = State::Run;
         Ok(true)
     }
 }
 
-/// Reads letters with their numbers; `X` is the only axis that moves.
+/// Reads letters with their numbers; `X` is the only axis that moves by itself.
 fn parse(line: &str) -> Result<Words, u16> {
     let mut words = Words::default();
     let mut rest = line;
@@ -237,6 +259,9 @@ fn parse(line: &str) -> Result<Words, u16> {
             'X' if words.target.replace(value).is_some() => return Err(25),
             'F' if words.feed.replace(value).is_some() => return Err(25),
             'X' | 'F' => {}
+            'Y' if words.others[0].replace(value).is_some() => return Err(25),
+            'Z' if words.others[1].replace(value).is_some() => return Err(25),
+            'Y' | 'Z' => {}
             _ => return Err(20),
         }
         rest = after;

@@ -53,6 +53,7 @@ impl Line {
     pub(crate) fn publish(&mut self, truth: &mut Truth) {
         let motor = &self.machine.motor;
         truth.steps = self.machine.true_steps;
+        truth.others = self.machine.others;
         truth.moving = !motor.is_done() && !self.machine.stalled;
         truth.peak_steps_s = motor.peak;
         truth.starts = motor.starts;

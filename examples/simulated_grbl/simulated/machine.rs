@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use super::motor::Motor;
+use super::motor::{Motor, OTHERS};
 use super::number::print;
 use super::options::{Defects, Firmware, Options, Random, Sensor};
 use super::settings::Settings;
@@ -47,18 +47,20 @@ pub(crate) struct Machine {
     pub(super) text: &'static str,
     pub defects: Defects,
     pub random: Random,
-    /// Number of axes that reports tell. The first alone has a motor.
+    /// Number of axes that reports tell. Only the first moves by itself; the next two go along with it.
     axes: usize,
     sensor: Option<Sensor>,
     /// Bytes that were received and not read.
     received: VecDeque<u8>,
     line: String,
     /// A jog that waits for room in the planner's queue.
-    pub(super) pending: Option<(i64, f64)>,
+    pub(super) pending: Option<(i64, f64, [i64; OTHERS])>,
     pub output: Vec<Output>,
     /// Steps of the motor since it was switched on: `true_steps` less those in reverse, `turned` in all.
     pub true_steps: i64,
     pub turned: u64,
+    /// Steps of the motors of the other axes since the board was switched on, less those in reverse.
+    pub others: [i64; OTHERS],
     /// Error of the board's counter, steps.
     pub miscounted: i64,
     /// Work coordinates less machine coordinates of the first axis, mm.
@@ -99,6 +101,7 @@ impl Machine {
             output: Vec::new(),
             true_steps: 0,
             turned: 0,
+            others: [0; OTHERS],
             miscounted: 0,
             offset_mm: -5.0,
             inches: false,
@@ -248,7 +251,7 @@ impl Machine {
             return;
         }
         let (sensor, probing, miscounted) = (self.sensor, self.state == State::Run, self.miscounted);
-        let before = self.motor.step();
+        let (before, others_before) = (self.motor.step(), self.motor.others());
         let mut touched = self.touched;
         self.motor.advance(time_s, |step| {
             if probing && touched.is_none() && sensor.is_some_and(|sensor| sensor.answers(step)) {
@@ -260,6 +263,9 @@ impl Machine {
         let travelled = self.motor.step() - before;
         self.true_steps += travelled;
         self.turned += travelled.unsigned_abs();
+        for (axis, (now, before)) in self.motor.others().iter().zip(others_before).enumerate() {
+            self.others[axis] += now - before;
+        }
         if touched != self.touched {
             self.touched = touched;
             self.motor.stopping = true;
@@ -320,7 +326,11 @@ impl Machine {
 
     /// Returns the coordinate of a count, in the unit of reports.
     fn reported(&self, count: i64) -> f32 {
-        let mm = count as f32 / self.settings.get(100);
+        self.reported_on(count, 0)
+    }
+
+    fn reported_on(&self, count: i64, axis: usize) -> f32 {
+        let mm = count as f32 / self.settings.get(100 + axis as u16);
         if self.settings.get(13) != 0.0 { mm * (1.0 / 25.4) } else { mm }
     }
 
@@ -342,14 +352,20 @@ impl Machine {
         let decimals = self.decimals();
         let offset = if self.settings.get(13) != 0.0 { self.offset_mm / 25.4 } else { self.offset_mm };
         let machine = self.reported(self.counted());
-        let triple = |first: f32| {
-            let rest = vec![print(0.0, decimals); self.axes.saturating_sub(1)];
-            [vec![print(first, decimals)], rest].concat().join(",")
+        let counts = self.motor.others();
+        let others_mm: Vec<f32> = (1..self.axes)
+            .map(|axis| counts.get(axis - 1).map_or(0.0, |count| self.reported_on(*count, axis)))
+            .collect();
+        let triple = |first: f32, others: &[f32]| {
+            let rest = (1..self.axes).map(|axis| others.get(axis - 1).copied().unwrap_or(0.0));
+            let all: Vec<_> =
+                std::iter::once(first).chain(rest).map(|place| print(place, decimals)).collect();
+            all.join(",")
         };
         let place = if mask & 1 != 0 {
-            format!("MPos:{}", triple(machine))
+            format!("MPos:{}", triple(machine, &others_mm))
         } else {
-            format!("WPos:{}", triple(machine - offset))
+            format!("WPos:{}", triple(machine - offset, &others_mm))
         };
         let mut text = format!("<{state}|{place}");
         if mask & 2 != 0 {
@@ -358,7 +374,7 @@ impl Machine {
         let speed = if self.stalled { 0.0 } else { self.motor.speed() };
         text += &format!("|FS:{:.0},0", speed * 60.0 / f64::from(self.settings.get(100)));
         if self.until_offset == 0 {
-            text += &format!("|WCO:{}", triple(offset));
+            text += &format!("|WCO:{}", triple(offset, &[]));
             self.until_offset = OFFSET_EVERY[usize::from(self.state != State::Idle)];
         }
         self.until_offset -= 1;
@@ -367,12 +383,12 @@ impl Machine {
 
     /// Reads lines as long as none has to wait.
     pub(crate) fn work(&mut self) {
-        if let Some((end, steps_s)) = self.pending {
+        if let Some((end, steps_s, others)) = self.pending {
             if self.motor.is_full() {
                 return;
             }
             self.pending = None;
-            self.motor.push(end, steps_s);
+            self.motor.push(end, steps_s, others);
             self.answer(Ok(()));
         }
         while self.pending.is_none()

@@ -26,6 +26,8 @@ const RESTS: u64 = 130;
 pub(crate) struct Truth {
     /// Steps that the motor has made since the board was switched on, those in reverse taken off.
     pub steps: i64,
+    /// Steps of the motors of the axes Y and Z, which go along with the first.
+    pub others: [i64; motor::OTHERS],
     /// True if the motor turns.
     pub moving: bool,
     /// Fastest speed of the motor so far, steps/s.

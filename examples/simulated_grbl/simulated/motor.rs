@@ -1,10 +1,13 @@
 //! The planner's queue and the motor that follows it: one axis with ramps of one acceleration, which looks
-//! ahead over the queue.
+//! ahead over the queue. The motors of the other axes go along with it, each on the line of its block.
 
 use std::collections::VecDeque;
 
 /// Number of blocks that grbl plans ahead.
 const BLOCKS: usize = 15;
+
+/// Number of axes that go along with the first.
+pub(super) const OTHERS: usize = 2;
 
 /// Longest step of the integration, s.
 const STEP_S: f64 = 2e-4;
@@ -16,6 +19,8 @@ struct Block {
     end: i64,
     /// Fastest speed of the block, steps/s.
     steps_s: f64,
+    /// Ends of the block for the other axes, steps.
+    others: [i64; OTHERS],
 }
 
 /// Motor with its queue.
@@ -24,6 +29,8 @@ pub(super) struct Motor {
     blocks: VecDeque<Block>,
     /// Place of the motor, in steps and parts of a step.
     at: f64,
+    /// Places of all axes at the begin of the first block, in steps.
+    from: (i64, [i64; OTHERS]),
     /// Speed of the motor along the way, steps/s.
     speed: f64,
     /// Acceleration of the ramps, steps/s².
@@ -52,6 +59,23 @@ impl Motor {
         self.blocks.back().map_or(self.step(), |block| block.end)
     }
 
+    /// Returns the steps at which the other motors stand.
+    pub(super) fn others(&self) -> [i64; OTHERS] {
+        let (from, mut others) = self.from;
+        if let Some(block) = self.blocks.front() {
+            let part = (self.at - from as f64) / (block.end - from) as f64;
+            for (place, end) in others.iter_mut().zip(block.others) {
+                *place += ((end - *place) as f64 * part.clamp(0.0, 1.0)).round() as i64;
+            }
+        }
+        others
+    }
+
+    /// Returns the steps at which the queue ends for the other motors.
+    pub(super) fn planned_others(&self) -> [i64; OTHERS] {
+        self.blocks.back().map_or(self.from.1, |block| block.others)
+    }
+
     pub(super) fn is_full(&self) -> bool {
         self.blocks.len() >= BLOCKS
     }
@@ -71,14 +95,18 @@ impl Motor {
     }
 
     /// Queues a way to `end`, unless the queue ends there already.
-    pub(super) fn push(&mut self, end: i64, steps_s: f64) {
+    pub(super) fn push(&mut self, end: i64, steps_s: f64, others: [i64; OTHERS]) {
         if end != self.planned() {
-            self.blocks.push_back(Block { end, steps_s });
+            if self.blocks.is_empty() {
+                self.from.0 = self.step();
+            }
+            self.blocks.push_back(Block { end, steps_s, others });
         }
     }
 
     /// Forgets the queue and stands at once.
     pub(super) fn halt(&mut self) {
+        self.from = (self.step(), self.others());
         self.blocks.clear();
         self.speed = 0.0;
         self.at = self.at.round();
@@ -89,6 +117,7 @@ impl Motor {
     pub(super) fn zero(&mut self) {
         self.halt();
         self.at = 0.0;
+        self.from = (0, [0; OTHERS]);
     }
 
     /// Moves on for `time_s`, or until `each` returns false at a new step.
@@ -144,6 +173,7 @@ impl Motor {
                 self.at = block.end as f64;
                 self.speed = 0.0;
             }
+            self.from = (block.end, block.others);
             self.blocks.pop_front();
             if turns {
                 break;

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use pump_bench::drives::wire::Wire;
-use pump_bench::drives::{DriveError, Grbl, Opening};
+use pump_bench::drives::{DriveError, Grbl, GrblBoard, Opening};
 use pump_bench::pump_file::DriveTable;
 
 use crate::rig::motor;
@@ -53,6 +53,8 @@ pub(crate) struct Meddling {
     pub(crate) never_rests: bool,
     /// Distance by which every report is off from now on, in mm.
     pub(crate) astray_mm: f64,
+    /// Axis whose coordinate is off, 0 for the first.
+    pub(crate) astray_axis: usize,
     /// Time between two resets of a processor that comes no further than its banner.
     pub(crate) reboots: Option<Duration>,
     /// Line that the board neither obeys nor answers from now on.
@@ -83,7 +85,7 @@ impl Table {
 
     /// Changes what the board has said after its first `said` bytes as the test wants it.
     fn twist(&mut self, said: usize) {
-        let Meddling { never_rests, astray_mm, reboots, .. } = self.meddling;
+        let Meddling { never_rests, astray_mm, astray_axis, reboots, .. } = self.meddling;
         if let Some(every) = reboots {
             self.line.outgoing.truncate(said);
             if self.now.as_nanos() % every.as_nanos() < TICK.as_nanos() {
@@ -100,17 +102,19 @@ impl Table {
             text = text.replace("<Idle", "<Jog");
         }
         if astray_mm != 0.0 {
-            text = text.split_inclusive("\r\n").map(|line| astray(line, astray_mm)).collect();
+            text = text.split_inclusive("\r\n").map(|line| astray(line, astray_axis, astray_mm)).collect();
         }
         self.line.outgoing.extend(text.bytes());
     }
 }
 
-/// Returns a status report whose first coordinate is off. Other lines stay as they are.
-fn astray(text: &str, by_mm: f64) -> String {
+/// Returns a status report with one coordinate that is off. Other lines stay as they are.
+fn astray(text: &str, axis: usize, by_mm: f64) -> String {
     let Some((head, rest)) = text.split_once("MPos:") else { return text.to_owned() };
-    let (first, others) = rest.split_once(',').unwrap();
-    format!("{head}MPos:{:.3},{others}", first.parse::<f64>().unwrap() + by_mm)
+    let (places, others) = rest.split_once('|').unwrap();
+    let mut places: Vec<String> = places.split(',').map(str::to_owned).collect();
+    places[axis] = format!("{:.3}", places[axis].parse::<f64>().unwrap() + by_mm);
+    format!("{head}MPos:{}|{others}", places.join(","))
 }
 
 impl Board {
@@ -133,6 +137,11 @@ impl Board {
     /// Opens the driver with this board.
     pub(crate) fn open(&self, table: &DriveTable, opening: &Opening) -> Result<Grbl, DriveError> {
         Grbl::over(Box::new(VirtualWire(self.clone())), table, &motor(), opening)
+    }
+
+    /// Takes the board for several axes.
+    pub(crate) fn shared(&self) -> GrblBoard {
+        GrblBoard::over(Box::new(VirtualWire(self.clone())))
     }
 
     /// Returns the truth about the board now.

@@ -12,9 +12,13 @@ use thiserror::Error;
 use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
 use crate::displacement::DisplacementError;
+#[cfg(any(feature = "grbl", feature = "node"))]
+use crate::drives::CommonBeginError;
 use crate::drives::DriveError;
+#[cfg(feature = "grbl")]
+use crate::drives::GrblError;
 #[cfg(feature = "node")]
-use crate::drives::{CommonBeginError, NodeError};
+use crate::drives::NodeError;
 use crate::numbers::{between, significant};
 use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
@@ -392,8 +396,16 @@ impl DoseError {
     pub(crate) fn is_of_another_axis(&self) -> bool {
         match self {
             #[cfg(feature = "node")]
-            Self::Connection(DriveError::Device(source)) => {
-                matches!(source.downcast_ref(), Some(NodeError::Common(CommonBeginError::Another)))
+            Self::Connection(DriveError::Device(source))
+                if matches!(source.downcast_ref(), Some(NodeError::Common(CommonBeginError::Another))) =>
+            {
+                true
+            }
+            #[cfg(feature = "grbl")]
+            Self::Connection(DriveError::Device(source))
+                if matches!(source.downcast_ref(), Some(GrblError::Common(CommonBeginError::Another))) =>
+            {
+                true
             }
             _ => false,
         }

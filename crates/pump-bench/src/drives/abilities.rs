@@ -24,21 +24,19 @@ pub struct Abilities {
     pub readback: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,
-    /// True if the drive begins a motion at one tick with those of other axes
+    /// True if the drive begins a motion together with those of other axes of its board
     /// ([`Drive::begin_with`](super::Drive::begin_with)).
     pub common_begin: bool,
 }
 
 impl Abilities {
     /// Abilities of a board that speaks grbl's protocol.
-    pub(super) const GRBL: Self = Self::new().with_index(true).with_readback(true).with_release(true);
+    pub(super) const GRBL: Self =
+        Self::new().with_index(true).with_readback(true).with_release(true).with_common_begin(true);
 
     /// Abilities of a node: a board that makes each step at the plan's time.
-    pub(super) const NODE: Self = Self::GRBL
-        .with_step_times(true)
-        .with_angle_dependent_speed(true)
-        .with_flow_over_time(true)
-        .with_common_begin(true);
+    pub(super) const NODE: Self =
+        Self::GRBL.with_step_times(true).with_angle_dependent_speed(true).with_flow_over_time(true);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.

@@ -67,7 +67,7 @@ pub struct BeginPlace {
 
 /// Motion that is ready to begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "only a node begins axes together"))]
+#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
 pub(super) struct Ready {
     /// Line to the board, which tells boards apart.
     pub(super) line: usize,
@@ -80,7 +80,7 @@ pub(super) struct Ready {
 
 /// State of a motion that is to begin with others.
 #[derive(Debug, Clone, Copy, Default)]
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "only a node begins axes together"))]
+#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
 pub(super) struct Standing {
     /// Motion, once it is ready to begin.
     pub(super) ready: Option<Ready>,
@@ -94,7 +94,7 @@ pub(super) struct Standing {
 
 /// Next act of a motion that is to begin with others.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "only a node begins axes together"))]
+#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
 pub(super) enum Next {
     /// The motion waits.
     Wait,
@@ -116,7 +116,7 @@ impl CommonBegin {
     }
 }
 
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "only a node begins axes together"))]
+#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
 impl BeginPlace {
     /// Tells how this motion stands. Returns what it does next.
     pub(super) fn look(&mut self, standing: Standing) -> Next {
@@ -158,6 +158,12 @@ impl BeginPlace {
         }
         state.sender = Some(self.number);
         Next::Send(all)
+    }
+
+    /// Notes that all have begun.
+    #[cfg(feature = "grbl")]
+    pub(super) fn has_begun(&mut self) {
+        let _ = self.look(Standing { has_begun: true, ..Standing::default() });
     }
 }
 

@@ -27,12 +27,13 @@ impl Rack {
     ///
     /// # Errors
     ///
-    /// [`RackError::Shared`] if two pumps are one, or are axes of one board that does not move them together.
+    /// [`RackError::Shared`] if two pumps are one, or are axes of one board that does not move them
+    /// as the steps say.
     pub fn new(file: RackFile, benches: Vec<Bench>) -> Result<Self, RackError> {
         let members = file.pump_names().map(str::to_owned).zip(benches);
         let members: Vec<Member> = members.map(|(name, bench)| Member { name, bench }).collect();
-        sharing::check(&members)?;
         let (name, steps) = (file.name(), file.steps().to_vec());
+        sharing::check(&members, &steps)?;
         Ok(Self {
             name,
             members,

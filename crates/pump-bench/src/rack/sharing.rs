@@ -1,22 +1,60 @@
-//! Claims of two pumps of a rack on one thing: a record, an axis, or a board that starts all its axes as one.
+//! Claims of two pumps of a rack on one thing: a record, an axis, or a board that moves its axes only as one line.
 
 use super::error::RackError;
 use super::member::Member;
+use super::step::RackStep;
 use crate::bench::Bench;
 use crate::files::is_one_file;
 use crate::pump_file::DriverName;
 
-/// Refuses the first two pumps that share a record, an axis, or a board other than a node.
-pub(super) fn check(members: &[Member]) -> Result<(), RackError> {
+/// Way out for axes of a grbl board that are to move otherwise than as one line.
+const NODE_INSTEAD: &str =
+    "give each pump a board of its own, or the axes of a node (driver = \"node\"; docs/node.md)";
+
+/// Refuses the first two pumps that share a record or an axis, or axes of a grbl board that are to follow a flow over
+/// time or their rollers.
+pub(super) fn check(members: &[Member], steps: &[RackStep]) -> Result<(), RackError> {
     for (number, member) in members.iter().enumerate() {
-        for other in &members[..number] {
+        for (before, other) in members[..number].iter().enumerate() {
             if let Some((shared, instead)) = shared(&other.bench, &member.bench) {
                 let (pump, other) = (other.name.clone(), member.name.clone());
                 return Err(RackError::Shared { pump, other, shared, instead });
             }
+            if is_one_line(&other.bench, &member.bench)
+                && let Some(why) = off_line(steps, [before, number])
+            {
+                return Err(not_one_line(other, member, &why));
+            }
         }
     }
     Ok(())
+}
+
+/// Returns the reason why the first step of two pumps is no line of constant ratio.
+fn off_line(steps: &[RackStep], pumps: [usize; 2]) -> Option<String> {
+    (1..).zip(steps).find_map(|(number, step)| {
+        let flow = step.flows.iter().find(|flow| pumps.contains(&flow.pump))?;
+        match flow.profile {
+            Some(_) => Some(format!("step {number} is a flow over time")),
+            None if step.smooth => Some(format!("step {number} is smooth")),
+            None => None,
+        }
+    })
+}
+
+/// Returns true if two pumps are axes of a grbl board. It starts and stops them as one.
+pub(super) fn is_one_line(one: &Bench, other: &Bench) -> bool {
+    one.drive().driver == DriverName::Grbl && is_one_board(one, other)
+}
+
+/// Returns the refusal of two pumps on a grbl board.
+pub(super) fn not_one_line(one: &Member, other: &Member, why: &str) -> RackError {
+    let port = one.bench.board_port().map(|port| format!(", at {}", port.display())).unwrap_or_default();
+    let shared = format!(
+        "are axes of one grbl board{port}, which moves its axes only as one line of constant ratio, and {why}"
+    );
+    let (pump, other) = (one.name.clone(), other.name.clone());
+    RackError::Shared { pump, other, shared, instead: NODE_INSTEAD }
 }
 
 /// Returns the thing that two pumps share, and the way out.
@@ -40,13 +78,7 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
             "name the axis of each pump in its [drive]",
         ));
     }
-    match driver {
-        DriverName::Grbl => Some((
-            format!("are axes of one grbl board, at {port}, which starts and stops all its axes as one"),
-            "give each pump a board of its own, or the axes of a node (driver = \"node\")",
-        )),
-        DriverName::Node | DriverName::Sim => None,
-    }
+    None
 }
 
 /// Returns true if boards at one port turn both pumps. No board turns a simulated pump.

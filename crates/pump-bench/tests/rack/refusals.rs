@@ -1,7 +1,7 @@
 //! Claims about racks that are refused before anything moves.
 
 use pump_bench::pump_file::{Axis, DriveTable, DriverName};
-use pump_bench::rack::{Rack, RackError, RackFile};
+use pump_bench::rack::{Rack, RackEnd, RackError, RackFile};
 use pump_bench::report::{Ending, Explain, with_sources};
 use pump_bench::{Bench, PumpFile, built_in};
 
@@ -91,7 +91,7 @@ fn steps_that_overlap_or_go_back_or_cannot_be_planned_are_named() {
 }
 
 #[test]
-fn two_pumps_share_no_record_no_axis_and_no_grbl_board() {
+fn two_pumps_share_no_record_and_no_axis() {
     let desk = Desk::new();
     let rack = |one: PumpFile, other: PumpFile| {
         let head = "schema = \"rack/1\"\n[pumps]\nacid = \"a\"\nbase = \"b\"\n";
@@ -114,12 +114,6 @@ fn two_pumps_share_no_record_no_axis_and_no_grbl_board() {
             "name one axis, X at /dev/ttyUSB7",
         ),
         (
-            pump("a", board(DriverName::Grbl, Axis::X)),
-            pump("b", board(DriverName::Grbl, Axis::Y)),
-            "axes of one grbl board, at /dev/ttyUSB7, which starts and stops all its axes as one; give each pump a \
-             board of its own, or the axes of a node",
-        ),
-        (
             pump("a", board(DriverName::Node, Axis::X)),
             pump("b", board(DriverName::Grbl, Axis::Y)),
             "are turned by node and grbl at one port",
@@ -128,6 +122,52 @@ fn two_pumps_share_no_record_no_axis_and_no_grbl_board() {
         let text = rack(one, other);
         assert!(text.starts_with("the pumps `acid` and `base` of the rack "), "{text}");
         assert!(text.contains(told), "{text}\nwanted: {told}");
+    }
+}
+
+#[test]
+fn what_a_grbl_board_cannot_do_as_one_line_is_refused_and_names_the_node() {
+    let desk = Desk::new();
+    let rack = |steps: &str| {
+        desk.rack_of(steps, |name, mut file| {
+            let axis = if name == "acid" { Axis::X } else { Axis::Y };
+            let board = DriveTable::of(DriverName::Grbl).with_port("/dev/ttyUSB7").with_axis(axis);
+            file.drive = if name == "salt" { None } else { Some(board) };
+            file.motor.confirmed = None;
+            file
+        })
+    };
+    let ratio = "[[step]]\nratio = { acid = 2, base = 1 }\nvolume = \"6mL\"\nrate = \"6mL/s\"\n";
+    let dose = |at: &str, pump: &str, rate: &str| {
+        format!("[[step]]\nat = \"{at}\"\npump = \"{pump}\"\nvolume = \"3mL\"\nrate = \"{rate}\"\n")
+    };
+    let gradient =
+        "[[step]]\ngradient = { acid = [1, 0], base = [0, 1] }\nrate = \"3mL/s\"\nfor = \"10s\"\n".to_owned();
+    for (steps, told) in [
+        (format!("{ratio}smooth = true\n"), "and step 1 is smooth"),
+        (format!("{ratio}{gradient}"), "and step 2 is a flow over time"),
+        (format!("{ratio}ramp = \"1s\"\n"), "and step 1 is a flow over time"),
+        (
+            [dose("0s", "acid", "3mL/s"), dose("0.5s", "base", "3mL/s")].concat(),
+            "and step 2 begins at 0.500 s, while step 1 is under way until its line has settled at ",
+        ),
+        (
+            [dose("0s", "acid", "3mL/s"), dose("0s", "base", "1.5mL/s")].concat(),
+            "and steps 1 and 2 begin together and take ",
+        ),
+    ] {
+        let error = rack(&steps).and_then(|rack| rack.rehearse().map(drop)).unwrap_err();
+        let text = with_sources(&error);
+        let begins = "the pumps `acid` and `base` of the rack are axes of one grbl board, at /dev/ttyUSB7, which \
+                      moves its axes only as one line of constant ratio, ";
+        assert!(text.starts_with(begins), "{text}");
+        assert!(text.contains(told), "{text}\nwanted: {told}");
+        assert!(text.contains("or the axes of a node (driver = \"node\"; docs/node.md)"), "{text}");
+    }
+    let together = [dose("0s", "acid", "3mL/s"), dose("0s", "base", "3mL/s"), dose("60s", "base", "1mL/s")];
+    for steps in [ratio.to_owned(), together.concat()] {
+        let rehearsed = rack(&steps).unwrap().rehearse().unwrap();
+        assert_eq!(rehearsed.end, RackEnd::Planned);
     }
 }
 

@@ -8,19 +8,21 @@ use std::time::Duration;
 
 use pump_ctl::plan::{Motor, Plan};
 
-use super::board::{Board, Heard, POLL};
+use super::board::{Heard, POLL};
 use super::connect;
 use super::error::GrblError;
-use super::jogs::{Jogs, Task};
+use super::jogs::{Follower, Jogs, Task};
+use super::line::{AxisBoard, Ended, GrblBoard, Met, follow, lead, meet};
 use super::recovery::Made;
-use super::reply::Reply;
+use super::remarks::remarks;
 use super::scale::Scale;
 use super::settings::{self, Flavour, MOST_STEPS_S, SelfDescription, Settings};
 use crate::drives::drive::wait_of;
 use crate::drives::known_board::KnownBoard;
-use crate::drives::wire::{BoardPort, Wire};
+use crate::drives::wire::Wire;
 use crate::drives::{
-    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening, Watch,
+    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch,
+    Opening, Watch,
 };
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -37,10 +39,30 @@ pub(crate) fn open(
     Ok(Box::new(Grbl::open(table, &file.motor, opening)?))
 }
 
+impl GrblBoard {
+    /// Opens the drive of the axis that `table` names. Moves nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] as [`Grbl::open`], and for an axis that another drive has.
+    pub fn axis(
+        &self,
+        table: &DriveTable,
+        motor: &MotorTable,
+        opening: &Opening,
+    ) -> Result<Grbl, DriveError> {
+        Ok(Grbl::read(AxisBoard::take(self, table, opening)?, table, &motor.at_pump_head(), opening)?)
+    }
+}
+
 /// One axis of a board.
 #[derive(Debug)]
 pub struct Grbl {
-    board: Board,
+    board: AxisBoard,
+    /// Number of resets that the board has told, of which this axis knows.
+    resets: u32,
+    /// Place of the next motion among those that begin together.
+    place: Option<BeginPlace>,
     settings: Settings,
     scale: Scale,
     /// Angle of a step, in rad.
@@ -68,8 +90,7 @@ impl Grbl {
     /// pump or differ from those on record, or it is another board than the one on record.
     pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
         KnownBoard::look_at_port(table.port.as_deref(), opening).map_err(GrblError::from)?;
-        let port = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
-        Self::over(Box::new(port), table, motor, opening)
+        GrblBoard::open(table.port.as_deref(), table.rate_baud())?.axis(table, motor, opening)
     }
 
     /// Opens the board at the other end of `wire`, as [`Self::open`] does.
@@ -80,19 +101,19 @@ impl Grbl {
         motor: &MotorTable,
         opening: &Opening,
     ) -> Result<Self, DriveError> {
-        let mut board = Board::new(wire, table.axis.number(), opening.stop.clone());
-        let mut reset = connect::find(&mut board, table)?;
-        connect::rest(&mut board, &mut reset)?;
-        Ok(Self::read(board, table, &motor.at_pump_head(), opening, reset)?)
+        GrblBoard::over(wire).axis(table, motor, opening)
     }
 
     fn read(
-        mut board: Board,
+        axis_board: AxisBoard,
         table: &DriveTable,
         motor: &Motor,
         opening: &Opening,
-        mut reset: bool,
     ) -> Result<Self, GrblError> {
+        let mut board = axis_board.lock()?;
+        // A reset since the port was opened came after the record was written.
+        let mut reset = connect::find(&mut board, table)? | (board.resets() > 0);
+        connect::rest(&mut board, &mut reset)?;
         let SelfDescription { flavour, text } = settings::described(&mut board)?;
         let found = KnownBoard { text, ..KnownBoard::at_port(table.port.as_deref(), opening) };
         let replaced = found.recognise(table.port.as_deref(), opening)?;
@@ -119,13 +140,17 @@ impl Grbl {
         let replaced = replaced.map(|board| format!("another board was on record, {board}: accepted"));
         let told = replaced.into_iter().chain(told).map(Notice::from);
         let notes = told.chain(remarks(&settings, &scale)).collect();
+        let resets = board.resets();
+        drop(board);
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),
             most_steps_s: settings.most_steps_s(&scale)?,
             stands: Some(scale.count(scale.reported_mm(place))),
             disturbed: reset.then_some(Disturbance::Reset),
             rests: 0,
-            board,
+            board: axis_board,
+            resets,
+            place: None,
             settings,
             scale,
             step_rad,
@@ -136,9 +161,13 @@ impl Grbl {
 
     /// Returns the task of `plan` for the board, or refuses it before anything moves.
     fn task(&mut self, plan: &Plan) -> Result<Task, GrblError> {
+        let mut board = self.board.lock()?;
         let mut reset = false;
-        connect::rest(&mut self.board, &mut reset)?;
-        let place = self.board.rests_at()?;
+        connect::rest(&mut board, &mut reset)?;
+        let place = board.rests_at()?;
+        reset |= board.resets() != self.resets;
+        self.resets = board.resets();
+        drop(board);
         let counted = self.scale.count(self.scale.reported_mm(place));
         let expected = self.stands.replace(counted);
         if reset {
@@ -169,7 +198,7 @@ impl Grbl {
                 setting: self.settings.rate_units_min()?,
             });
         }
-        task.check(&self.scale)?;
+        task.check(&self.scale, &[])?;
         Ok(task)
     }
 
@@ -186,26 +215,72 @@ impl Grbl {
             Err(GrblError::Interrupted) => return Ok(None),
             Err(error) => return Err(self.fault(error, Made::exactly(0))),
         };
-        let scale = &self.scale;
+        let mut board = match self.board.lock() {
+            Ok(board) => board,
+            Err(_) => return Ok(None),
+        };
         // From here on the gate hears the user.
-        let (outcome, sent, rests) = self.board.undisturbed(|board| {
-            let mut under_way = Jogs::new(board, scale, task);
+        let (outcome, sent, rests) = board.undisturbed(|board| {
+            let mut under_way = Jogs::new(board, &self.scale, task, &[]);
             let outcome = match motion(&mut under_way) {
                 Ok(value) => Ok((value, under_way.made)),
                 Err(error) => Err(under_way.recover(error)),
             };
             (outcome, under_way.sent, under_way.rests.count())
         });
+        // A search that is stopped resets the board itself.
+        self.resets = board.resets();
+        drop(board);
+        let (value, result) = match outcome {
+            Ok((value, made)) => (Some(value), Ok(made)),
+            Err(error) => (None, Err(error)),
+        };
+        let made = self.conclude(&task, Ended { result, sent, rests })?;
+        Ok(value.map(|value| (value, made)))
+    }
+
+    /// Makes the steps of `plan` on one line with the axes of the other places. Returns the steps made.
+    fn travel_in_line(
+        &mut self,
+        plan: &Plan,
+        mut place: BeginPlace,
+        gate: &mut Gate<'_>,
+    ) -> Result<u64, DriveFault> {
+        self.rests = 0;
+        let task = match self.task(plan) {
+            Ok(task) => task,
+            Err(GrblError::Interrupted) => return Ok(0),
+            Err(error) => return Err(self.fault(error, Made::exactly(0))),
+        };
+        let own = Follower { scale: self.scale, task };
+        let ended = match meet(&self.board, &mut place, own, gate) {
+            Ok(Met::Stopped) => return Ok(0),
+            Ok(Met::Follows(led)) => Ok(follow(&led, task.steps, gate)),
+            Ok(Met::Leads(others)) => match self.board.lock() {
+                Ok(mut board) => lead(&mut board, own, &others, gate, || place.has_begun()),
+                Err(_) => return Ok(0),
+            },
+            Err(error) => Err(error),
+        };
+        match ended {
+            Ok(ended) => self.conclude(&task, ended),
+            Err(error) => Err(self.fault(error, Made::exactly(0))),
+        }
+    }
+
+    /// Takes in the end of a motion.
+    fn conclude(&mut self, task: &Task, ended: Ended) -> Result<u64, DriveFault> {
+        let Ended { result, sent, rests } = ended;
         self.rests = rests;
-        let known = match &outcome {
-            Ok((_, made)) => Some(*made as i64),
+        let known = match &result {
+            Ok(made) => Some(*made as i64),
             Err((_, made)) => made.known(),
         };
         self.stands = known.map(|net| task.start + task.direction * net);
         if sent > 0 && !self.holds_at_rest() {
             self.disturbed.get_or_insert(Disturbance::Disabled);
         }
-        outcome.map(Some).map_err(|(error, made)| self.fault(error, made))
+        result.map_err(|(error, made)| self.fault(error, made))
     }
 
     fn fault(&mut self, error: GrblError, made: Made) -> DriveFault {
@@ -218,14 +293,14 @@ impl Grbl {
         DriveFault { made_least: least, made_most: most, lost: lost || error.loses(), error: error.into() }
     }
 
-    /// Takes in what the board says unasked for as long as `wait`.
-    fn overhear(&mut self, wait: Duration) -> Result<(), GrblError> {
-        let mut reset = false;
-        let heard = self.board.hear_all(wait, |heard| {
-            reset |= matches!(heard, Heard::Reply(Reply::Banner(_)));
-            Ok(())
-        });
-        if reset {
+    /// Takes in what the board says unasked for as long as `wait`, to this axis or another.
+    fn overhear(&mut self, wait: Duration, deaf: bool) -> Result<(), GrblError> {
+        let mut board = self.board.lock()?;
+        let before = board.be_deaf(deaf);
+        let heard = board.hear_all(wait, |_: Heard| Ok(()));
+        board.be_deaf(before);
+        if board.resets() != self.resets {
+            self.resets = board.resets();
             self.disturbed = Some(Disturbance::Reset);
             self.stands = None;
         }
@@ -260,9 +335,7 @@ impl Drive for Grbl {
 
     fn disturbed(&mut self) -> Option<Disturbance> {
         // A connection that broke at rest is the next motion's fault.
-        let before = self.board.be_deaf(true);
-        let _ = self.overhear(Duration::ZERO);
-        self.board.be_deaf(before);
+        let _ = self.overhear(Duration::ZERO, true);
         self.disturbed.take()
     }
 
@@ -289,7 +362,15 @@ impl Drive for Grbl {
         Ok(checked.map(drop)?)
     }
 
+    fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {
+        self.place = Some(place);
+        Ok(())
+    }
+
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        if let Some(place) = self.place.take() {
+            return self.travel_in_line(plan, place, gate);
+        }
         let made = self.travel(plan, |motion| motion.run(gate))?;
         Ok(made.map_or(0, |((), made)| made))
     }
@@ -300,17 +381,24 @@ impl Drive for Grbl {
     }
 
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
-        let until = self.board.now().saturating_add(wait_of(settle_s));
+        let Ok(until) = self.board.lock().map(|mut board| board.now().saturating_add(wait_of(settle_s)))
+        else {
+            return Ok(None);
+        };
         loop {
-            let left = until.saturating_sub(self.board.now());
+            let Ok(left) = self.board.lock().map(|mut board| until.saturating_sub(board.now())) else {
+                return Ok(None);
+            };
             // The steps are made and counted. A user who asks to stop need not wait for the line.
-            if left.is_zero() || watch().is_break() || self.board.heed().is_err() {
+            if left.is_zero() || watch().is_break() || self.board.is_stopped() {
                 return Ok(None);
             }
             let slice = left.min(POLL);
             // A connection that broke at rest is the next motion's fault: the steps made are known.
-            if self.overhear(slice).is_err() {
-                self.board.sleep(slice);
+            if self.overhear(slice, false).is_err()
+                && let Ok(mut board) = self.board.lock()
+            {
+                board.sleep(slice);
             }
         }
     }
@@ -321,43 +409,8 @@ impl Drive for Grbl {
 
     fn release(&mut self) -> Result<(), DriveError> {
         let line = if self.settings.flavour == Flavour::FluidNc { "$MD" } else { "$SLP" };
-        self.board.command(line)?;
+        self.board.lock()?.command(line)?;
         self.disturbed = Some(Disturbance::Disabled);
         Ok(())
     }
-}
-
-/// Returns notes for the user on these settings.
-fn remarks(settings: &Settings, scale: &Scale) -> Vec<Notice> {
-    let mut notes = Vec::new();
-    match settings.holds() {
-        Some(true) => {}
-        Some(false) => {
-            let text = format!(
-                "the board cuts the motor's current after each motion ($1={}), so the angle is less sure each \
-                 time; $1=255 holds it",
-                settings.values.get(&1).copied().unwrap_or(0.0)
-            );
-            notes.push(Notice::from(text).with_remedy(Remedy::Configure));
-        }
-        None => notes.push(
-            "the board does not tell whether it cuts the motor's current after each motion ($1): the angle \
-             is taken to be less sure each time"
-                .into(),
-        ),
-    }
-    let thousandths = (scale.steps_per_unit * 1e3).round() as i64;
-    if thousandths % 10 != 0 {
-        let number = settings.number(100);
-        let drift = 2e3 * scale.steps_per_unit;
-        notes.push(
-            format!(
-                "${number}={} is told with three decimals and may have more: then counts drift by a step in \
-             {drift:.0}; set a whole number, any will do",
-                scale.steps_per_unit
-            )
-            .into(),
-        );
-    }
-    notes
 }

@@ -4,6 +4,8 @@
 //! every wait at rest hears the user's request to stop.
 
 use std::collections::VecDeque;
+use std::io;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::error::GrblError;
@@ -53,8 +55,10 @@ pub(super) struct Board {
     waiting: VecDeque<Reply>,
     /// Number of the axis in reports.
     axis: usize,
-    /// Offset `WCO` of the axis, once it was reported.
-    offset: Option<f64>,
+    /// Offset `WCO` of each axis, once it was reported.
+    offset: Option<Vec<f64>>,
+    /// Machine coordinate of each axis in the last status report, in mm or inches. Empty if it told none.
+    places: Vec<f64>,
     /// Number of axes in the last report of a position.
     axes: usize,
     asked: Option<Duration>,
@@ -64,6 +68,10 @@ pub(super) struct Board {
     /// Number of lines whose acknowledgement nobody waited for. Their answers belong to no later line.
     owed: usize,
     stop: StopRequest,
+    /// Number of resets that the board has told.
+    resets: u32,
+    /// True once the connection has broken.
+    is_gone: bool,
     /// True while waits go on although the user asked to stop: the motor turns, or its rest is looked at.
     deaf: bool,
 }
@@ -77,14 +85,38 @@ impl Board {
             waiting: VecDeque::new(),
             axis,
             offset: None,
+            places: Vec::new(),
             axes: 0,
             asked: None,
             unanswered: None,
             answered: Duration::ZERO,
             owed: 0,
             stop,
+            resets: 0,
+            is_gone: false,
             deaf: false,
         }
+    }
+
+    /// Talks to this axis from now on. Waits at rest end once `stop` is made.
+    pub(super) fn attend(&mut self, axis: usize, stop: &StopRequest) {
+        self.attend_axis(axis);
+        self.stop = stop.clone();
+    }
+
+    /// Tells the place of this axis from now on.
+    pub(super) fn attend_axis(&mut self, axis: usize) {
+        self.axis = axis;
+    }
+
+    /// Returns the number of resets that the board has told since its port was opened.
+    pub(super) fn resets(&self) -> u32 {
+        self.resets
+    }
+
+    /// Returns true once the connection has broken.
+    pub(super) fn is_gone(&self) -> bool {
+        self.is_gone
     }
 
     /// Returns the time since the wire was opened.
@@ -115,14 +147,23 @@ impl Board {
         if !self.deaf && self.stop.is_made() { Err(GrblError::Interrupted) } else { Ok(()) }
     }
 
+    fn write(&mut self, bytes: &[u8]) -> Result<(), GrblError> {
+        self.wire.write(bytes).map_err(|error| self.gone(error))
+    }
+
+    fn gone(&mut self, error: io::Error) -> GrblError {
+        self.is_gone = true;
+        GrblError::Gone(Arc::new(error))
+    }
+
     /// Sends a line.
     pub(super) fn send(&mut self, line: &str) -> Result<(), GrblError> {
-        self.wire.write(format!("{line}\n").as_bytes()).map_err(GrblError::Gone)
+        self.write(format!("{line}\n").as_bytes())
     }
 
     /// Sends a byte that takes effect at once.
     pub(super) fn send_byte(&mut self, byte: u8) -> Result<(), GrblError> {
-        self.wire.write(&[byte]).map_err(GrblError::Gone)
+        self.write(&[byte])
     }
 
     /// Asks for a status report.
@@ -136,7 +177,7 @@ impl Board {
     pub(super) fn send_with_question(&mut self, line: &str) -> Result<(), GrblError> {
         self.note_question();
         let question = char::from(QUESTION);
-        self.wire.write(format!("{line}{question}\n").as_bytes()).map_err(GrblError::Gone)
+        self.write(format!("{line}{question}\n").as_bytes())
     }
 
     fn note_question(&mut self) {
@@ -173,7 +214,7 @@ impl Board {
             }
             let mut bytes = [0; 256];
             let left = until.saturating_sub(self.now()).min(SLICE);
-            let count = self.wire.read(&mut bytes, left).map_err(GrblError::Gone)?;
+            let count = self.wire.read(&mut bytes, left).map_err(|error| self.gone(error))?;
             let mut replies = Vec::new();
             self.replies.feed(bytes.get(..count).unwrap_or_default(), &mut replies);
             self.waiting.extend(replies);
@@ -209,24 +250,36 @@ impl Board {
                 self.answered = self.unanswered.take().or(self.asked).unwrap_or(self.answered);
                 let reported = status.machine.as_ref().or(status.work.as_ref());
                 self.axes = reported.map_or(self.axes, Vec::len);
-                let place = self.place(&status);
-                Heard::Status(status.state, place)
+                self.places = self.places(&status);
+                Heard::Status(status.state, self.place_of(self.axis))
             }
             Reply::Banner(_) => {
                 self.unanswered = None;
                 self.offset = None;
                 self.owed = 0;
+                self.resets += 1;
                 Heard::Reply(reply)
             }
             _ => Heard::Reply(reply),
         }
     }
 
-    fn place(&mut self, status: &BoardStatus) -> Option<f64> {
-        let of = |numbers: &Option<Vec<f64>>| numbers.as_ref()?.get(self.axis).copied();
-        let (machine, work, offset) = (of(&status.machine), of(&status.work), of(&status.offset));
-        self.offset = offset.or(self.offset);
-        machine.or_else(|| Some(work? + self.offset?))
+    fn places(&mut self, status: &BoardStatus) -> Vec<f64> {
+        if let Some(offset) = &status.offset {
+            self.offset = Some(offset.clone());
+        }
+        match (&status.machine, &status.work, &self.offset) {
+            (Some(machine), ..) => machine.clone(),
+            (None, Some(work), Some(offset)) => {
+                work.iter().zip(offset).map(|(work, offset)| work + offset).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Returns the coordinate of an axis in the last status report, in mm or inches.
+    pub(super) fn place_of(&self, axis: usize) -> Option<f64> {
+        self.places.get(axis).copied()
     }
 
     /// Sends a line and waits until it is acknowledged. Returns the replies before that, without status

@@ -2,17 +2,18 @@
 
 use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::drives::DriveError;
 use crate::drives::known_board::BoardError;
 use crate::drives::wire::PortError;
+use crate::drives::{CommonBeginError, DriveError};
 
 use super::code::{alarm_text, error_text, stops_at_once};
 
-/// Error of a grbl board.
-#[derive(Debug, Error)]
+/// Error of a grbl board. The axes that it moves as one line have one error.
+#[derive(Debug, Clone, Error)]
 #[non_exhaustive]
 pub enum GrblError {
     /// No serial port is named.
@@ -245,7 +246,7 @@ pub enum GrblError {
     Reset,
     /// The connection to the board broke.
     #[error("the connection to the board broke")]
-    Gone(#[source] io::Error),
+    Gone(#[source] Arc<io::Error>),
     /// The board does not answer.
     #[error("the board has not answered for {waited_s:.1} s; check its cable and power")]
     Quiet {
@@ -261,6 +262,25 @@ pub enum GrblError {
         /// Time without a position, in s.
         waited_s: f64,
     },
+    /// The port is open at another rate.
+    #[error(
+        "the pump's [drive] baud is {baud}, and {} is open at {open_baud} for another axis; give both one rate",
+        .port.display()
+    )]
+    Rate {
+        /// Path of the port.
+        port: PathBuf,
+        /// Rate that this pump names, in bits per second.
+        baud: u32,
+        /// Rate of the port, in bits per second.
+        open_baud: u32,
+    },
+    /// Axes that are to move as one line do not begin.
+    #[error(transparent)]
+    Common(#[from] CommonBeginError),
+    /// The axis that led a line did not tell how it ended.
+    #[error("the axis that led this one on a line failed; where the line ended is not known")]
+    Unled,
     /// The board neither took nor refused a line.
     #[error("the board has not acknowledged `{line}` for {waited_s:.1} s; check its cable and power")]
     NoOk {

@@ -1,9 +1,11 @@
 //! A plan as a sequence of jogs: as many ahead as keep the board at speed, and no more than were announced.
 
+mod follower;
 mod task;
 
 use std::time::Duration;
 
+pub(super) use self::follower::Follower;
 pub(super) use self::task::{Task, feed_text};
 use super::board::{Board, Heard, OK_LIMIT, POLL};
 use super::error::GrblError;
@@ -42,6 +44,8 @@ pub(super) struct Jogs<'a> {
     pub(super) board: &'a mut Board,
     pub(super) scale: &'a Scale,
     pub(super) task: Task,
+    /// Axes that move on one line with this one.
+    followers: &'a [Follower],
     /// Last step that was sent.
     pub(crate) sent: u64,
     /// Last step of the lines that were acknowledged.
@@ -78,13 +82,14 @@ pub(super) struct Jogs<'a> {
 }
 
 impl<'a> Jogs<'a> {
-    /// Prepares the jogs of `task`. Sends nothing yet.
-    pub(super) fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
+    /// Prepares the jogs of `task`, with the axes that follow. Sends nothing yet.
+    pub(super) fn new(board: &'a mut Board, scale: &'a Scale, task: Task, followers: &'a [Follower]) -> Self {
         let now = board.now();
         Self {
             board,
             scale,
             task,
+            followers,
             sent: 0,
             acknowledged: 0,
             made: 0,
@@ -186,7 +191,7 @@ impl<'a> Jogs<'a> {
             return Ok(Leave::Wait);
         }
         let far = GrblError::Far { count: self.task.count_after(last), most: self.scale.most_count() };
-        let line = self.task.line(self.scale, last).ok_or(far)?;
+        let line = self.task.line(self.scale, self.followers, last).ok_or(far)?;
         self.note_sent(last);
         // A motor that somebody else stopped rests before this line, and the line would start it again. The
         // report tells that: it is made before the line is obeyed.
@@ -251,7 +256,13 @@ impl<'a> Jogs<'a> {
     /// Returns the number of steps made if the motor may stand after `net` steps. `None` if no line that was
     /// sent leads there.
     pub(super) fn possible(&self, net: i64) -> Option<u64> {
-        u64::try_from(net).ok().filter(|made| (self.made..=self.sent).contains(made))
+        let made = u64::try_from(net).ok().filter(|made| (self.made..=self.sent).contains(made))?;
+        self.astray_follower(made).is_none().then_some(made)
+    }
+
+    /// Returns a follower that is off the line by the board's last report, after `made` steps of this axis.
+    fn astray_follower(&self, made: u64) -> Option<&'a Follower> {
+        self.followers.iter().find(|follower| !follower.is_on_line(self.board, made, self.task.steps))
     }
 
     /// Follows a reported position. A single impossible one is noise; two in a row are an error.
@@ -290,6 +301,13 @@ impl<'a> Jogs<'a> {
         self.strayed = Some((net, self.board.now()));
         let nearest = if net < self.made as i64 { self.made } else { self.sent };
         let counted = self.task.start + self.task.direction * net;
+        let on_way = u64::try_from(net).ok().filter(|made| (self.made..=self.sent).contains(made));
+        if let Some((follower, made)) = on_way.and_then(|made| Some((self.astray_follower(made)?, made))) {
+            let task = follower.task;
+            let counted = task.start + task.direction * follower.net(self.board).unwrap_or(0);
+            let expected = task.count_after(follower.share(made, self.task.steps));
+            return GrblError::Count { counted, expected };
+        }
         GrblError::Count { counted, expected: self.task.count_after(nearest) }
     }
 
@@ -311,7 +329,9 @@ impl<'a> Jogs<'a> {
             self.keep_pace(now);
             return Ok(false);
         }
-        if rests && self.made >= self.acknowledged {
+        let followers_rest =
+            || self.followers.iter().all(|axis| axis.has_arrived(self.board, self.made, self.task.steps));
+        if rests && self.made >= self.acknowledged && followers_rest() {
             self.short = 0;
             return Ok(self.awaited.is_none() && self.made == self.task.steps);
         }

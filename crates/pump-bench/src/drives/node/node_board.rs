@@ -1,26 +1,18 @@
 //! A board that several drives of this process share, each for one axis.
 
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::path::Path;
+use std::sync::Arc;
 
 use super::error::{NodeError, NodeOpening};
 use super::link::Link;
 use super::node::Node;
 use super::shared_line::SharedLine;
-use crate::drives::wire::{BoardPort, Wire};
+use crate::drives::wire::{BoardPort, NotShared, OpenPorts, Wire};
 use crate::drives::{DriveError, Opening};
 use crate::pump_file::{DriveTable, MotorTable};
 
-/// Ports that this process has open. No other process can open them, so the drives of this one share them.
-static OPEN: Mutex<Vec<OpenPort>> = Mutex::new(Vec::new());
-
-/// Port that is open as long as a drive uses its line.
-#[derive(Debug)]
-struct OpenPort {
-    device: PathBuf,
-    baud: u32,
-    line: Weak<SharedLine>,
-}
+/// Ports of nodes that this process has open.
+static OPEN: OpenPorts<SharedLine> = OpenPorts::new();
 
 /// Board that several drives share, each for one axis and from a thread of its own.
 #[doc(hidden)]
@@ -35,21 +27,17 @@ impl NodeBoard {
 
     /// Opens the port of a board, or shares it with the drives of this process that have it open.
     pub(super) fn open(port: Option<&Path>, baud: u32) -> Result<Self, DriveError> {
-        let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
-        open.retain(|port| port.line.strong_count() > 0);
-        let device = port.map(|port| port.canonicalize().unwrap_or_else(|_| port.to_owned()));
-        let device = device.unwrap_or_default();
-        for there in open.iter().filter(|there| there.device == device) {
-            let Some(line) = there.line.upgrade().filter(|line| !line.lock().is_broken()) else { continue };
-            if there.baud != baud {
-                return Err(NodeError::Rate { port: device, baud, open_baud: there.baud }.into());
+        let opened = || {
+            let wire = BoardPort::open(port, baud).map_err(|error| NodeOpening::from(error).0)?;
+            Ok(SharedLine::new(Box::new(wire)))
+        };
+        match OPEN.share(port, baud, |line| line.lock().is_broken(), opened) {
+            Ok(line) => Ok(Self(line)),
+            Err(NotShared::Rate { device, open_baud }) => {
+                Err(NodeError::Rate { port: device, baud, open_baud }.into())
             }
-            return Ok(Self(line));
+            Err(NotShared::Open(error)) => Err(error),
         }
-        let wire = BoardPort::open(port, baud).map_err(|error| NodeOpening::from(error).0)?;
-        let board = Self::over(Box::new(wire));
-        open.push(OpenPort { device, baud, line: Arc::downgrade(&board.0) });
-        Ok(board)
     }
 
     /// Meets the board, and configures the axis that `table` names. Moves nothing.

@@ -3,6 +3,7 @@
 mod ask_clock;
 mod error;
 mod holder;
+mod open_ports;
 mod port;
 mod port_name;
 
@@ -13,6 +14,7 @@ use std::time::Duration;
 pub use ask_clock::AskClock;
 pub(super) use ask_clock::SystemAskClock;
 pub(super) use error::PortError;
+pub(super) use open_ports::{NotShared, OpenPorts};
 pub(super) use port::BoardPort;
 pub(super) use port_name::port_name;
 

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use crate::drives::{BeginPlace, CommonBegin};
-use crate::pump_file::DriverName;
 use crate::rack::member::Member;
 use crate::rack::rack::Rack;
 use crate::rack::sharing::is_one_board;
@@ -16,7 +15,7 @@ const LIMIT: Duration = Duration::from_secs(5);
 pub(in crate::rack) struct Appointment {
     /// Time of the rack, in s.
     pub(in crate::rack) begin_s: f64,
-    /// Place among the axes of a node that begin at this time.
+    /// Place among the axes of a board that begin at this time.
     pub(in crate::rack) place: Option<BeginPlace>,
 }
 
@@ -60,9 +59,9 @@ fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) -> Vec<Meetin
     meetings
 }
 
-/// Returns the number of the first pump on a pump's board. Only a node begins its axes together.
+/// Returns the number of the first pump on a pump's board. `None` if the board begins no axes together.
 fn board(members: &[Member], member: &Member) -> Option<usize> {
-    let is_node = !member.bench.is_simulated() && member.bench.drive().driver == DriverName::Node;
+    let begins_together = !member.bench.is_simulated() && member.bench.identity().abilities.common_begin;
     let first = members.iter().position(|other| is_one_board(&other.bench, &member.bench));
-    first.filter(|_| is_node)
+    first.filter(|_| begins_together)
 }

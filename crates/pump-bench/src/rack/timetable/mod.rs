@@ -1,6 +1,7 @@
 //! The times of a rack: the begin of each step, and the appointments of each pump.
 
 mod appointments;
+mod lines;
 mod timetable;
 
 pub(super) use appointments::{Appointment, appointments};

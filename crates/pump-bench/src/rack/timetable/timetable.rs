@@ -1,5 +1,6 @@
 //! The timetable of a rack: the begin of each step, and the check that no pump is asked for two at once.
 
+use super::lines::{Lines, Part};
 use crate::rack::error::RackError;
 use crate::rack::member::Member;
 use crate::rack::step::{Begin, RackStep};
@@ -19,7 +20,7 @@ pub(in crate::rack) struct Timing {
 }
 
 impl Timing {
-    fn done_s(self, begin_s: f64) -> f64 {
+    pub(super) fn done_s(self, begin_s: f64) -> f64 {
         begin_s + self.motion_s + self.settle_s
     }
 }
@@ -38,7 +39,8 @@ impl Timetable {
     ///
     /// # Errors
     ///
-    /// [`RackError::TimeGoesBack`] and [`RackError::Overlap`].
+    /// [`RackError::TimeGoesBack`] and [`RackError::Overlap`]. [`RackError::Shared`] for axes of a grbl board that are
+    /// to move at other times than as one line.
     pub(in crate::rack) fn of(
         steps: &[RackStep],
         members: &[Member],
@@ -47,6 +49,7 @@ impl Timetable {
         let mut left: Vec<_> = timings.iter().map(|timings| timings.iter()).collect();
         // Last step of each pump, with its end.
         let mut done: Vec<Option<(usize, f64)>> = vec![None; members.len()];
+        let mut lines = Lines::default();
         let (mut begins_s, mut ends_s, mut settled_s) = (Vec::new(), 0.0_f64, 0.0_f64);
         for (number, step) in (1..).zip(steps) {
             let before_s = begins_s.last().copied().unwrap_or(0.0);
@@ -70,6 +73,7 @@ impl Timetable {
                     return Err(RackError::Overlap { pump, step: number, at_s: begin_s, before, done_s });
                 }
                 let Some(timing) = left[flow.pump].next() else { continue };
+                lines.add(members, Part { pump: flow.pump, step: number, begin_s, timing: *timing })?;
                 let done_s = timing.done_s(begin_s);
                 done[flow.pump] = Some((number, done_s));
                 (settled_s, ends_s) = (settled_s.max(done_s), ends_s.max(begin_s + timing.motion_s));

@@ -2,6 +2,9 @@
 
 use std::time::Duration;
 
+use libm::hypot;
+
+use super::Follower;
 use crate::drives::grbl::error::GrblError;
 use crate::drives::grbl::scale::Scale;
 
@@ -37,11 +40,16 @@ impl Task {
         self.start + self.direction * made as i64
     }
 
-    /// Returns the line that jogs to the end of step `last`. `None` if the axis has no coordinate for it.
-    pub(super) fn line(&self, scale: &Scale, last: u64) -> Option<String> {
-        let target = scale.text(self.count_after(last))?;
-        let feed = feed_text(self.steps_s * 60.0 / scale.steps_per_unit);
-        Some(format!("$J=G53G90G21{}{target}F{feed}", scale.axis.letter()))
+    /// Returns the line that jogs to the end of step `last`, with the axes that follow. `None` if an axis has no
+    /// coordinate for it. The feed is the speed along the line, as grbl takes it.
+    pub(super) fn line(&self, scale: &Scale, followers: &[Follower], last: u64) -> Option<String> {
+        let mut words = format!("{}{}", scale.axis.letter(), scale.text(self.count_after(last))?);
+        let mut units_s = self.steps_s / scale.steps_per_unit;
+        for follower in followers {
+            words += &follower.word(last, self.steps)?;
+            units_s = hypot(units_s, follower.units_s());
+        }
+        Some(format!("$J=G53G90G21{words}F{}", feed_text(units_s * 60.0)))
     }
 
     /// Returns the number of steps to send ahead of the motor.
@@ -62,12 +70,16 @@ impl Task {
     }
 
     /// Checks that every jog of the task ends on a step, before anything moves.
-    pub(in crate::drives::grbl) fn check(&self, scale: &Scale) -> Result<(), GrblError> {
+    pub(in crate::drives::grbl) fn check(
+        &self,
+        scale: &Scale,
+        followers: &[Follower],
+    ) -> Result<(), GrblError> {
         let mut sent = 0;
         while sent < self.steps {
             sent = self.next_end(sent);
             let count = self.count_after(sent);
-            if count.abs() > scale.most_count() || self.line(scale, sent).is_none() {
+            if count.abs() > scale.most_count() || self.line(scale, followers, sent).is_none() {
                 return Err(GrblError::Far { count, most: scale.most_count() });
             }
         }

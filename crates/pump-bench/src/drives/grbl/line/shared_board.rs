@@ -1,0 +1,130 @@
+//! A board that several drives of this process share, each for one axis. One of them talks to it at a time.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::meeting::Share;
+use crate::drives::grbl::board::Board;
+use crate::drives::grbl::error::GrblError;
+use crate::drives::wire::{BoardPort, NotShared, OpenPorts, Wire};
+use crate::drives::{DriveError, Opening, StopRequest};
+use crate::pump_file::{Axis, DriveTable};
+
+/// Boards whose ports this process has open.
+static OPEN: OpenPorts<SharedBoard> = OpenPorts::new();
+
+/// Time between two looks at a board with which another axis talks.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// Board with the axes that have a drive.
+#[derive(Debug)]
+pub(super) struct SharedBoard {
+    board: Mutex<Board>,
+    /// Axes that have a drive.
+    taken: Mutex<Vec<Axis>>,
+    /// Shares of the axes that wait for a line.
+    pub(super) shares: Mutex<Vec<Share>>,
+}
+
+/// Board that several drives share, each for one axis and from a thread of its own.
+#[doc(hidden)]
+#[derive(Debug, Clone)]
+pub struct GrblBoard(Arc<SharedBoard>);
+
+impl GrblBoard {
+    /// Takes the board at the other end of `wire`.
+    pub fn over(wire: Box<dyn Wire>) -> Self {
+        Self(Arc::new(SharedBoard::new(wire)))
+    }
+
+    /// Opens the port of a board, or shares it with the drives of this process that have it open.
+    pub(in crate::drives::grbl) fn open(port: Option<&Path>, baud: u32) -> Result<Self, DriveError> {
+        let opened = || Ok(SharedBoard::new(Box::new(BoardPort::open(port, baud)?)));
+        let is_broken = |shared: &SharedBoard| match shared.board.try_lock() {
+            Ok(board) => board.is_gone(),
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().is_gone(),
+            Err(TryLockError::WouldBlock) => false,
+        };
+        match OPEN.share(port, baud, is_broken, opened) {
+            Ok(shared) => Ok(Self(shared)),
+            Err(NotShared::Rate { device, open_baud }) => {
+                Err(GrblError::Rate { port: device, baud, open_baud }.into())
+            }
+            Err(NotShared::Open(error)) => Err(error),
+        }
+    }
+}
+
+impl SharedBoard {
+    fn new(wire: Box<dyn Wire>) -> Self {
+        // The axis that talks says which it is.
+        let board = Board::new(wire, 0, StopRequest::default());
+        Self { board: Mutex::new(board), taken: Mutex::default(), shares: Mutex::default() }
+    }
+}
+
+/// Board as one of its axes has it.
+#[derive(Debug)]
+pub(in crate::drives::grbl) struct AxisBoard {
+    pub(super) shared: Arc<SharedBoard>,
+    pub(super) axis: Axis,
+    stop: StopRequest,
+}
+
+impl AxisBoard {
+    /// Takes the axis that `table` names.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError::Busy`] if another drive has it.
+    pub(in crate::drives::grbl) fn take(
+        board: &GrblBoard,
+        table: &DriveTable,
+        opening: &Opening,
+    ) -> Result<Self, DriveError> {
+        let GrblBoard(shared) = board;
+        let mut taken = shared.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        if taken.contains(&table.axis) {
+            let device = table.port.clone().unwrap_or_default();
+            let holder = format!("this process (pid {})", std::process::id());
+            return Err(DriveError::Busy { device, holder });
+        }
+        taken.push(table.axis);
+        Ok(Self { shared: Arc::clone(shared), axis: table.axis, stop: opening.stop.clone() })
+    }
+
+    /// Talks to the board for this axis, once no other axis does. The motion of another axis may take long.
+    ///
+    /// # Errors
+    ///
+    /// [`GrblError::Interrupted`] if the user asks to stop meanwhile.
+    pub(in crate::drives::grbl) fn lock(&self) -> Result<MutexGuard<'_, Board>, GrblError> {
+        loop {
+            let mut board = match self.shared.board.try_lock() {
+                Ok(board) => board,
+                Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+                Err(TryLockError::WouldBlock) if self.stop.is_made() => return Err(GrblError::Interrupted),
+                Err(TryLockError::WouldBlock) => {
+                    sleep(LOOK);
+                    continue;
+                }
+            };
+            board.attend(self.axis.number(), &self.stop);
+            return Ok(board);
+        }
+    }
+
+    /// Returns true if the user asked to stop.
+    pub(in crate::drives::grbl) fn is_stopped(&self) -> bool {
+        self.stop.is_made()
+    }
+}
+
+impl Drop for AxisBoard {
+    fn drop(&mut self) {
+        let mut taken = self.shared.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        taken.retain(|axis| *axis != self.axis);
+    }
+}
