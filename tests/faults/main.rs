@@ -1,15 +1,16 @@
 //! Claims about doses cut off at random instants. No dose is lost, none is counted twice, and the delivered
 //! volume lies within the bounds on record.
 //!
-//! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive, 500 on simulated
-//! boards, 200 racks, and 40 on each firmware that this machine has as a simulator. The program starts itself
-//! again as a child that it can kill. It compares the record with the words of the child and with the board's
-//! count of steps.
+//! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive, 500 on simulated boards,
+//! 200 racks, 200 flows over time, and 40 on each firmware that this machine has as a simulator. The program
+//! starts itself again as a child that it can kill. It compares the record with the words of the child and with
+//! the board's count of steps.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
 
 mod boards;
 mod child;
+mod profiles;
 mod racks;
 mod random;
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
@@ -29,6 +30,9 @@ fn main() {
     if arguments.get(1).is_some_and(|word| word == "rack") {
         return racks::child(&arguments[2..]);
     }
+    if arguments.get(1).is_some_and(|word| word == "profile") {
+        return profiles::child(&arguments[2..]);
+    }
     let wanted: Option<u32> = env::var("FAULTS_RUNS").ok().map(|runs| runs.parse().unwrap());
     let seed = env::var("FAULTS_SEED").map_or(u64::from(std::process::id()), |seed| seed.parse().unwrap());
     println!("FAULTS_SEED={seed}");
@@ -41,6 +45,9 @@ fn main() {
     }
     if runs("racks") {
         racks::run(wanted.unwrap_or(12).min(200), &mut random);
+    }
+    if runs("profiles") {
+        profiles::run(wanted.unwrap_or(10).min(200), &mut random);
     }
     if runs("boards") {
         boards::run(wanted.unwrap_or(16), &mut random);
