@@ -6,9 +6,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use pump_bench::calibration::{Calibration, CalibrationRun, Expected, Fit, Reading, Source};
+use pump_bench::dosing::FlowProfile;
 use pump_bench::pump_file::{PumpFile, SpeedLawTable};
 use pump_bench::record::Purpose;
-use pump_bench::{Bench, DoseError, DoseRequest, Prepared, built_in};
+use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, Prepared, built_in};
 use pump_ctl::plan::{Cruise, LimitedBy, PlanError};
 use pump_model::units::rad_s;
 
@@ -191,4 +192,36 @@ fn a_turn_holds_limits_by_the_calibrated_pump() {
     }
     bench.use_calibration(None).unwrap();
     assert_eq!(bench.session().unwrap().jog(34_133, rad_s(SPEED_RPM), goes).unwrap(), 34_133);
+}
+
+#[test]
+fn a_flow_over_time_warns_where_its_peak_is_faster_than_anything_that_was_weighed() {
+    let folder = tempfile::tempdir().unwrap();
+    let ml_s_per_rpm = built_in("three-roller").unwrap().model().unwrap().average_flow_ml_s(rad_s(1.0));
+    let warns = |bench: &Bench, peak_rpm: f64| {
+        let peak = peak_rpm * ml_s_per_rpm;
+        // Most of the volume passes at a speed that was weighed.
+        let main = 6.0 * ml_s_per_rpm;
+        let (times_s, flows) = ([0.0, 4.0, 64.0, 66.0, 70.0], [0.0, main, main, peak, 0.0]);
+        let profile = FlowProfile::from_columns("peak", &times_s, &flows).unwrap();
+        let prepared = bench.prepare_profile(DoseRequest::new(Purpose::Run, 0.0), &profile).unwrap();
+        let report = DoseReport::by_profile(bench, &prepared, None);
+        let told: Vec<&str> = report.warnings.iter().map(|warning| warning.text()).collect();
+        told.into_iter().find(|text| text.contains("this flow goes up to")).map(str::to_owned)
+    };
+    let bench = Bench::new(file(500.0), None, folder.path()).unwrap();
+    assert_eq!(warns(&bench, 9.0), None, "nothing was weighed");
+    calibrate(&bench, &[6.0], 1.05);
+    let told = warns(&bench, 9.0).unwrap();
+    assert!(
+        told.starts_with("calibration 1 was made at 6 r/min alone, and this flow goes up to 8.57"),
+        "{told}"
+    );
+    calibrate(&bench, &[2.0, 5.0, 8.0], 1.05);
+    let told = warns(&bench, 9.0).unwrap();
+    assert!(
+        told.starts_with("calibration 2 was made at 2 to 8 r/min, and this flow goes up to 8.57"),
+        "{told}"
+    );
+    assert_eq!(warns(&bench, 7.0), None);
 }

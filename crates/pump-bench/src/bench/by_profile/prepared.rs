@@ -2,11 +2,14 @@
 
 use pump_ctl::plan::{Cruise, FlowKnot, FlowMotion, FlowPace, FlowPlan, Motor, Phase, PlannedMotion};
 use pump_model::Pump;
+use pump_model::units::rpm;
 
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
+use crate::calibration::Stored;
 use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared, TubeLife};
 use crate::drives::DriveError;
+use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{Asked, PumpState, Wear};
 
@@ -150,6 +153,12 @@ impl Bench {
         let tube = TubeLife::nearest(&self.file().tube, worn, planned);
         tube.map_or(Ok(()), |tube| tube.check())?;
         whole.warnings.extend(tube.and_then(|tube| tube.warning()));
+        let peak_rpm = rpm(profile.largest_flow_ml_s() / whole.model.average_flow_ml_s(1.0).abs());
+        if let Some(Stored { version, calibration }) = self.calibrations().active()? {
+            let weighed = calibration.displacement.as_ref();
+            let warning = weighed.and_then(|weighed| weighed.peak_warning(version, peak_rpm));
+            whole.warnings.extend(warning.map(Notice::from));
+        }
         Ok(prepared)
     }
 

@@ -20,6 +20,7 @@ use super::prior::ScatterPrior;
 use super::scatter::Scatter;
 use super::speed_bend::SpeedBend;
 use crate::displacement::DisplacementLaw;
+use crate::numbers::significant;
 
 /// Displacement factor of weighed runs: the line kappa(N) = factor + slope (N - reference), by weighted least
 /// squares, that line with a bend, or a law with that line beside it.
@@ -173,5 +174,20 @@ impl Displacement {
     pub(crate) fn covers(&self, rpm: f64) -> bool {
         let [least_rpm, most_rpm] = self.dose_range_rpm();
         !self.is_line() || (least_rpm..=most_rpm).contains(&rpm)
+    }
+
+    /// Returns the warning of a flow over time whose largest flow needs a speed in r/min that was not weighed.
+    pub(crate) fn peak_warning(&self, version: u32, peak_rpm: f64) -> Option<String> {
+        let (least_rpm, most_rpm) = self.range_rpm();
+        if peak_rpm <= most_rpm * (1.0 + SAME_SPEED) {
+            return None;
+        }
+        let [least, most, peak] = [least_rpm, most_rpm, peak_rpm].map(|speed| significant(speed, 5));
+        let speeds =
+            if self.is_line() { format!("{least} to {most} r/min") } else { format!("{most} r/min alone") };
+        Some(format!(
+            "calibration {version} was made at {speeds}, and this flow goes up to {peak} r/min; the uncertainty \
+             does not say what that adds; calibrate up to that speed"
+        ))
     }
 }

@@ -102,6 +102,11 @@ impl FlowProfile {
         squares.sum::<f64>() / self.volume_ml().abs()
     }
 
+    /// Returns the largest flow, in mL/s, positive.
+    pub(crate) fn largest_flow_ml_s(&self) -> f64 {
+        self.rows.iter().map(|row| row.flow_ml_s.abs()).fold(0.0, f64::max)
+    }
+
     /// Refuses the first row that is none, whatever the pump.
     ///
     /// # Errors
