@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
+.PHONY: test test-rust test-python clock faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
 
 test: test-rust test-python
 
@@ -24,8 +24,13 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/
 	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@
 
+# The command by a clock that libfaketime turns; `make test` leaves that out where faketime is absent.
+clock:
+	command -v faketime || (apt-get update && apt-get install -y --no-install-recommends faketime)
+	FAKETIME_NEEDED=1 cargo test --locked --test command unattended::clock
+
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
-faults:
+faults: clock
 	FAULTS_RUNS=500 cargo test --locked --test faults
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
@@ -101,8 +106,9 @@ packages:
 	cargo run --locked $(OUTSIDE) -p motor-drive
 	cargo run --locked $(OUTSIDE) -p line-model
 
-# Beside other solvers: the peers take minutes to compile, and only here.
+# Beside other solvers: the peers take minutes to compile, and only here. The log of 100,000 doses beside serde_json alone.
 bench: $(VENV)/installed
+	cargo bench --locked -p pump-bench --bench log
 	cargo run --locked --release -p pump-benches
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
