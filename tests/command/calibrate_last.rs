@@ -123,7 +123,7 @@ fn one_weighed_dose_rests_on_a_stated_prior_and_a_second_is_offered_first() {
         at("one weighed dose shows no scatter") < at("0.61 %") && at("0.61 %") < at("41 % smaller or larger")
     );
     let offered = at("weigh one more dose like this");
-    assert!(offered < at("warning") && offered < at("goes back to the model"), "{said}");
+    assert!(offered < at("warning") && offered < at("would use it if it were kept"), "{said}");
     let found = user.json(&["calibrate", "last", "213.0g"]);
     let next = &found["next_weighing"];
     // Student's t of 3 degrees of freedom is 3.31, of 4 it is 2.87 (GUM, table G.2): of a dose and its mean, with a

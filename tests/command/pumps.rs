@@ -391,3 +391,15 @@ fn the_section_of_a_head_carries_its_dimensions_by_the_names_of_the_options() {
     let unknown = user.is_refused(&["pumps", "show", "bought.toml", "--plot", "x.svg"]);
     assert!(unknown.contains("there are no dimensions to draw"), "{unknown}");
 }
+
+#[test]
+fn a_check_says_that_a_heads_flow_reverses() {
+    let user = User::new();
+    let shown = user.types(&["pumps", "show", "three-roller"]).out;
+    assert!(!user.types(&["pumps", "check", "three-roller"]).out.contains("reverses"));
+    // The paper's head with 1.2 times its roller volume: q_out is negative over a part of the pitch.
+    let file = shown.replace("[roller_volume]\n", "[roller_volume]\ntotal_ml = 2.5266\n");
+    fs::write(user.path("reversing.toml"), file).unwrap();
+    let checked = user.types(&["pumps", "check", "reversing.toml"]);
+    assert!(checked.out.contains("it reverses while a roller leaves"), "{}{}", checked.out, checked.err);
+}

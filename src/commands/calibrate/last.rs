@@ -106,7 +106,7 @@ impl LastArgs {
         if self.format.json() {
             return print_json(&calibration_json(bench, stored)?);
         }
-        let text = calibration_text(bench, stored, advice::words)?;
+        let text = calibration_text(bench, stored, !self.dry_run, advice::words)?;
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
         tell(&format!("{text}{kept}"))
     }

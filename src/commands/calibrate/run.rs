@@ -159,6 +159,6 @@ impl RunArgs {
             return print_json(&calibration_json(bench, stored)?);
         }
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
-        tell(&format!("{}{kept}", calibration_text(bench, stored, advice::words)?))
+        tell(&format!("{}{kept}", calibration_text(bench, stored, !self.dry_run, advice::words)?))
     }
 }

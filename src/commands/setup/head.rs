@@ -76,7 +76,8 @@ fn named(answer: &str) -> Result<Named, String> {
     if answer == "drawing" {
         return Ok(Named::Drawing);
     }
-    if answer.ends_with(".toml") || answer.contains('/') {
+    let is_volume = answer.ends_with("/rev") && answer.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+    if !is_volume && (answer.ends_with(".toml") || answer.contains('/')) {
         let path = std::path::absolute(answer).map_err(|error| error.to_string())?;
         pump_bench::PumpFile::read(&path).map_err(|error| crate::advice::told(&error))?;
         return Ok(Named::Head(HeadAnswer::File(path)));
@@ -164,5 +165,22 @@ fn tell_of_head(course: &Course) {
     {
         let rollers = head.rollers.map_or(String::new(), |rollers| format!(", {rollers} rollers"));
         tell_person(&format!("  {} {}, {}: {}{rollers}", head.maker, head.head, head.tubing, head.published));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_volume_is_read_as_a_data_sheet_writes_it() {
+        for text in ["0.5mL", "0.5mL/rev", "0.5 mL per revolution"] {
+            let read = named(text);
+            assert!(
+                matches!(read, Ok(Named::Head(HeadAnswer::Volume { ml_per_rev })) if ml_per_rev == 0.5),
+                "{text}"
+            );
+        }
+        assert!(matches!(named("no/such/pump.toml"), Err(message) if message.contains("no/such/pump.toml")));
     }
 }

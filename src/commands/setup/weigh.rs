@@ -189,7 +189,7 @@ fn keep(
     let weighed = bench.weigh_last_dose(reading, temperature_degc, Earlier::Joined, &expected)?;
     let stored: Stored = bench.keep_weighing(weighed.calibration)?;
     drop(held);
-    course.tell(&calibration_text(&bench, &stored, advice::words)?)?;
+    course.tell(&calibration_text(&bench, &stored, true, advice::words)?)?;
     course.answers.done.dosed = false;
     course.answers.done.weighed += u32::from(is_new);
     course.keep()

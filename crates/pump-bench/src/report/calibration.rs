@@ -40,12 +40,17 @@ pub fn calibrations_json(all: &[Stored], active: Option<u32>) -> String {
     format!("{}\n", json!({ "schema": "calibrations/1", "active": active, "calibrations": all }))
 }
 
-/// Says what a calibration found, and which doses use it from now on.
+/// Says what a calibration found, and which doses use it from now on, or would if it were kept.
 ///
 /// # Errors
 ///
 /// A displacement that cannot be had of this pump.
-pub fn calibration_text(bench: &Bench, stored: &Stored, words: Wording) -> Result<String, CalibrationError> {
+pub fn calibration_text(
+    bench: &Bench,
+    stored: &Stored,
+    is_kept: bool,
+    words: Wording,
+) -> Result<String, CalibrationError> {
     let Some(found) = &stored.calibration.displacement else { return Ok(String::new()) };
     let (file, base) = (bench.file(), bench.model());
     let mut text = heading(bench, stored, found);
@@ -58,7 +63,7 @@ pub fn calibration_text(bench: &Bench, stored: &Stored, words: Wording) -> Resul
     }
     text += &match bench.would_use(&stored.calibration) {
         Ok(false) => waits(bench, stored, found, words)?,
-        _ => range(base, found, words)?,
+        _ => range(base, found, is_kept, words)?,
     };
     Ok(text)
 }
@@ -235,12 +240,20 @@ fn waits(
 }
 
 /// The flows of the doses that use the calibration.
-fn range(base: &Pump, found: &Displacement, words: Wording) -> Result<String, CalibrationError> {
+fn range(
+    base: &Pump,
+    found: &Displacement,
+    is_kept: bool,
+    words: Wording,
+) -> Result<String, CalibrationError> {
     let pump = SpeedDependentPump::constant(*base);
     let flows = AgainstSpeed::of(Some(found), &pump).map(|against| against.flows_ml_s(false));
     let doses = match flows.transpose()?.flatten() {
         Some((least_ml_s, most_ml_s)) => format!("doses from {least_ml_s:.3} to {most_ml_s:.3} mL/s"),
         None => "doses".to_owned(),
     };
+    if !is_kept {
+        return Ok(format!("{doses} would use it if it were kept\n"));
+    }
     Ok(format!("{doses} use it from now on; {}\n", words(Remedy::UseModel)))
 }

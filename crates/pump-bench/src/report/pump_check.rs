@@ -92,7 +92,12 @@ fn volume_text(pump: &Pump) -> String {
 
 fn flow_text(pump: &Pump) -> String {
     let (low, high) = pump.outlet_curve().flow_range_ml_rad();
-    format!("{low:.4} to {high:.4} mL/rad at the outlet rollers")
+    let reverses = if low < 0.0 {
+        "; it reverses while a roller leaves, so every pitch takes a part of its volume back"
+    } else {
+        ""
+    };
+    format!("{low:.4} to {high:.4} mL/rad at the outlet rollers{reverses}")
 }
 
 fn step_text(file: &PumpFile, pump: &Pump) -> String {
