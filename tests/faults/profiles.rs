@@ -1,6 +1,7 @@
 //! Claims about flows over time that are killed: no step is lost, and none is counted twice.
 
 use std::env;
+use std::f64::consts::TAU;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -9,6 +10,7 @@ use std::process::{Command, Stdio};
 use pump_bench::dosing::FlowProfile;
 use pump_bench::record::{LogLine, PumpState, Purpose};
 use pump_bench::{Bench, DoseRequest, built_in};
+use pump_ctl::plan::Phase;
 
 use crate::random::Random;
 
@@ -33,8 +35,12 @@ pub(crate) fn run(runs: u32, random: &mut Random) {
         check(folder.path(), Some((whole as f64 * random.part()) as u64));
         if state(folder.path()).is_some_and(|state| state.unfinished.is_some()) {
             midway += 1;
-            // Its times have passed: the run is accepted as it is, and the next one begins where the rotor stands.
-            bench(folder.path()).session().unwrap().discard().unwrap();
+            // Its times have passed: the run is accepted as it is. A flow over time needs an angle known to a step, and
+            // a kill leaves it less sure, so somebody looks at the rotor.
+            let bench = bench(folder.path());
+            let mut session = bench.session().unwrap();
+            session.discard().unwrap();
+            session.set_angle(Some(Phase::known(TAU * random.part()))).unwrap();
         }
         ended += 1;
         let logged = bench(folder.path()).log().unwrap().map(Result::unwrap);

@@ -112,7 +112,7 @@ fn with_causes() -> Vec<Box<dyn Error>> {
         Box::new(DriveError::device(unwritten())),
         Box::new(DriveFault::at(3, stalled())),
         #[cfg(feature = "grbl")]
-        Box::new(DriveError::from(pump_bench::drives::GrblError::Gone(gone()))),
+        Box::new(DriveError::from(pump_bench::drives::GrblError::Gone(gone().into()))),
         #[cfg(feature = "node")]
         Box::new(DriveError::from(pump_bench::drives::NodeError::Gone(gone()))),
         Box::new(DoseError::from(pump_file())),
