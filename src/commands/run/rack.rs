@@ -1,6 +1,6 @@
 //! `dose run RACK`: several pumps by one timetable.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::sync::{Mutex, PoisonError};
 
@@ -148,8 +148,8 @@ struct Told {
     announced: BTreeSet<String>,
     /// Warnings that were told before a real motor moved, as `pump: text`.
     warned: BTreeSet<String>,
-    /// Volume of each pump, in mL, and the number of its step.
-    volumes: std::collections::BTreeMap<String, (f64, usize)>,
+    /// Volume of each pump and that of its whole step, in mL, and the number of the step.
+    volumes: BTreeMap<String, (f64, f64, usize)>,
 }
 
 impl<'a> Shown<'a> {
@@ -177,10 +177,10 @@ impl<'a> Shown<'a> {
         if self.bar.is_hidden() {
             return;
         }
-        told.volumes.insert(progress.pump.to_owned(), (progress.volume_ml, progress.step));
+        told.volumes.insert(progress.pump.to_owned(), (progress.volume_ml, progress.whole_ml, progress.step));
         let mut text = String::new();
-        for (pump, (volume_ml, step)) in &told.volumes {
-            let _ = write!(text, "{pump} step {step}: {volume_ml:.3} mL  ");
+        for (pump, (volume_ml, whole_ml, step)) in &told.volumes {
+            let _ = write!(text, "{pump} step {step}: {volume_ml:.3} of {whole_ml:.3} mL  ");
         }
         self.bar.set_message(text);
     }

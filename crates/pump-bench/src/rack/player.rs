@@ -354,6 +354,7 @@ impl Part<'_> {
         let pump = &self.player.rack.members()[self.player.pump].name;
         let (steps, volume_ml) = (self.prepared.steps(), self.prepared.delivered_ml(made));
         let warnings = if made == 0 { &self.prepared.whole().warnings[..] } else { &[] };
-        on_progress(RackProgress { pump, step: self.step + 1, made, steps, volume_ml, warnings });
+        let (step, whole_ml) = (self.step + 1, self.prepared.planned_ml());
+        on_progress(RackProgress { pump, step, made, steps, volume_ml, whole_ml, warnings });
     }
 }

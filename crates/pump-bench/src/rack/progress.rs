@@ -16,6 +16,8 @@ pub struct RackProgress<'a> {
     pub steps: u64,
     /// Volume of the motor steps made, in mL, by the model.
     pub volume_ml: f64,
+    /// Volume of all motor steps of this step of the rack, in mL, by the model.
+    pub whole_ml: f64,
     /// Warnings of the motion, before its first step. Empty from then on.
     pub warnings: &'a [Notice],
 }
