@@ -10,10 +10,13 @@ use self::pace::Pace;
 use super::lateness;
 use super::recorded_motion::RecordedMotion;
 use super::session::Session;
-use crate::dosing::{DoseError, Prepared, Retraction};
+use crate::dosing::{DoseError, DoseRequest, Prepared, Retraction, RunEnd};
 use crate::notice::Notice;
 use crate::record::{DoseTerms, Purpose, Stamp};
 use crate::safety::Stand;
+
+/// Part of a run until it is stopped that a safety limit leaves at its end, at most: its plan goes to 99 % of the limit.
+const NEARLY: f64 = 0.02;
 
 /// Result of a dose.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,11 +106,22 @@ impl Session<'_> {
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
             self.suck_back(prepared, retraction, &mut delivered, &mut watch)?;
         }
-        if delivered.completed && prepared.ends_at_safety_limit {
+        if delivered.completed && self.has_reached_limit(prepared) {
             delivered.stand = self.stand_after_run(prepared.request.volume_ml < 0.0);
         }
         delivered.warnings.append(&mut self.notes);
         Ok(delivered)
+    }
+
+    /// Returns true after a run until it was stopped that a safety limit has ended. The rest of one that was cut off ends
+    /// where the whole run was to end, by the limits of then.
+    fn has_reached_limit(&self, prepared: &Prepared) -> bool {
+        let DoseRequest { end, whole_ml, volume_ml, .. } = prepared.request;
+        let is_rest_at_limit = || {
+            end == RunEnd::Stop
+                && whole_ml.is_some_and(|whole_ml| self.left_ml(volume_ml < 0.0) <= NEARLY * whole_ml.abs())
+        };
+        prepared.ends_at_safety_limit || is_rest_at_limit()
     }
 
     /// Makes the retraction after a dose. The dose is delivered and on record whatever becomes of it.
