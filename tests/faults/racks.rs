@@ -10,6 +10,7 @@ use std::process::{Command, Stdio};
 use pump_bench::rack::{Rack, RackFile, RackPace};
 use pump_bench::record::{LogLine, PumpState};
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
+use pump_ctl::plan::Phase;
 
 use crate::random::Random;
 
@@ -41,6 +42,9 @@ for = "3s"
 const PUMPS: [(&str, &str); 3] =
     [("acid", "three-roller"), ("base", "two-roller"), ("salt", "three-roller-published")];
 
+/// Angle that is stated after a kill: a gradient needs one that is known to a motor step.
+const KNOWN: Option<Phase> = Some(Phase::known(0.3));
+
 /// Steps between two lines of the child.
 const WORDS_EVERY: u64 = 256;
 
@@ -68,6 +72,7 @@ pub(crate) fn run(runs: u32, random: &mut Random) {
                 // Somebody accepts the dose. The times of a gradient have passed, so it has no rest.
                 None | Some(Err(DoseError::NoRestOfProfile { .. })) => {
                     session.discard().unwrap();
+                    session.set_angle(KNOWN).unwrap();
                     accepted += 1;
                     continue;
                 }
@@ -75,6 +80,7 @@ pub(crate) fn run(runs: u32, random: &mut Random) {
             };
             let made = session.run(&rest, |_| ControlFlow::Continue(())).unwrap();
             assert!(made.completed && session.state().unwrap().unfinished.is_none());
+            session.set_angle(KNOWN).unwrap();
             resumed += 1;
         }
     }
