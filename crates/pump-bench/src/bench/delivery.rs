@@ -15,7 +15,8 @@ use crate::notice::Notice;
 use crate::record::{DoseTerms, Purpose, Stamp};
 use crate::safety::Stand;
 
-/// Part of a run until it is stopped that a safety limit leaves at its end, at most: its plan goes to 99 % of the limit.
+/// Part of a run until it is stopped that a safety limit leaves at its end, at most: its plan goes to 99 % of the
+/// limit.
 const NEARLY: f64 = 0.02;
 
 /// Result of a dose.
@@ -113,8 +114,8 @@ impl Session<'_> {
         Ok(delivered)
     }
 
-    /// Returns true after a run until it was stopped that a safety limit has ended. The rest of one that was cut off ends
-    /// where the whole run was to end, by the limits of then.
+    /// Returns true after a run until it was stopped that a safety limit has ended. The rest of one that was cut off
+    /// ends where the whole run was to end, by the limits of then.
     fn has_reached_limit(&self, prepared: &Prepared) -> bool {
         let DoseRequest { end, whole_ml, volume_ml, .. } = prepared.request;
         let is_rest_at_limit = || {
