@@ -92,11 +92,62 @@ fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
 }
 
 #[test]
-fn an_axis_that_the_board_does_not_have_is_named() {
+fn an_axis_that_the_board_does_not_report_is_refused_at_once_with_those_that_it_does() {
+    let cases = [
+        (3, Axis::A, "the board reports the axes X, Y and Z, and [drive] axis is A"),
+        (2, Axis::Z, "the board reports the axes X and Y, and [drive] axis is Z"),
+        (1, Axis::Y, "the board reports the axis X alone, and [drive] axis is Y"),
+    ];
+    for firmware in [Firmware::Grbl, Firmware::GrblHal, Firmware::FluidNc] {
+        for (axes, axis, said) in cases {
+            let board = start(Options { axes, firmware, ..Options::default() });
+            let refused = board.open(&table().with_axis(axis), &Opening::default()).unwrap_err();
+            let error = pump_bench::report::with_sources(&refused);
+            assert!(error.contains(said), "{error}");
+            assert!(board.now() < Duration::from_secs(1), "{:?}", board.now());
+            assert_eq!(board.truth().steps, 0);
+        }
+    }
+}
+
+#[test]
+fn a_board_that_was_taken_for_a_node_is_driven_at_once_afterwards() {
     let board = start(Options::default());
-    let refused = board.open(&table().with_axis(Axis::A), &Opening::default()).unwrap_err();
-    let error = pump_bench::report::with_sources(&refused);
-    assert!(error.contains("axis") && error.contains('A'), "{error}");
+    let refused = board.open_as_node().unwrap_err();
+    assert!(!matches!(refused, DriveError::Interrupted), "{refused:?}");
+    let mut grbl = open(&board);
+    assert_eq!((board.truth().steps, grbl.count()), (0, Some(0)));
+    let plan = dose(&grbl, 0.3, 5.0);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
+}
+
+#[test]
+fn whatever_another_program_left_in_the_board_moves_nothing() {
+    let long = "x".repeat(300);
+    let pieces = ["G1X10F100", "$J=G91X10F100", "$", "$$", "(", "G1X10F100(", &long, "\x01\x7f"];
+    for piece in pieces {
+        let board = start(Options::default());
+        board.send(piece.as_bytes());
+        let grbl = open(&board);
+        assert_eq!((board.rest().steps, grbl.count()), (0, Some(0)), "{piece}");
+    }
+    // Bytes that grbl takes from the stream at once: cycle start, question, cancel, and the overrides.
+    let mut board = start(Options::default());
+    board.send(&[b'~', b'?', 0x85]);
+    board.send(&(0x86..=0xff).collect::<Vec<u8>>());
+    let _grbl = open(&board);
+    assert_eq!(board.rest().steps, 0);
+    // A hold waits for somebody to end it.
+    board = start(Options::default());
+    board.send(b"!");
+    let held = board.open(&table(), &Opening::default()).unwrap_err();
+    assert!(matches!(grbl_error(held), GrblError::Locked { .. }));
+    assert_eq!(board.rest().steps, 0);
+    // A reset is told as a disturbance.
+    board = start(Options::default());
+    board.send(&[0x18]);
+    assert_eq!(open(&board).disturbed(), Some(Disturbance::Reset));
+    assert_eq!(board.rest().steps, 0);
 }
 
 #[test]

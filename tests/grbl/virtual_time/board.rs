@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use pump_bench::drives::wire::Wire;
-use pump_bench::drives::{DriveError, Grbl, GrblBoard, Opening};
-use pump_bench::pump_file::DriveTable;
+use pump_bench::drives::{DriveError, Grbl, GrblBoard, Node, Opening};
+use pump_bench::pump_file::{DriveTable, DriverName};
 
 use crate::rig::motor;
 use crate::simulated::Truth;
@@ -142,6 +142,12 @@ impl Board {
     /// Takes the board for several axes.
     pub(crate) fn shared(&self) -> GrblBoard {
         GrblBoard::over(Box::new(VirtualWire(self.clone())))
+    }
+
+    /// Opens the driver of another kind of board with this one.
+    pub(crate) fn open_as_node(&self) -> Result<Node, DriveError> {
+        let table = DriveTable::of(DriverName::Node).with_port("/dev/ttyACM0");
+        Node::over(Box::new(VirtualWire(self.clone())), &table, &motor(), &Opening::default())
     }
 
     /// Returns the truth about the board now.

@@ -114,6 +114,7 @@ impl Grbl {
         // A reset since the port was opened came after the record was written.
         let mut reset = connect::find(&mut board, table)? | (board.resets() > 0);
         connect::rest(&mut board, &mut reset)?;
+        board.needs_axis()?;
         let SelfDescription { flavour, text } = settings::described(&mut board)?;
         let found = KnownBoard { text, ..KnownBoard::at_port(table.port.as_deref(), opening) };
         let replaced = found.recognise(table.port.as_deref(), opening)?;

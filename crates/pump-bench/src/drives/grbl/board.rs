@@ -316,6 +316,16 @@ impl Board {
         }
     }
 
+    /// Sends the first line to a board, as [`Self::command`] does. Another program may have left a piece of a line in
+    /// the board, which refuses the piece with this line. Then the line is sent again. The piece alone is never ended:
+    /// it could be one that moves the motor.
+    pub(super) fn first_command(&mut self, line: &str) -> Result<Vec<Reply>, GrblError> {
+        match self.command(line) {
+            Err(GrblError::Refused { .. }) => self.command(line),
+            answer => answer,
+        }
+    }
+
     /// Asks for the state and waits for an answer that is newer than the question. Calls `at_banner` if the
     /// board was reset. A board that is reset again and again answers nothing, and is out of reach after a while.
     pub(super) fn state(&mut self, mut at_banner: impl FnMut()) -> Result<BoardState, GrblError> {
@@ -344,6 +354,20 @@ impl Board {
     /// Returns the number of axes that the board reports, or 0 before it has reported a position.
     pub(super) fn axes(&self) -> usize {
         self.axes
+    }
+
+    /// Refuses a board whose reports have fewer coordinates than the axis needs. A report may be damaged on its way, so
+    /// two of them have to agree.
+    pub(super) fn needs_axis(&mut self) -> Result<(), GrblError> {
+        let is_missing = |board: &Self| (1..=board.axis).contains(&board.axes);
+        if is_missing(self) {
+            let before = std::mem::take(&mut self.axes);
+            self.state(|| ())?;
+            if is_missing(self) && self.axes == before {
+                return Err(GrblError::NoAxis { axis: self.axis, axes: self.axes });
+            }
+        }
+        Ok(())
     }
 
     /// Returns the reported position of the axis of a board at rest, once it was reported twice in a row. A

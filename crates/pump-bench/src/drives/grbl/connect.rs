@@ -92,7 +92,7 @@ pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<(), GrblError>
         match state {
             BoardState::Idle => return Ok(()),
             BoardState::Alarm if *reset && !unlocked => {
-                board.command("$X")?;
+                board.first_command("$X")?;
                 unlocked = true;
             }
             BoardState::Sleep if !*reset => {

@@ -10,6 +10,7 @@ use crate::drives::known_board::BoardError;
 use crate::drives::wire::PortError;
 use crate::drives::{CommonBeginError, DriveError};
 
+use super::axis_name::{axes_in_words, letter_at};
 use super::code::{alarm_text, error_text, stops_at_once};
 
 /// Error of a grbl board. The axes that it moves as one line have one error.
@@ -252,6 +253,17 @@ pub enum GrblError {
     Quiet {
         /// Time without an answer, in s.
         waited_s: f64,
+    },
+    /// The board's reports have no coordinate of the axis.
+    #[error(
+        "the board reports {}, and [drive] axis is {}; name the axis that has the motor",
+        axes_in_words(*.axes), letter_at(*.axis)
+    )]
+    NoAxis {
+        /// Place of the axis among those of a board, from 0 for X.
+        axis: usize,
+        /// Number of axes that the board reports.
+        axes: usize,
     },
     /// The board's reports tell no position.
     #[error(

@@ -54,7 +54,11 @@ pub(super) struct SelfDescription {
 
 /// Asks a board for its firmware and its text. Refuses firmware older than 1.1.
 pub(super) fn described(board: &mut Board) -> Result<SelfDescription, GrblError> {
-    let said = board.command("$I")?;
+    let mut said = board.first_command("$I")?;
+    // The piece of a line that another program left may have been a comment, which hides the line.
+    if said.is_empty() {
+        said = board.command("$I")?;
+    }
     let text = |reply: &Reply| match reply {
         Reply::Version(text) | Reply::Message(text) | Reply::Banner(text) => Some(text.to_lowercase()),
         _ => None,
