@@ -1,7 +1,7 @@
 //! Motions of several axes of one board that begin at one tick, each run by a session and a thread of its own.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use thiserror::Error;
 
@@ -61,8 +61,8 @@ struct State {
 pub struct BeginPlace {
     number: usize,
     begin: Arc<CommonBegin>,
-    /// Instant from which on the motion waits for the others.
-    since: Option<Instant>,
+    /// Time of the line's clock from which on the motion waits for the others.
+    since: Option<Duration>,
 }
 
 /// Motion that is ready to begin.
@@ -118,14 +118,14 @@ impl CommonBegin {
 
 #[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
 impl BeginPlace {
-    /// Tells how this motion stands. Returns what it does next.
-    pub(super) fn look(&mut self, standing: Standing) -> Next {
+    /// Tells how this motion stands at `now`, by the clock of its line. Returns what it does next.
+    pub(super) fn look(&mut self, standing: Standing, now: Duration) -> Next {
         let mut state = self.begin.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.has_begun |= standing.has_begun;
         if state.has_begun {
             return Next::Begun;
         }
-        let waits = self.since.get_or_insert_with(Instant::now).elapsed();
+        let waits = now.saturating_sub(*self.since.get_or_insert(now));
         let failed = match state.sender {
             _ if state.failed.is_some() => state.failed,
             // From here on the board decides. Its answer is on the way.
@@ -187,6 +187,8 @@ impl Drop for BeginPlace {
 mod tests {
     use super::*;
 
+    const NOW: Duration = Duration::from_secs(3);
+
     fn ready(axis: u8, at: u64) -> Standing {
         Standing { ready: Some(Ready { line: 1, axis, move_number: 1, at }), ..Standing::default() }
     }
@@ -194,32 +196,39 @@ mod tests {
     #[test]
     fn the_last_motion_that_is_ready_begins_all() {
         let mut places = CommonBegin::places(2, Duration::from_secs(60));
-        assert_eq!(places[0].look(ready(0, 5)), Next::Wait);
-        assert!(matches!(places[1].look(ready(1, 7)), Next::Send(all) if all.len() == 2));
+        assert_eq!(places[0].look(ready(0, 5), NOW), Next::Wait);
+        assert!(matches!(places[1].look(ready(1, 7), NOW), Next::Send(all) if all.len() == 2));
         // Another stop waits for the board's answer.
-        assert_eq!(places[0].look(Standing { stops: true, ..ready(0, 5) }), Next::Wait);
-        assert_eq!(places[1].look(Standing { has_begun: true, ..ready(1, 7) }), Next::Begun);
-        assert_eq!(places[0].look(ready(0, 5)), Next::Begun);
+        assert_eq!(places[0].look(Standing { stops: true, ..ready(0, 5) }, NOW), Next::Wait);
+        assert_eq!(places[1].look(Standing { has_begun: true, ..ready(1, 7) }, NOW), Next::Begun);
+        assert_eq!(places[0].look(ready(0, 5), NOW), Next::Begun);
     }
 
     #[test]
     fn a_place_that_is_given_up_or_stopped_keeps_all_from_beginning() {
         let mut places = CommonBegin::places(2, Duration::from_secs(60));
         drop(places.pop());
-        assert_eq!(places[0].look(ready(0, 5)), Next::Fail(CommonBeginError::Another));
+        assert_eq!(places[0].look(ready(0, 5), NOW), Next::Fail(CommonBeginError::Another));
         let mut places = CommonBegin::places(2, Duration::from_secs(60));
-        assert_eq!(places[1].look(Standing { stops: true, ..Standing::default() }), Next::Wait);
-        assert_eq!(places[0].look(ready(0, 5)), Next::Fail(CommonBeginError::Another));
+        assert_eq!(places[1].look(Standing { stops: true, ..Standing::default() }, NOW), Next::Wait);
+        assert_eq!(places[0].look(ready(0, 5), NOW), Next::Fail(CommonBeginError::Another));
     }
 
     #[test]
     fn axes_of_two_boards_and_places_that_stay_empty_begin_nothing() {
         let mut places = CommonBegin::places(2, Duration::from_secs(60));
-        assert_eq!(places[0].look(ready(0, 5)), Next::Wait);
-        assert_eq!(places[1].look(ready(0, 5)), Next::Fail(CommonBeginError::Boards));
-        assert_eq!(places[0].look(ready(0, 5)), Next::Fail(CommonBeginError::Boards));
-        let mut places = CommonBegin::places(2, Duration::ZERO);
-        let _ = places[0].look(ready(0, 5));
-        assert_eq!(places[0].look(ready(0, 5)), Next::Fail(CommonBeginError::Late { limit_s: 0.0 }));
+        assert_eq!(places[0].look(ready(0, 5), NOW), Next::Wait);
+        assert_eq!(places[1].look(ready(0, 5), NOW), Next::Fail(CommonBeginError::Boards));
+        assert_eq!(places[0].look(ready(0, 5), NOW), Next::Fail(CommonBeginError::Boards));
+    }
+
+    #[test]
+    fn a_motion_waits_for_the_others_by_the_clock_of_its_line() {
+        let mut places = CommonBegin::places(2, Duration::from_secs(10));
+        for waits_s in 0..=10 {
+            assert_eq!(places[0].look(ready(0, 5), NOW + Duration::from_secs(waits_s)), Next::Wait);
+        }
+        let late = places[0].look(ready(0, 5), NOW + Duration::from_millis(10_001));
+        assert_eq!(late, Next::Fail(CommonBeginError::Late { limit_s: 10.0 }));
     }
 }

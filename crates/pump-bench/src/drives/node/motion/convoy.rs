@@ -97,6 +97,7 @@ fn stream(mut motions: Vec<Motion<'_>>, mut place: Option<BeginPlace>) -> Outcom
 
 /// Begins a motion with those of other threads. Returns false once there is nothing more to be done.
 fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
+    let now = motion.board.link.now();
     let link = &motion.board.link;
     let (line, axis) = (Arc::as_ptr(link.shared()) as usize, link.lane());
     let feed = motion.feed.as_ref();
@@ -108,7 +109,7 @@ fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
         is_refused: feed.is_some_and(|feed| feed.is_closed),
         stops: motion.lead.stops(),
     };
-    match place.look(standing) {
+    match place.look(standing, now) {
         Next::Wait => true,
         Next::Send(all) => {
             if motion.board.link.under_way(Subject::Begin) == 0 {
