@@ -56,6 +56,7 @@ fn a_plan_that_a_node_refuses_is_not_announced_as_a_motion() {
         &desk.types(&["1mL", "--rate", "0.8mL/s", "--format", "json"]),
         "the board makes 66000 at most",
     );
+    let desk = set_up(&[&["16"], &node[..]].concat());
     assert_eq!(desk.types(&["home", "--set", "30deg+-1deg"]).code, 0);
     rewrite(&desk, "driver = \"node\"", "driver = \"node\"\nbaud = 300");
     is_refused_in_silence(&desk.types(&["3mL", "--smooth"]), "bytes a second, and the link carries 24");
