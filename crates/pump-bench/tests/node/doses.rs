@@ -39,6 +39,34 @@ fn a_line_that_loses_frames_delays_no_step() {
 }
 
 #[test]
+fn bytes_that_change_on_their_way_change_no_count_and_delay_no_step() {
+    for seed in 1..=8 {
+        let rig = Rig::new();
+        let (whole, part) = (dose(4.0, 4.0, true), dose(-3.0, 4.0, false));
+        let mut drive = rig.open();
+        {
+            let mut world = rig.world.0.lock().unwrap();
+            (world.corrupted, world.random) = (0.05, 0x9e37_79b9_7f4a_7c15 ^ seed);
+        }
+        assert_eq!(run(&mut drive, &whole), whole.steps().unsigned_abs());
+        assert!(worst(&rig.world.rises(), &whole) <= 1.0, "seed {seed}");
+        drive.check(&part).unwrap();
+        let world = rig.world.clone();
+        let stop_us = world.now_us() + 60_000 * seed;
+        let made = drive
+            .run(&part, &mut |_, _| if world.now_us() >= stop_us { Leave::Stop } else { Leave::Go })
+            .unwrap();
+        let counts = whole.steps() - made as i64;
+        assert!(made < part.steps().unsigned_abs(), "seed {seed}");
+        assert_eq!((rig.world.count(), drive.count()), (counts, Some(counts)), "seed {seed}");
+        drop(drive);
+        // A drive that meets the board over this line counts on from there.
+        let mut drive = rig.open();
+        assert_eq!((drive.disturbed(), drive.count()), (None, Some(counts)), "seed {seed}");
+    }
+}
+
+#[test]
 fn doses_follow_each_other_on_any_axis_and_back() {
     let rig = Rig::new();
     let mut drive = rig.open_by(&Rig::table().with_axis(Axis::A).with_invert(true), &rig.opening()).unwrap();

@@ -68,6 +68,28 @@ fn whatever_else_is_at_the_port_is_named_within_seconds() {
 }
 
 #[test]
+fn a_board_at_another_baud_is_refused_within_seconds_with_the_rate_that_was_tried() {
+    let board_baud = 460_800;
+    for baud in [9_600, 115_200, 230_400, 921_600] {
+        let rig = Rig::new();
+        rig.world.0.lock().unwrap().rates = Some([baud, board_baud]);
+        let began_us = rig.world.now_us();
+        let refused = rig.open_by(&Rig::table().with_baud(baud), &rig.opening()).unwrap_err();
+        let error = node_error(&refused);
+        assert!(matches!(error, NodeError::Silent { .. } | NodeError::Foreign { .. }), "{refused:?}");
+        let said = error.to_string();
+        assert!(said.contains(&format!("at {baud} baud")) && said.contains("[drive] baud"), "{said}");
+        assert!(rig.world.now_us() - began_us < 4_000_000);
+        assert!(!rig.record().exists() && rig.world.rises().is_empty());
+        // The right rate has the board answer again.
+        rig.world.0.lock().unwrap().rates = Some([board_baud, board_baud]);
+        let mut drive = rig.open_by(&Rig::table().with_baud(board_baud), &rig.opening()).unwrap();
+        let plan = dose(0.3, 4.0, false);
+        assert_eq!(run(&mut drive, &plan), plan.steps().unsigned_abs());
+    }
+}
+
+#[test]
 fn an_axis_that_is_not_there_is_refused() {
     let rig = Rig::new();
     let refused = rig.open_by(&Rig::table().with_axis(Axis::B), &rig.opening()).unwrap_err();

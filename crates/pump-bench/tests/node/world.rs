@@ -139,7 +139,11 @@ pub(crate) struct World {
     is_cut: bool,
     /// Part of the frames that are lost on the way.
     pub(crate) lost: f64,
-    random: u64,
+    /// Part of the frames of which a byte changes on the way.
+    pub(crate) corrupted: f64,
+    /// Rates of the two ends of the line where they differ, bits a second: the host's and the board's.
+    pub(crate) rates: Option<[u32; 2]>,
+    pub(crate) random: u64,
     /// Events to come, each with its time.
     pub(crate) events: VecDeque<(u64, Event)>,
     /// Bytes that something else than a node says to each frame.
@@ -158,6 +162,37 @@ enum Asker {
     Awake,
     /// It waits until this time, us.
     Waits(u64),
+}
+
+/// Returns the bytes that a serial port at `read_baud` reads where another one sends these at `sent_baud`: a start bit,
+/// eight bits from the lowest, and a stop bit. The port looks at the middle of each bit, counted from the edge of the
+/// start bit, and drops a byte without its stop bit.
+fn misread(bytes: &[u8], sent_baud: u32, read_baud: u32) -> Vec<u8> {
+    let bits_of =
+        |byte: &u8| (0..10).map(|n| (0x200 | u16::from(*byte) << 1) >> n & 1 == 1).collect::<Vec<_>>();
+    let levels: Vec<bool> = bytes.iter().flat_map(bits_of).collect();
+    let is_high = |time_s: f64| levels.get((time_s * f64::from(sent_baud)) as usize).copied().unwrap_or(true);
+    let (ends_s, bit_s) = (levels.len() as f64 / f64::from(sent_baud), 1.0 / f64::from(read_baud));
+    // The port looks for a start bit 16 times a bit.
+    let (mut at_s, look_s) = (0.0, bit_s / 16.0);
+    let mut read = Vec::new();
+    while at_s < ends_s {
+        if is_high(at_s) {
+            at_s += look_s;
+            continue;
+        }
+        let byte =
+            (0..8).fold(0, |byte, n| byte | u8::from(is_high(at_s + (1.5 + f64::from(n)) * bit_s)) << n);
+        at_s += 9.5 * bit_s;
+        if is_high(at_s) {
+            read.push(byte);
+        } else {
+            while !is_high(at_s) {
+                at_s += look_s;
+            }
+        }
+    }
+    read
 }
 
 fn board(number: u64, hardware: &Shared) -> (Node, NodeAxes) {
@@ -184,6 +219,8 @@ impl World {
             next_poll_us: 0,
             is_cut: false,
             lost: 0.0,
+            corrupted: 0.0,
+            rates: None,
             random: 1,
             events: VecDeque::new(),
             foreign: None,
@@ -193,13 +230,33 @@ impl World {
         }
     }
 
-    fn is_lost(&mut self) -> bool {
+    /// Returns a random part of 1.
+    fn part(&mut self) -> f64 {
         // Marsaglia's xorshift, Journal of Statistical Software 8(14), 2003.
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        let random = (self.random >> 11) as f64 / (1_u64 << 53) as f64;
-        self.is_cut || random < self.lost
+        (self.random >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn is_lost(&mut self) -> bool {
+        self.part() < self.lost || self.is_cut
+    }
+
+    /// Returns bytes as they arrive: one of them may have changed, or all of them are read at another rate.
+    fn arriving(&mut self, way: usize, bytes: &[u8]) -> Vec<u8> {
+        let mut bytes = match self.rates {
+            Some(rates) => misread(bytes, rates[way], rates[1 - way]),
+            None => bytes.to_vec(),
+        };
+        if self.corrupted > 0.0 && self.part() < self.corrupted {
+            let place = (self.part() * bytes.len() as f64) as usize;
+            let bits = 1 + (self.part() * 255.0) as u8;
+            if let Some(byte) = bytes.get_mut(place) {
+                *byte ^= bits;
+            }
+        }
+        bytes
     }
 
     fn send(&mut self, way: usize, bytes: &[u8]) {
@@ -208,8 +265,9 @@ impl World {
         if self.is_lost() {
             return;
         }
+        let bytes = self.arriving(way, bytes);
         let line = if way == 0 { &mut self.to_node } else { &mut self.to_host };
-        line.extend((1..).zip(bytes).map(|(n, byte)| (from + LATENCY_US + n * BYTE_US, *byte)));
+        line.extend((1..).zip(bytes).map(|(n, byte)| (from + LATENCY_US + n * BYTE_US, byte)));
     }
 
     fn befall(&mut self, event: Event) {
