@@ -174,6 +174,8 @@ node: node-pico
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cargo build --locked -p check-node
+	$(MAKE) firmware
+	cargo run --locked -p check-node $(FIRMWARE) uf2 target/pump-node.uf2
 	timeout 3600 cargo run --locked -p check-node $(FIRMWARE)
 	rustup target add thumbv7em-none-eabihf
 	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)

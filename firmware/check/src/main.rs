@@ -17,6 +17,7 @@ mod ripple;
 mod size;
 mod slow;
 mod together;
+mod uf2;
 mod usb;
 
 use std::error::Error;

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use crate::{axes, cuts, doses, retarget, slow, together, usb};
+use crate::{axes, cuts, doses, retarget, slow, together, uf2, usb};
 
 /// Names of the parts, those that take longest first.
 const PARTS: [&str; 9] = ["slow", "cuts", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
@@ -19,7 +19,7 @@ const CUTS: u32 = 200;
 /// Minutes of the slow dose.
 const SLOW_MIN: f64 = 5.0;
 
-/// Makes a part. Some take a number: of stops, of cuts, of minutes.
+/// Makes a part. Some take a number: of stops, of cuts, of minutes. `uf2` takes a file.
 pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<(), Box<dyn Error>> {
     let count = |usual| number.map_or(Ok(usual), str::parse);
     match part {
@@ -32,7 +32,8 @@ pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<
         "stops" => cuts::stops(firmware, count(STOPS)?),
         "cuts" => cuts::cuts(firmware, count(CUTS)?),
         "slow" => slow::slow(firmware, number.map_or(Ok(SLOW_MIN), str::parse)?),
-        other => Err(format!("'{other}' is no part; allowed are {}", PARTS.join(", ")).into()),
+        "uf2" => uf2::hold(firmware, number),
+        other => Err(format!("'{other}' is no part; allowed are uf2, {}", PARTS.join(", ")).into()),
     }
 }
 

@@ -35,17 +35,21 @@ pub(crate) fn hold(firmware: &Path, stack: u32) -> Result<(), Box<dyn Error>> {
 }
 
 /// Segment that is loaded.
-struct Segment {
+pub(crate) struct Segment {
+    /// Place of its bytes in the ELF file.
+    pub(crate) place: u32,
     /// Address at which it is used.
     address: u32,
+    /// Address at which the flash holds it.
+    pub(crate) stored: u32,
     /// Bytes that the flash holds.
-    in_file: u32,
+    pub(crate) in_file: u32,
     /// Bytes at that address.
     in_memory: u32,
 }
 
 /// Returns the segments of an ELF file that are loaded (ELF-32, figures 1-3 and 2-1).
-fn segments(elf: &[u8]) -> Option<Vec<Segment>> {
+pub(crate) fn segments(elf: &[u8]) -> Option<Vec<Segment>> {
     elf.starts_with(b"\x7fELF\x01").then_some(())?;
     let short = |at: usize| Some(u16::from_le_bytes(*elf.get(at..)?.first_chunk()?));
     let word = |at: usize| Some(u32::from_le_bytes(*elf.get(at..)?.first_chunk()?));
@@ -53,8 +57,9 @@ fn segments(elf: &[u8]) -> Option<Vec<Segment>> {
     let mut segments = Vec::new();
     for at in (0..number).map(|number| first + number * size) {
         if word(at)? == LOADED {
-            let (address, in_file, in_memory) = (word(at + 8)?, word(at + 16)?, word(at + 20)?);
-            segments.push(Segment { address, in_file, in_memory });
+            let (place, address, stored) = (word(at + 4)?, word(at + 8)?, word(at + 12)?);
+            let (in_file, in_memory) = (word(at + 16)?, word(at + 20)?);
+            segments.push(Segment { place, address, stored, in_file, in_memory });
         }
     }
     Some(segments)
