@@ -163,7 +163,7 @@ impl BeginPlace {
     /// Notes that all have begun.
     #[cfg(feature = "grbl")]
     pub(super) fn has_begun(&mut self) {
-        let _ = self.look(Standing { has_begun: true, ..Standing::default() });
+        let _ = self.look(Standing { has_begun: true, ..Standing::default() }, Duration::ZERO);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, PoisonError};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::lead::Ended;
 use super::shared_board::AxisBoard;
@@ -68,11 +68,12 @@ pub(in crate::drives::grbl) fn meet(
     let number = board.axis.number() as u8;
     let line = Arc::as_ptr(&board.shared) as usize;
     let ready = Some(Ready { line, axis: number, move_number: 0, at: 0 });
-    let mut has_stopped = false;
+    // The threads sleep between two looks, by the computer's clock.
+    let (began, mut has_stopped) = (Instant::now(), false);
     let met: Result<bool, GrblError> = loop {
         let stops = !has_stopped && gate(0, 0) == Leave::Stop;
         has_stopped |= stops;
-        match place.look(Standing { ready, stops, ..Standing::default() }) {
+        match place.look(Standing { ready, stops, ..Standing::default() }, began.elapsed()) {
             Next::Wait => sleep(LOOK),
             Next::Begun => return Ok(Met::Follows(Led { words: heard, leaves })),
             Next::Send(_) => break Ok(true),
