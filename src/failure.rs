@@ -167,6 +167,11 @@ impl Failure {
         Self { how, ..self }
     }
 
+    /// The failure of a command that has moved something before, if `moved`: it tells nothing of that volume.
+    pub(crate) fn after_earlier_motion(self, moved: bool) -> Self {
+        if moved { Self { delivered_ml: None, ..self.after_motion() } } else { self }
+    }
+
     /// The failure of a command with a session that may have turned the motor before.
     pub(crate) fn of_session(self, session: &Session<'_>) -> Self {
         if !session.has_moved() {

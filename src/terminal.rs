@@ -153,6 +153,8 @@ pub(crate) fn announced<'a, T>(
         }
     });
     let ended = motion(session);
+    // A motion that was refused has told nothing, and no later one of the session tells of it.
+    session.before_motion(|| ControlFlow::Continue(()));
     let failed = untold.lock().unwrap_or_else(PoisonError::into_inner).take();
     failed.map_or(Ok(ended), Err)
 }

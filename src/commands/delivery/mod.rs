@@ -93,7 +93,9 @@ pub(super) fn deliver(
     json: bool,
     warned: &mut Warned,
 ) -> Result<DeliveryEnd, Failure> {
-    let delivered = announced(session, json, &warned.untold(&prepared.warnings), |session| {
+    // The report of a simulated motor tells them.
+    let before = if warns_first(bench) { warned.untold(&prepared.warnings) } else { Vec::new() };
+    let delivered = announced(session, json, &before, |session| {
         let bar = LazyCell::new(|| MotionBar::of(prepared, json));
         let delivered = session.run(prepared, |made| {
             bar.made(made, || prepared.plan.delivered_ml(&prepared.model, made));

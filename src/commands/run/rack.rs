@@ -88,8 +88,7 @@ impl RackArgs {
         let shown = Shown::new(&rack, json);
         let report = rack.run(|progress| shown.show(&progress));
         shown.bar.finish_and_clear();
-        let report =
-            report.map_err(|error| if moved { refused(error).after_motion() } else { refused(error) })?;
+        let report = report.map_err(|error| refused(error).after_earlier_motion(moved))?;
         ended(said(report, json, &shown.warned())?, &interrupt)
     }
 }
@@ -117,13 +116,14 @@ fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrup
             failure.of_pump(Some(member.name.clone()))
         };
         let bench = options.unattended.change(member.bench.clone()).stopping_on(interrupt::stop_request());
-        let mut session = bench.session().map_err(|error| of_member(error.into()))?;
+        let mut session =
+            bench.session().map_err(|error| of_member(Failure::from(error).after_earlier_motion(moved)))?;
         if session.state().is_none_or(|state| state.unfinished.is_none()) {
             continue;
         }
         let told = before_dose(&bench, &mut session, options, interrupt);
         moved |= session.has_moved();
-        let told = told.map_err(|failure| of_member(if moved { failure.after_motion() } else { failure }))?;
+        let told = told.map_err(|failure| of_member(failure.after_earlier_motion(moved)))?;
         warn(&told.iter().map(|notice| format!("{}: {notice}", member.name)).collect::<Vec<_>>());
         if let Some(signal) = interrupt.signal() {
             let stopped = "stopped by the user before the rack began; what was moved is on record";

@@ -116,7 +116,7 @@ impl Calibration {
         let Some(found) = self.displacement.as_ref().filter(|found| found.prior.is_some()) else {
             return Ok(false);
         };
-        Ok(found.whole_standard_at(base, found.reference_rpm)? > file.model_standard())
+        Ok(found.whole_standard_at(base, found.reference_rpm)? / found.factor > file.model_standard())
     }
 
     /// Checks that the data have the schema of this version.

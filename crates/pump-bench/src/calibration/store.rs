@@ -100,17 +100,23 @@ impl Calibrations {
     }
 
     /// Reads the weighing that waits for more: nobody has chosen a calibration since [`Self::wait`], and the newest is
-    /// of a weighed dose. Returns `None` without one.
+    /// of a weighed dose of this tube. Returns `None` without one.
     ///
     /// # Errors
     ///
     /// As [`Self::active`].
-    pub(crate) fn waiting(&self) -> Result<Option<Stored>, CalibrationError> {
-        if self.path.join(ACTIVE).exists() {
+    pub(crate) fn waiting(&self, tube: u32) -> Result<Option<Stored>, CalibrationError> {
+        let path = self.path.join(ACTIVE);
+        self.check("read", &path)?;
+        let has_pointer = path.try_exists();
+        if has_pointer.map_err(|source| CalibrationError::File { action: "read", path, source })? {
             return Ok(None);
         }
         let newest = self.versions()?.last().map(|version| self.read(*version)).transpose()?;
-        Ok(newest.filter(|stored| stored.calibration.source == Source::Last))
+        let waits = |stored: &Stored| {
+            stored.calibration.source == Source::Last && stored.calibration.tube_number == Some(tube)
+        };
+        Ok(newest.filter(waits))
     }
 
     /// Has doses use no calibration, and the newest wait for the next weighing to join it.

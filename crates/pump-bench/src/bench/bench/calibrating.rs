@@ -33,12 +33,15 @@ impl Bench {
         Ok(stored)
     }
 
+    /// Returns the number of the tube in the head.
+    fn tube(&self) -> Result<u32, DoseError> {
+        Ok(self.story()?.state.map_or(1, |state| state.tube()))
+    }
+
     /// Keeps a calibration under the next number, as one of the tube in the head.
     fn add_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
-        let state = self.story()?.state;
-        self.refuse_unfinished(state)?;
-        let tube_number = Some(state.map_or(1, |state| state.tube()));
-        let calibration = Calibration { tube_number, ..calibration };
+        self.refuse_unfinished(self.story()?.state)?;
+        let calibration = Calibration { tube_number: Some(self.tube()?), ..calibration };
         let version = self.calibrations().add(&calibration)?;
         Ok(Stored { version, calibration })
     }
@@ -54,9 +57,10 @@ impl Bench {
         if self.would_use(&calibration)? {
             return self.keep_calibration(calibration);
         }
-        let stored = self.add_calibration(calibration)?;
+        // The pointer goes first: a weighing that is kept after it waits, whatever happens in between.
+        self.refuse_unfinished(self.story()?.state)?;
         self.calibrations().wait()?;
-        Ok(stored)
+        self.add_calibration(calibration)
     }
 
     /// Returns false for weighed doses that show the mean volume less well than the model, while no calibration is in
@@ -92,7 +96,7 @@ impl Bench {
     ) -> Result<WeighedDose, DoseError> {
         let calibrations = self.calibrations();
         let active = match calibrations.active()? {
-            None => calibrations.waiting()?,
+            None => calibrations.waiting(self.tube()?)?,
             active => active,
         };
         let last = self.story()?.state.and_then(|state| state.last);

@@ -401,6 +401,7 @@ impl Drive for Grbl {
             {
                 board.sleep(slice);
             }
+            self.board.yield_to_others();
         }
     }
 

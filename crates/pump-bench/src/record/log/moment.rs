@@ -40,6 +40,8 @@ pub fn moment(text: &str, now: Stamp) -> Result<u64, MomentError> {
     }
     if let Ok(local) = text.parse::<DateTime>()
         && text.contains(':')
+        // A zone in brackets would be read over.
+        && !text.contains('[')
     {
         let time = now.offset().to_timestamp(local).map_err(|_| refused())?;
         return u64::try_from(time.as_second()).map_err(|_| refused());

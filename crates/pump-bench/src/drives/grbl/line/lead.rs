@@ -89,7 +89,15 @@ impl Line {
         // No step is made that was not sent, unless the motor went astray.
         let least = if first.least >= 0 { least.max(0) } else { least };
         let most = if first.most <= sent as i64 { most.min(axis.share(sent, all) as i64) } else { most };
-        Made { least: least.min(most), most, lost: first.lost }
+        let (least, most) = (least.min(most), most);
+        // A follower that left the line by itself, as by a pendant, stands where its own count says. An axis that leads
+        // at a known place has been read at rest; otherwise a count on the line may be an old one.
+        let is_read = first.known().is_some();
+        let astray = axis.net(board).filter(|net| !(least..=most).contains(net));
+        match astray.filter(|net| is_read || *net > most || *net < 0) {
+            Some(net) => Made { least: least.min(net), most: most.max(net), lost: true },
+            None => Made { least, most, lost: first.lost },
+        }
     }
 }
 

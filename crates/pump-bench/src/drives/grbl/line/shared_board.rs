@@ -116,6 +116,14 @@ impl AxisBoard {
         }
     }
 
+    /// Lets the other axes of the board talk to it, if there are any: they look once a [`LOOK`].
+    pub(in crate::drives::grbl) fn yield_to_others(&self) {
+        let is_shared = self.shared.taken.lock().unwrap_or_else(PoisonError::into_inner).len() > 1;
+        if is_shared {
+            sleep(3 * LOOK);
+        }
+    }
+
     /// Returns true if the user asked to stop.
     pub(in crate::drives::grbl) fn is_stopped(&self) -> bool {
         self.stop.is_made()
