@@ -288,10 +288,10 @@ class LoggedDose(Record):
     """A dose in the log of a bench: the fields of the command's JSON `log/1`.
 
     `delivered_least_ml` and `delivered_most_ml` are numbers where nobody knows how many steps were made, and
-    None otherwise. `end` tells how the dose ended, and `cause` the reason of a fault, or who or what stopped
-    the dose. `rack` is the rack of which it was a part. `requested_ml` is None for a run until it is stopped.
-    `clock_went_back` is True if the time is before that of the dose before. The rest of a dose that was stopped, and
-    the retraction after a dose, have entries of their own.
+    None otherwise. `end` tells how the dose ended, and `cause` the reason of a fault, or who or what
+    stopped the dose. `rack` is the rack of which it was a part. `requested_ml` is None for a run until it
+    is stopped. `clock_went_back` is True if the time is before that of the dose before. The rest of a dose
+    that was stopped, and the retraction after a dose, have entries of their own.
     """
 
     schema: str

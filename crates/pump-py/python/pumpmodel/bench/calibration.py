@@ -115,8 +115,8 @@ class BenchCalibration:
         Returns
         -------
         Calibration
-            Calibration that doses use from now on, unless it is less sure than the model and no other is in use.
-            Then it waits for the next weighed dose.
+            Calibration that doses use from now on, unless it is less sure than the model and no other is in
+            use. Then it waits for the next weighed dose.
 
         Raises
         ------
