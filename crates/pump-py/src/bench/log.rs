@@ -18,16 +18,13 @@ impl Bench {
             let lines = bench.log().map_err(|error| with_sources(&error))?;
             let (mut doses, mut before_s) = (Vec::new(), 0);
             for line in lines {
-                match line.map_err(|error| with_sources(&error))? {
-                    LogLine::Dose(entry) => {
-                        let unix_s = entry.time.unix_s;
-                        let went_back = unix_s < std::mem::replace(&mut before_s, unix_s);
-                        if unix_s >= since {
-                            let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
-                            doses.push(log_json(pump, driver, &entry, went_back));
-                        }
+                if let LogLine::Dose(entry) = line.map_err(|error| with_sources(&error))? {
+                    let unix_s = entry.time.unix_s;
+                    let went_back = unix_s < std::mem::replace(&mut before_s, unix_s);
+                    if unix_s >= since {
+                        let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
+                        doses.push(log_json(pump, driver, &entry, went_back));
                     }
-                    _ => {}
                 }
             }
             Ok(doses)
