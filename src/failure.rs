@@ -19,11 +19,11 @@ use crate::told_commands::completed;
 pub(crate) struct Failure {
     how: How,
     facts: ErrorFacts,
-    message: String,
+    message: Box<str>,
     /// Smallest and largest volume that was delivered, in mL; none if nobody knows.
     delivered_ml: Option<(f64, f64)>,
     /// Name of the pump of a rack that failed; none for a pump by itself, and if no single one did.
-    pump: Option<String>,
+    pump: Option<Box<str>>,
 }
 
 /// The volume of a command in which nothing moved, in mL.
@@ -64,14 +64,20 @@ impl Failure {
             Ending::Stopped => How::Stopped { signal: interrupt::signal().unwrap_or(0), moved: false },
             Ending::Moved => How::Fault,
         };
-        Self { how, facts: error.facts(), message: advice::told(&error), delivered_ml: NOTHING, pump: None }
+        Self {
+            how,
+            facts: error.facts(),
+            message: advice::told(&error).into(),
+            delivered_ml: NOTHING,
+            pump: None,
+        }
     }
 
     /// A file that cannot be read.
     pub(crate) fn unread(path: &Path, error: &io::Error) -> Self {
         let facts = ErrorFacts::of_file(ErrorKind::Input, path, error);
         let message = format!("cannot read {}: {error}", path.display());
-        Self { how: How::Refused, facts, message, delivered_ml: NOTHING, pump: None }
+        Self { how: How::Refused, facts, message: message.into(), delivered_ml: NOTHING, pump: None }
     }
 
     /// A file that cannot be written.
@@ -86,7 +92,7 @@ impl Failure {
             }
             None => format!("cannot write {path_shown}: {error}"),
         };
-        Self { how: How::Refused, facts, message, delivered_ml: NOTHING, pump: None }
+        Self { how: How::Refused, facts, message: message.into(), delivered_ml: NOTHING, pump: None }
     }
 
     /// A fault after motion began.
@@ -108,7 +114,7 @@ impl Failure {
         Self {
             how,
             facts: ErrorFacts::of(kind),
-            message: message.to_string(),
+            message: message.to_string().into(),
             delivered_ml: NOTHING,
             pump: None,
         }
@@ -128,7 +134,7 @@ impl Failure {
 
     /// The failure of this pump of a rack.
     pub(crate) fn of_pump(self, pump: Option<String>) -> Self {
-        Self { pump, ..self }
+        Self { pump: pump.map(Into::into), ..self }
     }
 
     /// The name of the pump of a rack that failed.
@@ -194,19 +200,19 @@ impl Failure {
 
     /// The failure with more to say.
     pub(crate) fn with(mut self, more: &str) -> Self {
-        self.message.push_str(more);
+        self.message = format!("{}{more}", self.message).into();
         self
     }
 
     /// The failure with words before its message.
     pub(crate) fn after(mut self, words: &str) -> Self {
-        self.message.insert_str(0, words);
+        self.message = format!("{words}{}", self.message).into();
         self
     }
 
     /// The failure with other words.
     pub(crate) fn saying(self, message: String) -> Self {
-        Self { message, ..self }
+        Self { message: message.into(), ..self }
     }
 
     /// The message for people.
