@@ -51,7 +51,7 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
     let is_typed = |id: &&str| {
         leaf.ids().any(|known| known == *id) && leaf.value_source(id) == Some(ValueSource::CommandLine)
     };
-    let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(|id| is_typed(id)));
+    let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(is_typed));
     typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
     let _ = TOLD.set(Told { typed, pump, root });
 }
