@@ -190,4 +190,16 @@ fn an_axis_that_the_board_does_not_report_is_not_offered() {
         scripted.err
     );
     assert_eq!(desk.configured("pumps/lime.toml"), None);
+    // A person is asked for another axis at once.
+    let said = ["setup", "lime", "--driver", "grbl", "--port", &port, "--axis", "Y"];
+    let mut asked = false;
+    let asked_anew = Desk::new().answers(&said, &mut |question| match question {
+        q if q.starts_with("Axis") => {
+            asked = true;
+            None
+        }
+        q => Some(sees(&mut pump, q, "16")),
+    });
+    assert!(asked && asked_anew.err.contains("has the axis X alone, and not Y"), "{}", asked_anew.err);
+    assert_eq!(pump.board.rest().steps, 0);
 }

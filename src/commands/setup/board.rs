@@ -29,6 +29,7 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
     if course.answers.port.is_none() {
         ask_port(course)?;
     }
+    lack_of_axis(course)?;
     if course.answers.axis.is_none() {
         ask_axis(course)?;
     }
@@ -110,27 +111,37 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
     }
 }
 
-/// Asks the board of a script for its axes, so that no file is written for an axis that it lacks. A board that does not
-/// answer is refused later, before it moves.
+/// Asks the board whose port and axis were said for its axes, so that no file is written for an axis that it lacks. A
+/// board that does not answer is refused later, before it moves.
 pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
-    let Answers { driver, port: Some(port), axis: Some(axis), .. } = &course.answers else { return Ok(()) };
+    let Answers { driver, port: Some(port), axis: Some(_), .. } = &course.answers else { return Ok(()) };
     if *driver == Some(DriverName::Sim) {
         return Ok(());
     }
-    let (port, axis) = (port.clone(), *axis);
+    let port = port.clone();
     let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
     let Some((_, Ok(board))) = found else { return Ok(()) };
-    let axes = board.axes();
     course.board = Some(board);
+    lack_of_axis(course)
+}
+
+/// Drops an axis that the board does not report, so that a person is asked for another. A script is refused.
+fn lack_of_axis(course: &mut Course) -> Asked<()> {
+    let (Some(board), Some(axis)) = (&course.board, course.answers.axis) else { return Ok(()) };
+    let axes = board.axes();
     if axes.is_empty() || axes.contains(&axis) {
         return Ok(());
     }
-    let refused = format!(
-        "the board at {} has {}, and not {axis}; name one that it has with --axis <AXIS>",
-        port.display(),
-        in_words(axes)
-    );
-    Err(Failure::refused(refused).value(axis).allowed(in_words(axes)).into())
+    let port = course.answers.port.clone().unwrap_or_default();
+    let lacks = format!("the board at {} has {}, and not {axis}", port.display(), in_words(axes));
+    if course.asker.is_silent() {
+        let refused = format!("{lacks}; name one that it has with --axis <AXIS>");
+        return Err(Failure::refused(refused).value(axis).allowed(in_words(axes)).into());
+    }
+    tell_person(&format!("  {lacks}"));
+    let mut answers = course.answers.clone();
+    answers.axis = None;
+    Ok(course.take(answers)?)
 }
 
 /// Takes the driver of the board that answers at the port.

@@ -172,7 +172,7 @@ impl SetupArgs {
         }
         course.take(answers)?;
         introduce(course, is_new, self.like.is_some());
-        if course.asker.is_silent() && !self.no_motion && course.answers.done.written.is_none() {
+        if !self.no_motion && course.answers.done.written.is_none() {
             board::meet_said(course)?;
         }
         written::write(course)?;
