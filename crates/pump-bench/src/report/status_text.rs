@@ -80,7 +80,10 @@ impl Status {
         } else {
             format!("a dose of {asked_ml} mL{weighed}")
         };
-        let by_model = " by the motor's steps, the pump's own \u{b1} besides";
+        let by_model = match dose.by_weight {
+            true => " by the model",
+            false => " by the motor's steps, the pump's own \u{b1} besides",
+        };
         match &self.in_use_by {
             Some(holder) => format!(
                 "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \
