@@ -1,11 +1,17 @@
 //! The line of several axes, by the axis that leads it: one sequence of jogs, with a share of the steps for each.
 
+use std::time::Duration;
+
 use super::meeting::{Share, Word};
 use crate::drives::grbl::board::Board;
 use crate::drives::grbl::error::GrblError;
 use crate::drives::grbl::jogs::{Follower, Jogs, Task};
 use crate::drives::grbl::recovery::Made;
 use crate::drives::{Gate, Leave};
+
+/// Longest wait for the leave of another axis. It comes once that axis has its steps on record. A disk that takes longer
+/// stops the line.
+const LEAVE: Duration = Duration::from_secs(10);
 
 /// End of a line for one axis.
 #[derive(Debug)]
@@ -136,7 +142,9 @@ pub(in crate::drives::grbl) fn lead(
         }
         let (made, last) = asked(&own, made, last);
         let own = gate(made, last);
-        others.iter().fold(own, |leave, share| both(leave, share.leaves.recv().unwrap_or(Leave::Stop)))
+        others
+            .iter()
+            .fold(own, |leave, share| both(leave, share.leaves.recv_timeout(LEAVE).unwrap_or(Leave::Stop)))
     };
     begins();
     board.attend_axis(first.scale.axis.number());
