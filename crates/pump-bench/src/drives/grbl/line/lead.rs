@@ -9,8 +9,8 @@ use crate::drives::grbl::jogs::{Follower, Jogs, Task};
 use crate::drives::grbl::recovery::Made;
 use crate::drives::{Gate, Leave};
 
-/// Longest wait for the leave of another axis. It comes once that axis has its steps on record. A disk that takes longer
-/// stops the line.
+/// Longest wait for the leave of another axis. It comes once that axis has its steps on record. A disk that takes
+/// longer stops the line.
 const LEAVE: Duration = Duration::from_secs(10);
 
 /// End of a line for one axis.
