@@ -35,7 +35,7 @@ pub(crate) fn run(runs: u32, random: &mut Random) {
         check(folder.path(), Some((whole as f64 * random.part()) as u64));
         if state(folder.path()).is_some_and(|state| state.unfinished.is_some()) {
             midway += 1;
-            // Its times have passed: the run is accepted as it is. A flow over time needs an angle known to a step, and
+            // A run whose times have passed is accepted as it is. A flow over time needs an angle known to a step, and
             // a kill leaves it less sure, so somebody looks at the rotor.
             let bench = bench(folder.path());
             let mut session = bench.session().unwrap();

@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::{MIX, desk};
 use crate::user::{Answer, User, number};
 
-/// The same pumps for a minute and a half.
+/// Rack of these pumps that takes a minute and a half.
 fn slow() -> String {
     MIX.replace("6mL\"\nrate = \"6mL/s", "90mL\"\nrate = \"1mL/s")
 }

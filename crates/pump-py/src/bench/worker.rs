@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(50);
 #[derive(Debug, Default)]
 pub(super) struct Signal {
     stop: AtomicBool,
-    /// Who or what wants the motion to stop.
+    /// Source of the wish to stop the motion.
     cause: Mutex<Option<String>>,
     /// Number of steps made.
     made: AtomicU64,

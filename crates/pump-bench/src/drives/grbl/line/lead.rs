@@ -137,7 +137,7 @@ pub(in crate::drives::grbl) fn lead(
     let mut ask = |made: u64, last: u64| {
         for (share, axis) in order.iter().filter_map(|(place, axis)| Some((others.get((*place)?)?, axis))) {
             let (made, last) = asked(axis, made, last);
-            // Who does not hear it does not answer, and that is a stop.
+            // An axis that does not hear it does not answer, and that is a stop.
             let _ = share.words.send(Word::MayGo(made, last));
         }
         let (made, last) = asked(&own, made, last);
