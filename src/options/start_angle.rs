@@ -10,8 +10,9 @@ use crate::advice::Advised;
 /// Tolerance of an angle that is stated without one, deg: an eye reads an angle off a pump head to a degree.
 const ASSUMED_DEG: f64 = 1.0;
 
-/// Tolerance of such an angle of a head without a drawing, deg. At angle 0 a roller's axis is a third of phi short of the
-/// track's end, 20.3 deg with a standard uncertainty of 46 % (docs/pulse_prior.md): 9.3 deg, and a degree for the eye.
+/// Tolerance of such an angle of a head without a drawing, deg. At angle 0 a roller's axis is a third of phi short of
+/// the track's end, 20.3 deg with a standard uncertainty of 46 % (docs/pulse_prior.md): 9.3 deg, and a degree for the
+/// eye.
 const ASSUMED_UNDRAWN_DEG: f64 = 10.0;
 
 /// Reads an angle with its tolerance, as 30deg+-1deg. Its refusal has the command's advice.
