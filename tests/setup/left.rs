@@ -181,3 +181,63 @@ fn a_dose_that_was_stopped_or_cut_off_is_on_record_and_made_again() {
         );
     }
 }
+
+/// Answers with a word for a part of the summary, once, and something else for one question of that part.
+fn correcting<'a>(
+    word: &'a str,
+    question: &'a str,
+    answer: &'a str,
+) -> impl FnMut(&str) -> Option<String> + 'a {
+    let mut react = by_part(&ANSWERS);
+    let (mut said, mut seen) = (false, 0);
+    move |asked| {
+        if asked.starts_with("Is this right") && !said {
+            said = true;
+            return Some(word.to_owned());
+        }
+        if asked.starts_with(question) && said {
+            seen += 1;
+            return (seen == 1).then(|| answer.to_owned());
+        }
+        // Enter keeps every other answer of the part.
+        if said && asked.contains('[') { Some(String::new()) } else { react(asked) }
+    }
+}
+
+#[test]
+fn a_corrected_line_keeps_the_answers_beside_it() {
+    let desk = Desk::new();
+    let motor = desk.answers(&["setup", "acid", "--no-motion"], &mut correcting("motor", "Microsteps", "8"));
+    assert_eq!(motor.code, 0, "{}", motor.err);
+    assert!(
+        motor.err.contains("Gear: revolutions of the motor per revolution of the head [1]"),
+        "{}",
+        motor.err
+    );
+    assert!(motor.err.contains("Microsteps per full step [16]"), "{}", motor.err);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains("steps_per_rev = 1600"));
+
+    let desk = Desk::new();
+    let head = desk.answers(&["setup", "acid", "--no-motion"], &mut correcting("head", "Head:", "5mL"));
+    assert_eq!(head.code, 0, "{}", head.err);
+    assert!(head.err.contains("Rollers, counted [4]"), "{}", head.err);
+    // The usual rate is that of the head: ten times the volume of a revolution, ten times the rate.
+    assert!(head.err.contains("Rate of a dose that names none [2.1mL/s]"), "{}", head.err);
+}
+
+#[test]
+fn a_correction_that_is_left_changes_nothing() {
+    let desk = Desk::new();
+    let mut react = correcting("place", "Altitude", "1000m");
+    let mut heights = 0;
+    let left = desk.answers(&["setup", "acid"], &mut |question| {
+        heights += usize::from(question.starts_with("Height of the vessel"));
+        if heights == 2 { Some("quit".to_owned()) } else { react(question) }
+    });
+    assert_eq!(left.code, 0, "{}", left.err);
+    assert!(left.err.contains("The answers before the correction are on record"), "{}", left.err);
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut by_part(&ANSWERS));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert_eq!(ended.asked.len(), 1, "{:?}", ended.asked);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains("altitude_m = 500"));
+}

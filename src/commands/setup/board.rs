@@ -200,11 +200,14 @@ fn ask_axis(course: &mut Course) -> Asked<()> {
         ))
         .into());
     }
+    let former = course.former(|before| {
+        before.axis.filter(|_| before.port.as_ref() == Some(&port)).map(|axis| axis.as_str().to_owned())
+    });
     let whose = if course.answers.driver == Some(DriverName::Node) { "a node" } else { "this board" };
     let question = Question {
         text: "Axis of the board that turns this pump",
         option: "--axis X",
-        usual: free.map(|axis| Usual::new(axis.as_str())),
+        usual: former.or_else(|| free.map(|axis| Usual::new(axis.as_str()))),
         help: "the letter at the board's plug, X, Y, Z, A, B or C; a node's axes 0 to 3 are X, Y, Z and A",
     };
     let read = |answer: &str| {

@@ -25,6 +25,8 @@ pub(super) struct Course {
     /// Answers of the pump that is named, or else of the one whose first run came to its end last and whose file still
     /// says the same. Answers are suggested from them.
     pub(super) last: Option<Answers>,
+    /// Answers before a part of them was asked anew. They stay on record until each new one is there.
+    pub(super) corrected: Option<Answers>,
     /// Other pumps of the configuration that boards turn.
     neighbours: Vec<Neighbour>,
     /// Board that answered at the port, once it was asked.
@@ -51,8 +53,19 @@ impl Course {
         let last = like
             .or_else(|| folder.all().into_iter().find(|other| other.name != answers.name && is_known(other)));
         let neighbours = Neighbour::all_but(config, &answers.name);
-        let (board, has_moved, warned, runnable) = (None, false, Vec::new(), Runnable::default());
-        Self { asker, answers, folder, state_dir, last, neighbours, board, has_moved, warned, runnable }
+        Self {
+            asker,
+            answers,
+            folder,
+            state_dir,
+            last,
+            corrected: None,
+            neighbours,
+            board: None,
+            has_moved: false,
+            warned: Vec::new(),
+            runnable: Runnable::default(),
+        }
     }
 
     /// Puts the answers on record.
@@ -60,11 +73,28 @@ impl Course {
         Ok(self.folder.keep(&mut self.answers)?)
     }
 
-    /// Takes new answers: they are on record, and what was done with others counts no more.
+    /// Takes new answers: they are on record, and what was done with others counts no more. Those of a correction wait
+    /// until it is complete.
     pub(super) fn take(&mut self, answers: Answers) -> Result<(), Failure> {
         let before = std::mem::replace(&mut self.answers, answers);
+        if self.corrected.is_some() {
+            return Ok(());
+        }
         self.answers.done = still_done(&before, &self.answers);
         if self.answers == before { Ok(()) } else { self.keep() }
+    }
+
+    /// Forgets a part of the answers, which is asked anew: the former ones are suggested.
+    pub(super) fn correct(&mut self, forget: fn(&mut Answers)) {
+        self.corrected = Some(self.answers.clone());
+        forget(&mut self.answers);
+    }
+
+    /// Takes the answers of a correction that is complete.
+    pub(super) fn end_correction(&mut self) -> Result<(), Failure> {
+        let Some(before) = self.corrected.take() else { return Ok(()) };
+        let corrected = std::mem::replace(&mut self.answers, before);
+        self.take(corrected)
     }
 
     /// Asks a question until its answer contradicts no other, and keeps it.
@@ -84,26 +114,30 @@ impl Course {
         Ok(self.take(answers)?)
     }
 
-    /// The answer of the last pump as a suggestion, or else the usual one.
+    /// The answer that is corrected.
+    pub(super) fn former(&self, of: impl Fn(&Answers) -> Option<String>) -> Option<Usual> {
+        self.corrected.as_ref().and_then(of).map(Usual::new)
+    }
+
+    /// The answer that is corrected or that of the last pump as a suggestion, or else the usual one.
     pub(super) fn suggested(
         &self,
         of: impl Fn(&Answers) -> Option<String>,
         usual: Option<&str>,
     ) -> Option<Usual> {
-        let last = self
-            .last
-            .as_ref()
-            .and_then(|last| Some(Usual { answer: of(last)?, of: Some(last.name.clone()) }));
-        last.or_else(|| usual.map(Usual::new))
+        let of_last = |last: &Answers| Some(Usual { answer: of(last)?, of: Some(last.name.clone()) });
+        let last = || self.last.as_ref().and_then(of_last);
+        self.former(&of).or_else(last).or_else(|| usual.map(Usual::new))
     }
 
-    /// The answer of the last pump as a suggestion, if that has the same head, or else the usual one.
+    /// The answer of before or of the last pump as a suggestion, if that has the same head, or else the usual one.
     pub(super) fn suggested_of_head(
         &self,
         of: impl Fn(&Answers) -> Option<String>,
         usual: Option<&str>,
     ) -> Option<Usual> {
-        let is_other = self.last.as_ref().is_some_and(|last| last.head != self.answers.head);
+        let before = self.corrected.as_ref().or(self.last.as_ref());
+        let is_other = before.is_some_and(|before| before.head != self.answers.head);
         if is_other { usual.map(Usual::new) } else { self.suggested(of, usual) }
     }
 

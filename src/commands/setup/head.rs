@@ -1,12 +1,13 @@
 //! The questions about the pump head: what a revolution delivers, and how many rollers there are.
 
 use pump_bench::heads::bought_head;
-use pump_bench::setup::HeadAnswer;
+use pump_bench::setup::{Answers, HeadAnswer};
 use pump_bench::units;
 use pump_model::units::degrees;
 
-use super::asker::{Asked, Question, Stop};
+use super::asker::{Asked, Question, Stop, Usual};
 use super::course::{Course, heading, tell_person};
+use crate::advice;
 use crate::failure::Failure;
 
 /// Answer to the question for a head.
@@ -42,10 +43,13 @@ fn knows_rollers(course: &Course) -> bool {
 
 fn ask_head(course: &mut Course) -> Asked<()> {
     let suggested = course.suggested(
-        |last| match last.head.as_ref()? {
+        |other| match other.head.as_ref()? {
             HeadAnswer::Catalogue(name) => Some(name.clone()),
             HeadAnswer::Volume { ml_per_rev } => Some(format!("{ml_per_rev}mL")),
-            _ => None,
+            // Another pump's drawing or file is hardly that of this one.
+            _ if other.name != course.answers.name => None,
+            HeadAnswer::Drawing { .. } => Some("drawing".to_owned()),
+            HeadAnswer::File(path) => Some(path.display().to_string()),
         },
         None,
     );
@@ -57,18 +61,26 @@ fn ask_head(course: &mut Course) -> Asked<()> {
                `dose pumps list --catalogue` lists heads by name, as masterflex-ls-16; a pump file ends in .toml; \
                `drawing` asks for the dimensions of a head that you built",
     };
-    let named = course.asker.ask(&question, named)?;
-    match named {
-        Named::Drawing => ask_drawing(course),
-        Named::Head(head) => set(course, head),
-    }
+    let before = course.answers.clone();
+    let named = course.asker.ask(&question, |answer| {
+        let named = named(answer)?;
+        if let Named::Head(head) = &named {
+            with_head(&before, head).check().map_err(|error| advice::told(&error))?;
+        }
+        Ok(named)
+    })?;
+    let head = match named {
+        Named::Drawing => ask_drawing(course)?,
+        Named::Head(head) => head,
+    };
+    Ok(course.take(with_head(&before, &head))?)
 }
 
-fn set(course: &mut Course, head: HeadAnswer) -> Asked<()> {
-    let mut answers = course.answers.clone();
-    answers.head = Some(head);
-    answers.check().map_err(Failure::of)?;
-    Ok(course.take(answers)?)
+/// The answers with another head.
+fn with_head(answers: &Answers, head: &HeadAnswer) -> Answers {
+    let mut answers = answers.clone();
+    answers.head = Some(head.clone());
+    answers
 }
 
 /// Reads a head: a volume, a name, a file, or the word `drawing`.
@@ -79,7 +91,7 @@ fn named(answer: &str) -> Result<Named, String> {
     let is_volume = answer.ends_with("/rev") && answer.starts_with(|c: char| c.is_ascii_digit() || c == '.');
     if !is_volume && (answer.ends_with(".toml") || answer.contains('/')) {
         let path = std::path::absolute(answer).map_err(|error| error.to_string())?;
-        pump_bench::PumpFile::read(&path).map_err(|error| crate::advice::told(&error))?;
+        pump_bench::PumpFile::read(&path).map_err(|error| advice::told(&error))?;
         return Ok(Named::Head(HeadAnswer::File(path)));
     }
     if bought_head(answer).is_some() {
@@ -95,13 +107,13 @@ fn named(answer: &str) -> Result<Named, String> {
 }
 
 fn ask_bore(course: &mut Course) -> Asked<()> {
+    let bore = |other: &Answers| {
+        other.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0).map(|bore_mm| format!("{bore_mm}mm"))
+    };
     let question = Question {
         text: "Bore of the tube (inner diameter), or `unknown`",
         option: "--bore 1.6mm beside --ml-per-rev",
-        usual: course.suggested_of_head(
-            |last| last.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0).map(|bore_mm| format!("{bore_mm}mm")),
-            Some("unknown"),
-        ),
+        usual: course.former(bore).or_else(|| course.suggested_of_head(bore, Some("unknown"))),
         help: "it is printed on the tube's bag, as 1.6mm; pumps with wide tubes differ less from one another, so it \
                tells how sure doses are before the first weighing",
     };
@@ -117,45 +129,68 @@ pub(super) fn length_or_unknown(answer: &str) -> Result<f64, String> {
 }
 
 fn ask_rollers(course: &mut Course) -> Asked<()> {
+    let rollers = |other: &Answers| other.rollers.map(|rollers| rollers.to_string());
     let question = Question {
         text: "Rollers, counted",
         option: "--rollers 4",
-        usual: course.suggested_of_head(|last| last.rollers.map(|rollers| rollers.to_string()), None),
+        usual: course.former(rollers).or_else(|| course.suggested_of_head(rollers, None)),
         help: "open the head and count the rollers that squeeze the tube, as 4",
     };
     let read = |answer: &str| answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"));
     course.settle(&question, read, |answers, rollers| answers.rollers = Some(rollers))
 }
 
-fn ask_drawing(course: &mut Course) -> Asked<()> {
+/// Asks for the dimensions of a drawing until they contradict one another no more. Those of before are suggested.
+fn ask_drawing(course: &mut Course) -> Asked<HeadAnswer> {
     tell_person("Dimensions as a caliper gives them; `dose pumps new -h` says more of each.");
-    let mut length = |text: &str, option: &str, help: &str| -> Result<f64, Stop> {
-        let question = Question { text, option, usual: None, help };
+    let mut former = course.corrected.as_ref().and_then(|before| before.head.clone());
+    loop {
+        let head = ask_dimensions(course, former.as_ref())?;
+        match with_head(&course.answers, &head).check() {
+            Ok(()) => return Ok(head),
+            Err(error) if course.asker.is_silent() => return Err(Failure::of(error).into()),
+            Err(error) => tell_person(&format!("  {}", advice::told(&error))),
+        }
+        former = Some(head);
+    }
+}
+
+fn ask_dimensions(course: &mut Course, former: Option<&HeadAnswer>) -> Asked<HeadAnswer> {
+    let former = match former {
+        Some(HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg }) => {
+            let lengths = [backplate_mm, roller_mm, offset_mm].map(|mm| Some(format!("{mm}mm")));
+            (lengths, Some(format!("{bore_mm}x{outer_mm}mm")), Some(format!("{contact_deg}deg")))
+        }
+        _ => ([None, None, None], None, None),
+    };
+    let ([backplate, roller, offset], tube, contact) = former;
+    let mut length = |text, option, help, former: Option<String>| -> Result<f64, Stop> {
+        let question = Question { text, option, usual: former.map(Usual::new), help };
         course.asker.ask(&question, |answer| units::length_mm(answer).map_err(|error| error.to_string()))
     };
-    let backplate_mm = length("Radius of the backplate (raceway)", "--backplate 63mm", "as 63mm")?;
-    let roller_mm = length("Radius of a roller", "--roller 20mm", "as 20mm")?;
-    let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", "as 40mm")?;
-    let tube = course.asker.ask(
-        &Question {
-            text: "Tube, bore x outer diameter",
-            option: "--tube 10x14mm",
-            usual: None,
-            help: "as 10x14mm",
-        },
-        |answer| units::tube_size(answer).map_err(|error| error.to_string()),
-    )?;
-    let (bore_mm, outer_mm) = (tube.bore_mm, tube.outer_mm);
+    let backplate_mm = length("Radius of the backplate (raceway)", "--backplate 63mm", "as 63mm", backplate)?;
+    let roller_mm = length("Radius of a roller", "--roller 20mm", "as 20mm", roller)?;
+    let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", "as 40mm", offset)?;
+    let question = Question {
+        text: "Tube, bore x outer diameter",
+        option: "--tube 10x14mm",
+        usual: tube.map(Usual::new),
+        help: "as 10x14mm",
+    };
+    let tube =
+        course.asker.ask(&question, |answer| units::tube_size(answer).map_err(|error| error.to_string()))?;
     let question = Question {
         text: "Contact angle",
         option: "--contact 30deg",
-        usual: None,
+        usual: contact.map(Usual::new),
         help: "the backplate spans 180deg and twice this angle, as 30deg",
     };
     let contact_rad =
         course.asker.ask(&question, |answer| units::angle_rad(answer).map_err(|error| error.to_string()))?;
-    let contact_deg = degrees(contact_rad);
-    set(course, HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg })
+    let (bore_mm, outer_mm) = (tube.bore_mm, tube.outer_mm);
+    // Degrees as they were typed, without the rounding on the way over radians.
+    let contact_deg = (1e9 * degrees(contact_rad)).round() / 1e9;
+    Ok(HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg })
 }
 
 /// Says what the catalogue knows of the head.

@@ -79,7 +79,12 @@ impl SetupArgs {
         match ended {
             Ok(()) => Ok(()),
             Err(Stop::Left) => {
-                let text = format!("The answers are on record; `dose setup {name}` goes on.\n");
+                let which = if course.corrected.is_some() {
+                    "The answers before the correction"
+                } else {
+                    "The answers"
+                };
+                let text = format!("{which} are on record; `dose setup {name}` goes on.\n");
                 say(&course.runnable.complete(&text));
                 Ok(())
             }

@@ -59,11 +59,8 @@ fn ask_ambient(course: &mut Course) -> Asked<()> {
 }
 
 fn ask_lifts(course: &mut Course) -> Asked<()> {
-    let height = |answer: &str| match answer {
-        "0" => Ok(0.0),
-        answer => units::height_mm(answer).map_err(|error| error.to_string()),
-    };
-    let shown = |mm: f64| if mm == 0.0 { "0".to_owned() } else { format!("{}m", 1e-3 * mm) };
+    let height = |answer: &str| units::height_mm(answer).map_err(|error| error.to_string());
+    let shown = |mm: f64| if mm == 0.0 { "0".to_owned() } else { format!("{}m", mm / 1e3) };
     if course.answers.suction_lift_mm.is_none() {
         let question = Question {
             text: "Height of the pump above the supply's surface, as 0.3m",

@@ -26,6 +26,7 @@ pub(super) fn write(course: &mut Course) -> Asked<()> {
         board::ask(course)?;
         place::ask(course)?;
         course.answers.check()?;
+        course.end_correction()?;
         let (file, text) = course.pump_file()?;
         if is_written(course, &text) {
             return Ok(());
@@ -41,11 +42,7 @@ pub(super) fn write(course: &mut Course) -> Asked<()> {
         };
         match course.asker.ask(&question, verdict)? {
             Verdict::Right => return put(course, &text),
-            Verdict::Forget(forget) => {
-                let mut answers = course.answers.clone();
-                forget(&mut answers);
-                course.take(answers)?;
-            }
+            Verdict::Forget(forget) => course.correct(forget),
         }
     }
 }
@@ -76,6 +73,8 @@ fn verdict(answer: &str) -> Result<Verdict, String> {
         "y" | "yes" => Verdict::Right,
         "head" | "rollers" => Verdict::Forget(|answers| {
             (answers.head, answers.rollers, answers.tube_bore_mm) = (None, None, None);
+            // The usual rate is that of a head.
+            answers.rate_ml_s = None;
         }),
         "motor" => Verdict::Forget(|answers| {
             (answers.steps_per_rev, answers.full_steps, answers.microsteps, answers.gear) =

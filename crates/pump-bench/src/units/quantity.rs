@@ -87,11 +87,14 @@ pub fn length_mm(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Length)
 }
 
-/// Reads a height or an altitude, which may be zero or negative, and returns it in mm.
+/// Reads a height or an altitude, which may be zero or negative, and returns it in mm. A zero needs no unit.
 ///
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is no length.
 pub fn height_mm(text: &str) -> Result<f64, QuantityError> {
+    if text.trim() == "0" {
+        return Ok(0.0);
+    }
     QuantityText::new(text, Kind::Length)?.value()
 }
 
