@@ -1,7 +1,12 @@
 //! `dose simulate`: the model at constant speed.
 
+use std::path::Path;
+
 use clap::Args;
+use pump_bench::Bench;
+use pump_bench::calibration::Stored;
 use pump_bench::displacement::SpeedDependentPump;
+use pump_bench::notice::Notice;
 use pump_bench::pump_file::PumpFile;
 use pump_bench::report::{ErrorKind, SimulationReport};
 use pump_bench::simulation::{AskedMethod, Method, ModelName, Simulation, choose_method, fastest_run};
@@ -66,10 +71,11 @@ impl SimulateArgs {
             outputs: &outputs,
             inputs: &[self.pump.path()?.as_deref()],
             config: self.pump.config_path(),
-            state_dir,
+            state_dir: state_dir.clone(),
         }
         .check()?;
         let mut file = self.pump.file()?;
+        let calibration = state_dir.and_then(|folder| left_out(&file, &folder));
         self.fluid.change(&mut file)?;
         let pump = file.speed_dependent_pump().map_err(Failure::of)?;
         let (speed_rad_s, limit) = self.speed_rad_s(&file, &pump)?;
@@ -94,7 +100,9 @@ impl SimulateArgs {
         let run = Simulation { method, ..Simulation::new(speed_rad_s, duration_s, dt_s) };
         let steady = run.steady_state(&pump).map_err(Failure::of)?;
         let report = SimulationReport::new(&file, &pump, &run, roller_centric, frictions, &steady);
-        let report = limit.map_or(report.clone(), |limit| report.limited_by(limit)).worded(advice::words);
+        let report = limit.map_or(report.clone(), |limit| report.limited_by(limit));
+        let report =
+            calibration.into_iter().fold(report, SimulationReport::with_warning).worded(advice::words);
         self.write_outputs(&run, &pump, &report)?;
         if self.format.json() { print_json(&(report.json() + "\n")) } else { tell(&report.text()) }
     }
@@ -160,4 +168,16 @@ impl SimulateArgs {
         }
         outputs.put()
     }
+}
+
+/// The warning that doses of this pump take a calibration on record, and the model of its file does not.
+fn left_out(file: &PumpFile, state_dir: &Path) -> Option<Notice> {
+    let bench = Bench::new(file.clone(), None, state_dir).ok()?;
+    let Stored { version, calibration, .. } = bench.calibrations().active().ok()??;
+    let factor = calibration.displacement?.factor;
+    Some(Notice::from(format!(
+        "this is the model of the pump file; doses take calibration {version} ({}), by which a revolution delivers \
+         {factor:.4} times as much",
+        bench.drive_id()
+    )))
 }

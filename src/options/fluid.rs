@@ -28,6 +28,7 @@ impl FluidOptions {
     pub(crate) fn change(&self, file: &mut PumpFile) -> Result<(), Failure> {
         let changed = file.fluid.changed_to(self.fluid.as_deref(), self.temperature);
         file.fluid = changed.map_err(Failure::of)?;
-        Ok(())
+        // A lift that one fluid allows is too high for a heavier one.
+        file.check(&file.pump.id).map_err(Failure::of)
     }
 }

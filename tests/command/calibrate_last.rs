@@ -191,3 +191,16 @@ fn a_dose_that_says_less_than_the_model_is_not_used() {
     // Half a revolution is known to 2 x 4.7 %, ten revolutions to 2 x 1 %; the model to 2 x 2.4 %.
     assert!(!is_used("10mL", "10.0g") && is_used("213mL", "213.0g"));
 }
+
+#[test]
+fn a_fluid_far_thicker_than_the_one_that_was_weighed_is_warned_of() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    assert_eq!(user.json(&["calibrate", "last", "217.26g"])["used"], true);
+    let warned = |arguments: &[&str]| {
+        let report = user.json(&[&["213mL", "--dry-run"], arguments].concat());
+        report["warnings"].to_string().contains("calibration 1 was weighed with water at 25 °C, and this is")
+    };
+    assert!(warned(&["--fluid", "glycerol 50%"]));
+    assert!(!warned(&[]) && !warned(&["--temperature", "40degC"]) && !warned(&["--fluid", "ethanol"]));
+}

@@ -214,3 +214,28 @@ fn a_fluid_that_a_fixed_resistance_does_not_follow_is_warned_of() {
     let ratio = drop_kpa("glycerol 50%") / drop_kpa("water");
     assert!((ratio / (6.00 / 1.0016) - 1.0).abs() < 0.05, "{ratio}");
 }
+
+#[test]
+fn a_simulation_says_its_fluid_and_that_it_leaves_a_calibration_out() {
+    let user = User::new();
+    let run = ["simulate", "--rate", "5mL/s", "--duration", "2s"];
+    let before = user.types(&run);
+    assert!(before.out.contains("fluid   water at 25 °C"), "{}", before.out);
+    assert!(!before.out.contains("calibration"), "{}", before.out);
+    user.json(&["213mL"]);
+    user.json(&["calibrate", "last", "217.26g"]);
+    let after = user.types(&run);
+    assert!(after.out.contains("doses take calibration 1 (sim)"), "{}", after.out);
+    assert_eq!(before.out.lines().next(), after.out.lines().next());
+}
+
+#[test]
+fn a_fluid_that_the_air_does_not_lift_so_high_is_refused_by_the_lift() {
+    let user = User::new();
+    let own = include_str!("../../examples/pumps/my-pump.toml");
+    std::fs::write(user.path("deep.toml"), own.replacen("reservoir_kpa = 88.637", "lift_mm = 8300.0", 1))
+        .unwrap();
+    let run = ["simulate", "--pump", "deep.toml", "--rate", "1mL/s", "--duration", "2s"];
+    let refused = user.is_refused(&[&run[..], &["--fluid", "glycerol 50%"]].concat());
+    assert!(refused.contains("[inlet] lift_mm is 8300; allowed: more than"), "{refused}");
+}

@@ -12,6 +12,21 @@ pub(crate) fn significant(value: f64, digits: i32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// Formats an uncertainty with two significant digits, a zero at the end among them.
+pub(crate) fn two_digits(uncertainty: f64) -> String {
+    let decimals = decimals_of(uncertainty);
+    format!("{uncertainty:.decimals$}")
+}
+
+/// Returns the decimals that show an uncertainty with two significant digits.
+pub(crate) fn decimals_of(uncertainty: f64) -> usize {
+    if !(uncertainty > 0.0 && uncertainty.is_finite()) {
+        return 6;
+    }
+    // 12 at most: nobody weighs a picolitre.
+    (1.0 - floor(uncertainty.log10())).clamp(0.0, 12.0) as usize
+}
+
 /// Words a time in s, in the unit that suits it.
 pub(crate) fn duration(time_s: f64) -> String {
     let (unit_s, unit) = match time_s {

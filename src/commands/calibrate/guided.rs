@@ -111,15 +111,25 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64
     let trial_s = if made == 0 { planned.speeds_rpm.get(all / 2).map_or(0.0, time_of) } else { 0.0 };
     let motion_s = trial_s + planned.speeds_rpm.iter().skip(made).map(time_of).sum::<f64>();
     let pump = &bench.file().pump.id;
+    let speeds: Vec<_> = run_s.iter().map(|(rpm, _)| short(*rpm)).collect();
+    let at = format!("at {} r/min", listed(&speeds));
     let motor = match bench.board_port() {
         Some(port) => format!("the motor of {pump} at {}", port.display()),
         None => format!("the simulated motor of {pump}"),
     };
     let time = format!("{motor} turns for {} in all, besides the weighing", lasting(motion_s));
     if made == 0 {
-        format!("{all} runs of {each}, after one to try; {vessel}\n{time}\n")
+        format!("{all} runs of {each}, {at}, after one to try; {vessel}\n{time}\n")
     } else {
-        format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n{time}\n")
+        format!("{made} of {all} runs of {each}, {at}, are on record; {vessel} of the others\n{time}\n")
+    }
+}
+
+/// Words in a row: `14, 28 and 100`.
+fn listed(words: &[String]) -> String {
+    match words {
+        [words @ .., last] if !words.is_empty() => format!("{} and {last}", words.join(", ")),
+        words => words.concat(),
     }
 }
 

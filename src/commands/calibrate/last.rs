@@ -7,11 +7,11 @@ use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units::{Amount, StatedReading, stated_reading};
 
 use super::reading::{NOTHING_KEPT, ReadingOptions, next_number};
-use super::scale::{digits_said, shown as shown_mass, still};
+use super::scale::{digits_said, shown as shown_mass};
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::options::balance::BalanceOptions;
+use crate::options::balance::{BalanceOptions, read_still};
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::motor::PortOption;
@@ -83,7 +83,7 @@ impl LastArgs {
         let missing = || Failure::refused("what does the scale show? Write it, as 23.8g, or name a balance");
         let mut balance = self.balance.open(bench.board_port())?.ok_or_else(missing)?;
         let _interrupt = Interrupt::watch()?;
-        let shown = still(balance.as_mut(), self.balance.longest_wait())?;
+        let shown = read_still(balance.as_mut(), self.balance.longest_wait())?;
         let text = shown_mass(shown.mass_g, shown.step_g);
         if shown.mass_g <= 0.0 {
             return Err(Failure::refused(format!(

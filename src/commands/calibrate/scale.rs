@@ -8,8 +8,8 @@ use pump_bench::{Bench, Session};
 
 use super::answers::{Answer, Answers};
 use crate::failure::Failure;
-use crate::interrupt::{self, Interrupt};
-use crate::options::balance::BalanceOptions;
+use crate::interrupt::Interrupt;
+use crate::options::balance::{BalanceOptions, read_still};
 use crate::terminal::say;
 
 /// Source of the readings.
@@ -40,7 +40,7 @@ impl Scale {
     /// Reads the balance before a motion. A person tares the vessel.
     pub(super) fn before(&mut self) -> Result<(), Failure> {
         if let Self::Balance { balance, before, longest, .. } = self {
-            *before = Some(still(balance.as_mut(), *longest)?);
+            *before = Some(read_still(balance.as_mut(), *longest)?);
         }
         Ok(())
     }
@@ -55,7 +55,7 @@ impl Scale {
         match self {
             Self::Person(answers) => answers.reading(question, session, interrupt),
             Self::Balance { balance, before, longest, digit_g } => {
-                let after = still(balance.as_mut(), *longest)?;
+                let after = read_still(balance.as_mut(), *longest)?;
                 *digit_g = digit_g.max(after.step_g);
                 let mass_g = after.mass_g - before.map_or(0.0, |before| before.mass_g);
                 say(&format!("{question}: {} more on the balance\n", shown(mass_g, after.step_g)));
@@ -98,11 +98,6 @@ impl Scale {
     pub(super) fn can_repeat(&self) -> bool {
         matches!(self, Self::Person(_))
     }
-}
-
-/// Reads a balance that stands still.
-pub(super) fn still(balance: &mut dyn Balance, longest: Duration) -> Result<BalanceReading, Failure> {
-    balance.read_still(longest, &interrupt::stop_request()).map_err(Failure::of)
 }
 
 /// A mass with the digits of the balance.

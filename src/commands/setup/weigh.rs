@@ -13,8 +13,7 @@ use super::written::rounded;
 use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
-use crate::interrupt;
-use crate::options::balance::BalanceOptions;
+use crate::options::balance::{BalanceOptions, read_still};
 use crate::terminal::noted;
 use crate::warned::Warned;
 
@@ -90,7 +89,7 @@ fn ask_volume(course: &mut Course) -> Asked<()> {
 
 /// Reads a balance that stands still.
 pub(super) fn still(balance: &mut dyn Balance, named: &BalanceOptions) -> Result<BalanceReading, Failure> {
-    balance.read_still(named.longest_wait(), &interrupt::stop_request()).map_err(Failure::of)
+    read_still(balance, named.longest_wait())
 }
 
 /// The mass that a balance shows more than before the dose. A dose of an earlier call went into a tared vessel.

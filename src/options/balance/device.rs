@@ -5,12 +5,14 @@ use std::time::Duration;
 
 use clap::Args;
 use pump_bench::balance::{
-    Balance, ProgramBalance, Protocol, SerialBalance, SerialLine, refuse_port_of_board,
+    Balance, BalanceReading, ProgramBalance, Protocol, SerialBalance, SerialLine, refuse_port_of_board,
 };
 use pump_bench::units;
 
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::options::choice::choice;
+use crate::terminal::waiting;
 
 /// Usual longest wait for a balance to stand still, s.
 const STILL_S: f64 = 60.0;
@@ -89,4 +91,12 @@ impl BalanceOptions {
         let balance = SerialBalance::open(port, line, protocol).map_err(Failure::of)?;
         Ok(Some(Box::new(balance)))
     }
+}
+
+/// Reads a balance that stands still, with a sign of life.
+pub(crate) fn read_still(balance: &mut dyn Balance, longest: Duration) -> Result<BalanceReading, Failure> {
+    let sign = waiting("waiting for the balance to stand still");
+    let found = balance.read_still(longest, &interrupt::stop_request());
+    sign.finish_and_clear();
+    found.map_err(Failure::of)
 }

@@ -4,4 +4,4 @@ mod by_weight;
 mod device;
 
 pub(crate) use by_weight::ByWeightOptions;
-pub(crate) use device::BalanceOptions;
+pub(crate) use device::{BalanceOptions, read_still};

@@ -204,7 +204,7 @@ fn a_mass_is_the_reading_of_a_balance_in_the_ambient_air() {
     assert_eq!(number(&volume, "requested_ml"), 25.0);
     assert!((number(&volume, "balance_g") - 25.0 / 1.0038).abs() < 3e-3, "{volume}");
     let long = user.types(&["25mL", "--dry-run", "-v"]).out;
-    assert!(long.contains("balance      shows 24.90") && long.contains("in air of 85.7 kPa"), "{long}");
+    assert!(long.contains("balance      shows 24.9 g") && long.contains("in air of 85.7 kPa"), "{long}");
 }
 
 #[test]

@@ -34,13 +34,17 @@ pub(crate) struct WeighedTurn {
     pub(crate) turned_rad: f64,
 }
 
-/// Number and date of a calibration.
+/// Number, date and fluid of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Made {
     /// Number of the calibration.
     pub(crate) version: u32,
     /// Date at which the calibration was made, UTC.
     pub(crate) date: String,
+    /// Name of the fluid that was weighed.
+    pub(crate) fluid: String,
+    /// Mean temperature of that fluid, in °C.
+    pub(crate) temperature_degc: f64,
 }
 
 /// Source of the displacement of a dose, with its uncertainty.

@@ -10,6 +10,7 @@ mod overlap;
 mod remarks;
 mod roller_runs;
 mod stated_motor;
+mod suction;
 mod tube_rating;
 mod unusual;
 
@@ -22,4 +23,5 @@ pub(crate) use microsteps::{DECIMAL, POWERS};
 pub use overlap::overlap_warning;
 pub use roller_runs::{Fall, RollerRuns};
 pub use stated_motor::{MotorSteps, StatedMotor};
+pub(crate) use suction::suction_warning;
 pub use unusual::unusual;

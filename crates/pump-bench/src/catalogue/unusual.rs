@@ -4,6 +4,7 @@ use pump_model::Port;
 
 use super::microsteps::{is_usual, usual_in_words};
 use super::overlap::overlap_warning;
+use super::suction::suction_warning;
 use super::tube_rating::rated_kpa;
 use crate::heads::{path_mm, usual_ml};
 use crate::notice::Notice;
@@ -14,7 +15,7 @@ use crate::pump_file::PumpFile;
 const MOST_ROLLERS: u32 = 12;
 
 /// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap, a volume of a
-/// revolution for its bore, a number of rollers, a height for its tube, and microsteps for a motor's driver.
+/// revolution for its bore, a number of rollers, a height for its tube on either side, and microsteps for a motor's driver.
 ///
 /// ```
 /// let mut file = pump_bench::built_in("three-roller").unwrap();
@@ -26,7 +27,8 @@ const MOST_ROLLERS: u32 = 12;
 /// ```
 pub fn unusual(file: &PumpFile) -> Vec<Notice> {
     let overlap = file.model().ok().and_then(|pump| overlap_warning(pump.geometry()));
-    let found = [overlap, of_volume(file), of_rollers(file), of_height(file), of_microsteps(file)];
+    let found =
+        [overlap, of_volume(file), of_rollers(file), of_suction(file), of_height(file), of_microsteps(file)];
     found.into_iter().flatten().map(Notice::from).collect()
 }
 
@@ -63,6 +65,11 @@ fn of_rollers(file: &PumpFile) -> Option<String> {
         )),
         _ => None,
     }
+}
+
+/// Warns of a supply so low that the tube may collapse.
+fn of_suction(file: &PumpFile) -> Option<String> {
+    suction_warning(file, file.ambient.pressure_kpa - file.reservoir_kpa(Port::Inlet))
 }
 
 /// Warns of a vessel so high that the column of fluid presses with more than tubes are rated for.
@@ -129,6 +136,8 @@ mod tests {
         one(&|file| file.rollers.count = 40, "40 rollers are more");
         // 100 m of 997 kg/m³ press with 977.7 kPa.
         one(&|file| file.outlet.line.reservoir = Reservoir::Lift(100e3), "with 978 kPa");
+        // 9.4 m of 997 kg/m³ suck with 91.9 kPa; 4 m with 39.1 kPa, as the tube of the paper stands.
+        one(&|file| file.inlet.reservoir = Reservoir::Lift(9400.0), "sucks with 91.9 kPa below");
         one(&|file| file.outlet.line.reservoir = Reservoir::Pressure(600.0), "rated at 482 kPa");
         one(&|file| file.motor.steps_per_rev = 3000, "are 15 microsteps of 200 full steps");
     }
@@ -144,6 +153,7 @@ mod tests {
             assert_eq!(warned(|file| file.rollers.count = rollers).len(), 0, "{rollers}");
         }
         assert_eq!(warned(|file| file.outlet.line.reservoir = Reservoir::Lift(20e3)).len(), 0);
+        assert_eq!(warned(|file| file.inlet.reservoir = Reservoir::Lift(4000.0)).len(), 0);
         // Nobody has said the steps of a file that the program filled in.
         let assumed = |file: &mut PumpFile| {
             (file.motor.steps_per_rev, file.motor.confirmed) = (3000, Some(false));

@@ -134,6 +134,8 @@ impl Planner<'_> {
             calibration: self.stored.map(|Stored { version, calibration }| Made {
                 version: *version,
                 date: calibration.date.clone(),
+                fluid: calibration.fluid.clone(),
+                temperature_degc: calibration.temperature_degc,
             }),
             correction: Correction {
                 factor: against.map_or(Ok(1.0), |against| against.factor_at(signed_rpm))?,

@@ -10,7 +10,7 @@ use pump_model::{Extremes, Pump};
 
 use super::uncertainty::{Budget, Share, ShareSource, pressure_uncertainty_kpa};
 use super::unknown_angle;
-use crate::calibration::Applied;
+use crate::calibration::{Applied, Made};
 use crate::catalogue::{built_in, overlap_warning};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
@@ -211,6 +211,14 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
         return None;
     };
     let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
+    Some(Notice::from(text).with_remedy(Remedy::Weigh))
+}
+
+/// Warns of a fluid much thicker or thinner than that of the calibration in use.
+pub(super) fn unweighed_fluid(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
+    let applied = applied.filter(|applied| applied.sureness().is_some())?;
+    let Made { version, fluid, temperature_degc, .. } = applied.calibration.as_ref()?;
+    let text = file.fluid.fills_unlike(fluid, *temperature_degc, &format!("calibration {version}"))?;
     Some(Notice::from(text).with_remedy(Remedy::Weigh))
 }
 

@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::range::{WrongValue, within, within_if_given};
 use crate::notice::Notice;
 use replaced::Replaced;
+pub(crate) use replaced::THICK_MPA_S;
 
 /// Largest temperature difference over which a fluid unknown to the model keeps its density, in °C.
 pub(crate) const SAME_TEMPERATURE_DEGC: f64 = 2.0;
@@ -155,6 +156,15 @@ impl FluidTable {
     /// the pump file's own fluid.
     pub(super) fn resistance_warning(&self, are_given: [bool; 2]) -> Option<Notice> {
         self.replaced.as_ref()?.warning(&self.as_it_flows(), are_given)
+    }
+
+    /// Returns in words how this fluid fills a tube unlike the one of a name and a temperature in °C with which
+    /// `weighed` was weighed. `None` where both fill it alike.
+    pub(crate) fn fills_unlike(&self, name: &str, degc: f64, weighed: &str) -> Option<String> {
+        let is_own = self.name.eq_ignore_ascii_case(name);
+        let known = || Some(known(name, degc)?.ok()?.viscosity_mpa_s);
+        let viscosity_mpa_s = self.viscosity_mpa_s.filter(|_| is_own).or_else(known);
+        Replaced::new(name, degc, viscosity_mpa_s).fills_unlike(&self.as_it_flows(), weighed)
     }
 
     /// Refuses the first value outside its range. Where a line is a hose, refuses a fluid without the values

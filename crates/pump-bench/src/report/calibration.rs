@@ -13,7 +13,7 @@ use crate::bench::Bench;
 use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored, default_rate_uncovered};
 use crate::displacement::SpeedDependentPump;
 use crate::notice::{Remedy, Wording};
-use crate::numbers::short;
+use crate::numbers::{short, two_digits};
 use crate::pump_file::PumpFile;
 
 /// One line of JSON of a calibration that was stored, with the warnings of its fit.
@@ -230,11 +230,11 @@ fn waits(
     let (file, base) = (bench.file(), bench.model());
     let of_doses = found.whole_standard_at(base, found.reference_rpm)?;
     Ok(format!(
-        "calibration {} waits: the mean volume by these doses, \u{b1} {:.2} %, is less sure than the model's, \u{b1} \
-         {:.2} % (k = 2); doses keep to the model until more are weighed; {}\n",
+        "calibration {} waits: the mean volume by these doses, \u{b1} {} %, is less sure than the model's, \u{b1} {} % \
+         (k = 2); doses keep to the model until more are weighed; {}\n",
         stored.version,
-        200.0 * of_doses / found.factor,
-        200.0 * file.model_standard(),
+        two_digits(200.0 * of_doses / found.factor),
+        two_digits(200.0 * file.model_standard()),
         words(Remedy::UseCalibration),
     ))
 }

@@ -6,7 +6,7 @@ use pump_model::units::wrap;
 use super::choices::VolumeBasis;
 use super::dose::{CalibrationReport, DoseReport};
 use crate::dosing::{RippleAt, Share, ShareSource};
-use crate::numbers::{microlitres, short, significant};
+use crate::numbers::{decimals_of, microlitres, short, significant};
 use crate::record::PhaseSource;
 
 /// Share of the variance below which a source of uncertainty is left out, percent.
@@ -156,8 +156,10 @@ impl DoseReport {
 
     /// The reading of a balance for the volume, with the pressure of its air.
     fn balance(&self) -> Option<String> {
-        let (grams, kpa) = (significant(self.balance_g?, 6), short(self.ambient_kpa));
-        Some(format!("shows {grams} g in air of {kpa} kPa (Z of ISO 8655-6)"))
+        // A gram of fluid is about a millilitre, so the volume's digits are those of the mass.
+        let (grams, decimals) = (self.balance_g?, decimals_of(self.expanded_uncertainty_ml));
+        let kpa = short(self.ambient_kpa);
+        Some(format!("shows {grams:.decimals$} g in air of {kpa} kPa (Z of ISO 8655-6)"))
     }
 
     fn suction(&self) -> Option<String> {
@@ -214,12 +216,12 @@ impl DoseReport {
     fn basis(&self) -> String {
         match (&self.calibration, self.speed_law_factor) {
             (Some(calibration), _) if self.volume_basis == VolumeBasis::Calibrated => {
-                let factor = significant(calibration.displacement_factor, 6);
+                let factor = format!("{:.4}", calibration.displacement_factor);
                 let pulse = pulse(calibration);
                 format!("calibration {} (model volume times {factor}{pulse})", calibration.version)
             }
             (_, Some(factor)) => {
-                format!("not calibrated, speed law (model volume times {})", significant(factor, 6))
+                format!("not calibrated, speed law (model volume times {factor:.4})")
             }
             (Some(calibration), None) if calibration.roller_volume_ml.is_some() => {
                 format!("calibration {} (of the pulse alone{})", calibration.version, pulse(calibration))

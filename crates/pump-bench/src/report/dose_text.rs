@@ -1,11 +1,10 @@
 //! The report of a dose in three lines for people; digits are cut to the uncertainty.
 
-use libm::floor;
 use pump_ctl::plan::LimitedBy;
 
 use super::dose::DoseReport;
 use crate::bench::headline;
-use crate::numbers::{microlitres, significant};
+use crate::numbers::{decimals_of, microlitres, significant};
 use crate::record::Purpose;
 use crate::units::{Amount, amount};
 
@@ -145,15 +144,6 @@ impl DoseReport {
 /// True for an amount that was typed as a mass.
 fn is_mass(typed: &str) -> bool {
     matches!(amount(typed), Ok(Amount::Mass(_)))
-}
-
-/// Decimals that show an uncertainty with two significant digits.
-fn decimals_of(uncertainty: f64) -> usize {
-    if !(uncertainty > 0.0 && uncertainty.is_finite()) {
-        return 6;
-    }
-    // 12 at most: nobody weighs a picolitre.
-    (1.0 - floor(uncertainty.log10())).clamp(0.0, 12.0) as usize
 }
 
 #[cfg(test)]

@@ -110,6 +110,13 @@ impl SimulationReport {
         Self { limited_by: Some(limit.name()), ..self }
     }
 
+    /// Returns the report with one more warning.
+    #[must_use]
+    pub fn with_warning(mut self, warning: Notice) -> Self {
+        self.warnings.push(warning);
+        self
+    }
+
     /// Returns the report whose warnings have their remedies in a front end's words.
     #[must_use]
     pub fn worded(self, words: Wording) -> Self {
@@ -129,7 +136,10 @@ impl SimulationReport {
     /// The words for people: the steady state, the model and its warnings.
     pub fn text(&self) -> String {
         let warnings = self.warnings.iter().map(|warning| format!("  warning {warning}\n"));
-        [self.figures(), self.limit(), self.assumptions(), self.hoses()].into_iter().chain(warnings).collect()
+        [self.figures(), self.fluid(), self.limit(), self.assumptions(), self.hoses()]
+            .into_iter()
+            .chain(warnings)
+            .collect()
     }
 
     fn figures(&self) -> String {
@@ -152,6 +162,10 @@ impl SimulationReport {
             s.outlet_max_kpa,
             s.outlet_mean_kpa,
         )
+    }
+
+    fn fluid(&self) -> String {
+        format!("  fluid   {} at {} °C\n", self.fluid, self.fluid_temperature_degc)
     }
 
     fn limit(&self) -> String {

@@ -4,10 +4,10 @@ use pump_model::Port;
 use pump_model::SteadyState;
 use pump_model::units::rpm;
 
-use crate::catalogue::{CataloguedPump, overlap_warning};
+use crate::catalogue::{CataloguedPump, overlap_warning, suction_warning};
 use crate::heads::BoughtHead;
 use crate::notice::Notice;
-use crate::pump_file::{FluidTable, PumpFile};
+use crate::pump_file::{FluidTable, PumpFile, THICK_MPA_S};
 use crate::simulation::{Method, SteadyReport};
 
 use super::candidates::{heads_for, speed_rpm};
@@ -25,10 +25,6 @@ use super::suction::{Suction, suction};
 /// Heads of the catalogue that are tried at most, and those that are named beside the one that serves.
 const TRIED: usize = 12;
 const NAMED: usize = 3;
-
-/// Viscosity from which on a fluid is thicker than the water of published flows, in mPa s: twice that of water at 20
-/// °C.
-const THICK_MPA_S: f64 = 2.0;
 
 /// A pump with its speed, pressures, margins and pulsation at a duty.
 #[derive(Debug, Clone, PartialEq)]
@@ -237,7 +233,8 @@ fn warnings(at: &Operating, suction: &Suction, steady: &SteadyState, pulsation: 
         ))
     });
     let overlap = overlap_warning(at.pump.geometry()).map(Notice::from);
-    let of_pump = file.resistance_warning().into_iter().chain(overlap);
+    let sucks = suction_warning(file, file.ambient.pressure_kpa - steady.inlet.min_kpa).map(Notice::from);
+    let of_pump = file.resistance_warning().into_iter().chain(overlap).chain(sucks);
     of_pump.chain(hose).chain(swings(at, pulsation)).collect()
 }
 

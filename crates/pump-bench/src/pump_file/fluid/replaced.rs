@@ -5,6 +5,13 @@ use crate::notice::{Notice, Remedy};
 /// Part by which a viscosity may differ before the resistance of the file's own fluid is warned of.
 const ALIKE: f64 = 0.1;
 
+/// Viscosity from which on a fluid is thicker than the water of published flows, in mPa s: twice that of water at 20
+/// °C.
+pub(crate) const THICK_MPA_S: f64 = 2.0;
+
+/// Factor by which a viscosity may differ before a volume that was weighed with one fluid is doubtful for the other.
+const FILLS_ALIKE: f64 = 2.0;
+
 /// A fluid as it flows: the one that a pump file states, where another one stands in for it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Replaced {
@@ -30,6 +37,22 @@ impl Replaced {
         match self.viscosity_mpa_s.zip(other.viscosity_mpa_s) {
             Some((own, other)) => (other / own - 1.0).abs() <= ALIKE,
             None => self.name.eq_ignore_ascii_case(&other.name),
+        }
+    }
+
+    /// Returns in words how `now` fills a tube unlike this fluid, with which `weighed` was weighed. `None` where both
+    /// fill it alike.
+    pub(super) fn fills_unlike(&self, now: &Self, weighed: &str) -> Option<String> {
+        let of_them = format!("{weighed} was weighed with {}, and this is {}", self.told(), now.told());
+        let fills = "a thicker fluid fills the tube less, and nobody has weighed by how much";
+        match self.viscosity_mpa_s.zip(now.viscosity_mpa_s) {
+            Some((own, other)) if own.max(other) <= THICK_MPA_S => None,
+            Some((own, other)) if (1.0 / FILLS_ALIKE..=FILLS_ALIKE).contains(&(other / own)) => None,
+            Some((own, other)) => {
+                Some(format!("{of_them} of {:.2} times the viscosity: {fills}", other / own))
+            }
+            None if self.name.eq_ignore_ascii_case(&now.name) => None,
+            None => Some(format!("{of_them} of a viscosity that nobody knows: {fills}")),
         }
     }
 
@@ -112,5 +135,22 @@ mod tests {
         assert!((ratio / (1126.3 / 998.2) - 1.0).abs() < 1e-3, "{ratio}");
         file.inlet = LineTable::of_hose_with_lift(0.0, hose());
         assert_eq!(with(&file, Some("glycerol 50%"), Some(20.0)).resistance_warning(), None);
+    }
+
+    #[test]
+    fn a_volume_that_was_weighed_with_a_fluid_far_thicker_or_thinner_is_doubtful() {
+        let file = built_in("three-roller").unwrap();
+        let said = |dosed: Option<&str>, weighed: &str, degc: f64| {
+            with(&file, dosed, Some(25.0)).fluid.fills_unlike(weighed, degc, "calibration 1")
+        };
+        // Glycerol of 50 % at 25 °C: 5.03 mPa s by Cheng (2008), and water 0.89.
+        let thick = said(Some("glycerol 50%"), "water", 25.0).unwrap();
+        assert!(thick.starts_with("calibration 1 was weighed with water at 25 °C, and this is"), "{thick}");
+        let times: f64 = thick.split(" of ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!((times - 5.6).abs() < 0.2, "{thick}");
+        assert!(said(None, "glycerol 50%", 25.0).is_some() && said(None, "syrup", 25.0).is_some());
+        assert_eq!(said(None, "water", 80.0), None, "hot water fills a tube as cold water does");
+        assert_eq!(said(Some("ethanol"), "water", 25.0), None);
+        assert_eq!(said(Some("glycerol 50%"), "Glycerol 50%", 20.0), None);
     }
 }

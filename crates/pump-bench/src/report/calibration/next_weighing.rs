@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::calibration::{CalibrationError, Displacement, ScatterPrior, Source, Stored};
 use crate::notice::{Remedy, Wording};
-use crate::numbers::significant;
+use crate::numbers::{significant, two_digits};
 
 /// Part of the uncertainty that more doses must leave at most, so that they are worth their time.
 const SURER: f64 = 0.9;
@@ -95,20 +95,21 @@ impl NextWeighing {
     }
 
     fn offer(&self, words: Wording) -> String {
-        let (now, then) = (self.mean_percent, self.then_mean_percent);
-        let [now, then] = match self.dose_percent.zip(self.then_dose_percent) {
+        let [now, then] = [self.mean_percent, self.then_mean_percent].map(two_digits);
+        let of_dose = self.dose_percent.zip(self.then_dose_percent);
+        let [now, then] = match of_dose.map(|(dose, then_dose)| (two_digits(dose), two_digits(then_dose))) {
             Some((dose, then_dose)) => [
                 format!(
-                    "one dose like this \u{b1} {dose:.2} %, the mean of many such doses \u{b1} {now:.2} % (k = 2); \
+                    "one dose like this \u{b1} {dose} %, the mean of many such doses \u{b1} {now} % (k = 2); \
                      drop and angle come besides"
                 ),
-                format!("about \u{b1} {then_dose:.2} % for one, \u{b1} {then:.2} % for the mean"),
+                format!("about \u{b1} {then_dose} % for one, \u{b1} {then} % for the mean"),
             ],
             None => [
                 format!(
-                    "the mean of many doses at this speed \u{b1} {now:.2} % (k = 2); one dose scatters besides"
+                    "the mean of many doses at this speed \u{b1} {now} % (k = 2); one dose scatters besides"
                 ),
-                format!("about \u{b1} {then:.2} % for the mean"),
+                format!("about \u{b1} {then} % for the mean"),
             ],
         };
         let doses = match self.more {

@@ -117,6 +117,22 @@ impl ByWeightReport {
         )
     }
 
+    /// The reason for which the dose has more than its mass, for people, if it is more than a digit.
+    fn exceeds(&self) -> String {
+        let more_g = self.mass_g - self.target_g;
+        if !self.at_rest || more_g < 1.5 * self.digit_g {
+            return String::new();
+        }
+        let of_drop =
+            self.tolerance_by == ToleranceBy::Drop && more_g <= 2.0 * self.tolerance_g + self.digit_g;
+        let why = if of_drop {
+            format!("a drop falls whole ({} g)", significant(2.0 * self.tolerance_g, 2))
+        } else {
+            "more arrived after a stop than was reckoned with".to_owned()
+        };
+        format!(", {} g more than asked: {why}", significant(more_g, 2))
+    }
+
     /// The time of the motion and that of the whole dose, for people.
     pub(in crate::report) fn times(&self, motion_s: f64) -> String {
         let in_all =
@@ -129,13 +145,14 @@ impl ByWeightReport {
         let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;
         let when = if self.at_rest { "" } else { " when the motor was stopped, and rising," };
         let weighed = format!(
-            "by weight: {:.decimals$} g of {:.decimals$} g{when} in {} {}{}{}; {}, {} mL at most\n",
+            "by weight: {:.decimals$} g of {:.decimals$} g{when} in {} {}{}{}{}; {}, {} mL at most\n",
             self.mass_g,
             self.target_g,
             self.stretches,
             if self.stretches == 1 { "stretch" } else { "stretches" },
             self.before(),
             self.lacks(),
+            self.exceeds(),
             self.turned(),
             significant(self.most_ml, 5),
         );
@@ -152,5 +169,53 @@ impl ByWeightReport {
             "{weighed}flow that still arrives after a stop: that of {} s was reckoned with, {source}{now}\n",
             significant(time_s, 2)
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn weighed(mass_g: f64, tolerance_by: ToleranceBy) -> ByWeightReport {
+        ByWeightReport {
+            target_g: 0.5,
+            mass_g,
+            at_rest: true,
+            digit_g: 0.01,
+            turned_ml: 0.5,
+            turned_least_ml: 0.5,
+            turned_most_ml: 0.5,
+            most_ml: 0.6,
+            stretches: 3,
+            stopped_by_balance: 2,
+            reckoned_s: None,
+            reckoned_learned: None,
+            after_stop_s: None,
+            after_stop_spread_s: None,
+            after_stop_stops: None,
+            dropped_ml: 0.0,
+            before_ml: 0.0,
+            tolerance_g: if tolerance_by == ToleranceBy::Drop { 0.014 } else { 0.01 },
+            tolerance_by,
+            took_s: None,
+        }
+    }
+
+    #[test]
+    fn a_mass_that_is_not_the_asked_one_has_its_reason() {
+        let line = |mass_g, by| weighed(mass_g, by).line();
+        assert!(
+            !line(0.51, ToleranceBy::Drop).contains("than asked"),
+            "a digit is as near as a balance tells"
+        );
+        let drop = line(0.52, ToleranceBy::Drop);
+        assert!(drop.contains("0.02 g more than asked: a drop falls whole (0.028 g)"), "{drop}");
+        let late = line(0.56, ToleranceBy::Drop);
+        assert!(
+            late.contains("0.06 g more than asked: more arrived after a stop than was reckoned with"),
+            "{late}"
+        );
+        assert!(line(0.53, ToleranceBy::Digit).contains("more arrived after a stop"));
+        assert!(line(0.48, ToleranceBy::Drop).contains("0.02 g less than asked: a drop falls whole"));
     }
 }

@@ -25,7 +25,7 @@ pub struct CalibrationReport {
 
 impl CalibrationReport {
     pub(in crate::report) fn of(applied: &Applied) -> Option<Self> {
-        let Made { version, date } = applied.calibration.clone()?;
+        let Made { version, date, .. } = applied.calibration.clone()?;
         let (displacement_factor, zero_rad) = (applied.correction.factor, applied.correction.zero_rad);
         let pulse = applied.correction.pulse;
         Some(Self {
