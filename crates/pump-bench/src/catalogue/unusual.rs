@@ -15,7 +15,8 @@ use crate::pump_file::PumpFile;
 const MOST_ROLLERS: u32 = 12;
 
 /// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap, a volume of a
-/// revolution for its bore, a number of rollers, a height for its tube on either side, and microsteps for a motor's driver.
+/// revolution for its bore, a number of rollers, a height for its tube on either side, and microsteps for a motor's
+/// driver.
 ///
 /// ```
 /// let mut file = pump_bench::built_in("three-roller").unwrap();
