@@ -51,6 +51,12 @@ impl BenchOptions {
             ("--confirm-pump", *confirm_pump),
         ];
         refuse_unless_real(&file, driver, &given)?;
+        if self.motor.pace.is_some() && !is_simulated(&file, driver) {
+            return Err(Failure::refused(
+                "--pace is that of a simulated motor, and a real one keeps real time; leave it out, or add --driver \
+                 sim",
+            ));
+        }
         Ok(self
             .simulated(file)?
             .at_port(port.port.clone())
@@ -73,7 +79,7 @@ impl BenchOptions {
             Some(limit) => bench.waiting(limit, |text| say(&format!("{text}\n"))),
             None => bench,
         };
-        Ok(bench.stopping_on(interrupt::stop_request()))
+        Ok(bench.paced(self.motor.pace).stopping_on(interrupt::stop_request()))
     }
 }
 

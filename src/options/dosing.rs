@@ -5,6 +5,8 @@ use std::path::Path;
 use clap::Args;
 use pump_bench::calibration::Weighing;
 use pump_bench::config::Config;
+use pump_bench::pump_file::Pace;
+use pump_bench::rack::RackPace;
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, PumpFile};
 
@@ -126,7 +128,22 @@ impl DosingOptions {
             true => self.bench.simulated(file),
             false => self.bench.bench_of(file),
         };
-        files.into_iter().map(bench).collect()
+        // The clock of the rack is that of all its pumps.
+        let in_step = |bench: Bench| if bench.is_simulated() { bench.paced(Some(Pace::Fast)) } else { bench };
+        files.into_iter().map(|file| bench(file).map(in_step)).collect()
+    }
+
+    /// True if simulated motors are told to take no time.
+    pub(crate) fn is_fast(&self) -> bool {
+        self.bench.motor.pace == Some(Pace::Fast)
+    }
+
+    /// The pace of a rack's simulated motors.
+    pub(crate) fn rack_pace(&self) -> RackPace {
+        match self.bench.motor.pace {
+            Some(Pace::Fast) => RackPace::Fast,
+            Some(Pace::Real) | None => RackPace::Real,
+        }
     }
 
     /// The command to run if the dose fails; none without one, and for a dry run.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pump_bench::pump_file::DriverName;
+use pump_bench::pump_file::{DriverName, Pace};
 use pump_bench::units;
 
 use super::choice::choice;
@@ -54,6 +54,12 @@ pub(crate) struct MotorOptions {
     /// Wait so long while another command has the pump or its port, as 60s [default: refuse at once]
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     pub(crate) wait: Option<f64>,
+    /// Pace of a simulated motor [default: the pump file's, or fast; of a rack real]
+    #[arg(long, value_name = "real|fast", value_parser = choice(&[
+        (Pace::Real, "It takes the time of its plan"),
+        (Pace::Fast, "It takes no time; the motors of a rack keep step with each other"),
+    ]))]
+    pub(crate) pace: Option<Pace>,
     /// Say that the pump's values are those of your pump, where nobody wrote them
     #[arg(
         long_help = "Say that the pump's values are those of your pump. A real motor does not move while its steps \

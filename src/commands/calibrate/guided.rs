@@ -117,11 +117,11 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64
         Some(port) => format!("the motor of {pump} at {}", port.display()),
         None => format!("the simulated motor of {pump}"),
     };
-    let time = format!("{motor} turns for {} in all, besides the weighing", lasting(motion_s));
+    let time = format!("{motor} turns {at}, for {} in all, besides the weighing", lasting(motion_s));
     if made == 0 {
-        format!("{all} runs of {each}, {at}, after one to try; {vessel}\n{time}\n")
+        format!("{all} runs of {each}, after one to try; {vessel}\n{time}\n")
     } else {
-        format!("{made} of {all} runs of {each}, {at}, are on record; {vessel} of the others\n{time}\n")
+        format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n{time}\n")
     }
 }
 

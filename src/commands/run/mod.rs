@@ -73,6 +73,12 @@ impl RunArgs {
                 "{name} is the file of a run with an end; give the run one with --for or --volume"
             )));
         }
+        if self.options.is_fast() {
+            return Err(Failure::refused(
+                "--pace fast takes no time, and a run until it is stopped ends by time; give it an end with --for or \
+                 --volume, or leave --pace out",
+            ));
+        }
         end::deliver_until(Purpose::Run, RunEnd::Stop, "until stopped", &self.options)
     }
 }

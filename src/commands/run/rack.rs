@@ -6,14 +6,13 @@ use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use indicatif::ProgressBar;
-use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackPace, RackProgress, RackReport};
+use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackProgress, RackReport};
 use pump_bench::safety::UnfinishedPolicy;
 
 use crate::advice;
 use crate::commands::delivery::before_dose;
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
-use crate::options::choice::choice;
 use crate::options::dosing::DosingOptions;
 use crate::terminal::{announce, print_json, tell, waiting, warn};
 
@@ -53,12 +52,6 @@ pub(crate) struct RackArgs {
     /// Several pumps by one timetable: the file of a rack, or its name in the configuration
     #[arg(value_name = "RACK", conflicts_with_all = NOT_OF_RACKS)]
     rack: Option<String>,
-    /// Pace of a rack's simulated motors [default: real]
-    #[arg(long, value_name = "real|fast", requires = "rack", help_heading = "Motor", value_parser = choice(&[
-        (RackPace::Real, "They take the time of their plans"),
-        (RackPace::Fast, "They take no time, and keep step with each other"),
-    ]))]
-    pace: Option<RackPace>,
 }
 
 impl RackArgs {
@@ -78,7 +71,7 @@ impl RackArgs {
         let path = config.find_rack(name).map_err(Failure::of)?;
         let file = RackFile::read(&path).map_err(refused)?;
         let benches = options.benches_of_rack(file.pump_files(&config).map_err(refused)?)?;
-        let rack = Rack::new(file, benches).map_err(refused)?.paced(self.pace.unwrap_or_default());
+        let rack = Rack::new(file, benches).map_err(refused)?.paced(options.rack_pace());
         if options.dry_run {
             return said(rack.rehearse().map_err(refused)?, json, &BTreeSet::new()).map(drop);
         }

@@ -226,3 +226,46 @@ fn a_line_is_primed_and_purged_for_a_time() {
         assert_eq!(user.json(&["status"])["carry_ml"], 0.0);
     }
 }
+
+#[test]
+fn a_simulated_motor_takes_the_time_of_its_plan_if_it_is_told_to() {
+    let user = User::new();
+    let dose = ["4mL", "--rate", "4mL/s"];
+    let fast = user.json(&dose);
+    assert_eq!(fast["motion_s"], fast["measured_motion_s"]);
+    let timed = |words: &[&str]| {
+        let began = Instant::now();
+        let report = user.json(words);
+        let (planned_s, measured_s) = (number(&report, "motion_s"), number(&report, "measured_motion_s"));
+        // A step may be a millisecond early.
+        assert!(began.elapsed().as_secs_f64() >= measured_s && measured_s > planned_s - 2e-3, "{report}");
+        assert!(planned_s > 0.9, "{report}");
+        measured_s != planned_s
+    };
+    assert!(timed(&["4mL", "--rate", "4mL/s", "--pace", "real"]));
+    assert!(timed(&["run", "--rate", "4mL/s", "--for", "1s", "--pace", "real"]));
+    let own = include_str!("../../../examples/pumps/my-pump.toml");
+    let own = own.replace("# [drive]", "[drive]").replace("# driver = \"grbl\"", "driver = \"sim\"");
+    fs::write(user.path("timed.toml"), own.replace("# pace = \"real\"", "pace = \"real\"")).unwrap();
+    assert!(timed(&["4mL", "--rate", "4mL/s", "--pump", "timed.toml"]));
+    let fast = user.json(&["4mL", "--rate", "4mL/s", "--pump", "timed.toml", "--pace", "fast"]);
+    assert_eq!(fast["motion_s"], fast["measured_motion_s"]);
+    let real = ["4mL", "--pace", "fast", "--driver", "grbl", "--port", "/dev/none", "--confirm-pump"];
+    assert!(user.is_refused(&real).contains("--pace is that of a simulated motor"));
+}
+
+#[test]
+fn a_timed_dose_of_a_simulated_motor_stops_where_it_is() {
+    let user = User::new();
+    let child = begun(&user, &["40mL", "--rate", "4mL/s", "--pace", "real", "--format", "json"]);
+    sleep(Duration::from_millis(500));
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let turned_deg = number(&report, "end_angle_deg") - number(&report, "start_angle_deg");
+    let turned_s = turned_deg / (6.0 * number(&report, "cruise_speed_rpm"));
+    // It decelerates by its plan, which takes no time: some hundredths of a second.
+    assert!((turned_s - number(&report, "measured_motion_s")).abs() < 0.05, "{report}");
+    assert!(turned_s < 5.0 && number(&report, "delivered_ml") < 20.0, "{report}");
+}

@@ -20,7 +20,7 @@ use crate::dosing::TubeLife;
 use crate::dosing::{DoseRequest, Prepared, RunEnd, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
-use crate::pump_file::{DriveTable, DriverName, PumpFile};
+use crate::pump_file::{DriveTable, DriverName, Pace, PumpFile};
 use crate::record::{BOARDS, Folder};
 use crate::record::{Clock, SystemClock};
 use crate::record::{PhaseSource, Purpose};
@@ -108,6 +108,13 @@ impl Bench {
     #[must_use]
     pub fn at_port(mut self, port: Option<PathBuf>) -> Self {
         self.drive.port = port.or(self.drive.port);
+        self
+    }
+
+    /// Returns the bench with this pace of its simulated motor, if one is given.
+    #[must_use]
+    pub fn paced(mut self, pace: Option<Pace>) -> Self {
+        self.drive.pace = pace.or(self.drive.pace);
         self
     }
 

@@ -1,12 +1,9 @@
 //! One dose, delivered: its motion and that of its retraction.
 
-mod pace;
-
 use std::ops::ControlFlow;
 
 use pump_model::units::degrees;
 
-use self::pace::Pace;
 use super::lateness;
 use super::recorded_motion::RecordedMotion;
 use super::session::Session;
@@ -51,7 +48,8 @@ impl Session<'_> {
     /// Runs a dose that this session prepared, and records its end.
     ///
     /// `watch` is called now and then with the number of steps made. When it breaks, the motor decelerates
-    /// and holds. A run until it is stopped keeps real time on a simulated motor, where any other motion takes none.
+    /// and holds. A run until it is stopped keeps real time on a simulated motor. Any other motion takes none there,
+    /// unless the drive table's `pace` is real.
     ///
     /// # Errors
     ///
@@ -85,8 +83,7 @@ impl Session<'_> {
             seeks: false,
             may_pause: !lateness::is_critical(&prepared.request),
         };
-        let mut pace = Pace::of(prepared, self.bench.is_simulated());
-        let moved = self.perform(&motion, |made| pace.watch(made, &mut watch))?;
+        let moved = self.perform(&motion, &mut watch)?;
         let mut delivered = Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,

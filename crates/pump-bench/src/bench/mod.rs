@@ -12,6 +12,7 @@ mod homing;
 mod lateness;
 mod log;
 mod ramps;
+mod real_time;
 mod recorded_motion;
 mod rest;
 mod safety;

@@ -12,10 +12,12 @@ use crate::displacement::Correction;
 use crate::dosing::{DoseError, Prepared};
 use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
 use crate::notice::with_sources;
+use crate::pump_file::Pace as SimPace;
 use crate::record::Purpose;
 use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
 use super::ended_motion::EndedMotion;
+use super::real_time::RealTime;
 use super::session::{BeforeMotion, Session};
 use super::stretches::AnnouncedStretches;
 
@@ -117,6 +119,9 @@ impl<'a> Session<'a> {
         }
         let intent = self.announce(motion, &before)?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
+        let keeps_time = self.bench.is_simulated()
+            && (motion.terms.until_stopped || self.bench.drive().pace == Some(SimPace::Real));
+        let real_time = RealTime::of(motion.plan, keeps_time);
         let told = self.before_motion.take().map_or(ControlFlow::Continue(()), BeforeMotion::tell);
         let driven = self.journal.announcing(|announcer| {
             let begins = match told {
@@ -124,7 +129,7 @@ impl<'a> Session<'a> {
                 ControlFlow::Break(()) => Err(DriveError::Interrupted),
             };
             match begins {
-                Ok(()) => drive(&mut device, motion, announcer, &mut watch),
+                Ok(()) => drive(&mut device, motion, real_time, announcer, &mut watch),
                 Err(error) => Driven::refused(error),
             }
         });
@@ -215,6 +220,7 @@ impl<'a> Session<'a> {
 fn drive(
     device: &mut Device<'_>,
     motion: &RecordedMotion<'_>,
+    mut real_time: RealTime<'_>,
     announcer: &Announcer,
     watch: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Driven {
@@ -222,7 +228,11 @@ fn drive(
     let stretches = AnnouncedStretches::new(motion.plan, motion.model, !drive.is_simulated());
     let mut announced = AnnouncedSteps::new(stretches, announcer, motion.may_pause);
     let mut looked = Instant::now();
+    let is_timed = real_time.is_kept();
     let mut gate = |made: u64, about_to: u64| {
+        if real_time.wait(made, watch).is_break() {
+            return Leave::Stop;
+        }
         // Drives that make many steps at a time ask seldom enough to call `watch` every time.
         let looks = about_to > announced.end
             || about_to > made + 1
@@ -242,5 +252,6 @@ fn drive(
     };
     let AnnouncedSteps { pace, halt, .. } = announced;
     let took_s = pace.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    Driven { ended, is_refused: false, measured_s: drive.simulated_s().unwrap_or(took_s), pace, halt }
+    let measured_s = drive.simulated_s().filter(|_| !is_timed).unwrap_or(took_s);
+    Driven { ended, is_refused: false, measured_s, pace, halt }
 }

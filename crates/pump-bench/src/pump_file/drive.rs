@@ -51,6 +51,9 @@ pub struct DriveTable {
     /// Time without a word of this computer after which a node decelerates, in ms. `None` takes 500 ms.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dead_man_ms: Option<u16>,
+    /// Pace of a simulated motor. `None` takes no time for a motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pace: Option<Pace>,
     /// Times and polarity of a step driver's pins, which a node keeps to. `None` takes those of a DRV8825.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pins: Option<PinsTable>,
@@ -94,6 +97,17 @@ pub enum Axis {
     C,
 }
 
+/// The pace of a simulated motor. A real one keeps real time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pace {
+    /// Motions take the time of their plans.
+    Real,
+    /// Motions take no time.
+    Fast,
+}
+
+words!(Pace { Real = "real", Fast = "fast" });
 words!(DriverName { Sim = "sim", Grbl = "grbl", Node = "node" });
 words!(Axis { X = "X", Y = "Y", Z = "Z", A = "A", B = "B", C = "C" });
 
@@ -110,6 +124,7 @@ impl DriveTable {
             index_angle_deg: None,
             index_width_deg: usual_index_width_deg(),
             dead_man_ms: None,
+            pace: None,
             pins: None,
         }
     }
@@ -172,6 +187,12 @@ impl DriveTable {
         Self { index_angle_deg: Some(index_angle_deg), ..self }
     }
 
+    /// Returns the table with the pace of a simulated motor.
+    #[must_use]
+    pub fn with_pace(self, pace: Pace) -> Self {
+        Self { pace: Some(pace), ..self }
+    }
+
     /// Returns the rate of the serial port, in bits per second: the one that is given, or the driver's usual one.
     ///
     /// Most grbl boards on a USB cable speak 115200. A node needs more for a smooth flow.
@@ -211,6 +232,9 @@ impl DriveTable {
             let allowed = "beside driver = \"node\" only, since other boards have their own";
             allow(!is_given || self.driver == DriverName::Node, key, "given", allowed)?;
         }
+        let is_simulated = self.driver == DriverName::Sim;
+        let allowed = "beside driver = \"sim\" only, since a real motor keeps real time";
+        allow(is_simulated || self.pace.is_none(), "[drive] pace", "given", allowed)?;
         if let Some(dead_man_ms) = self.dead_man_ms {
             let (least, most, _) = DEAD_MAN_MS;
             within("[drive] dead_man_ms", dead_man_ms, least..=most)?;

@@ -113,8 +113,8 @@ pub struct DoseReport {
     pub mean_flow_ml_s: f64,
     /// Time from the start to the last step, s.
     pub motion_s: f64,
-    /// Time from the start to the last step that was made, s, by the clock; null on a dry run. A simulated motor takes
-    /// the time of its plan.
+    /// Time from the start to the last step that was made, s, by the clock; null on a dry run. That of a simulated
+    /// motor is the time of its plan, unless it keeps real time.
     pub measured_motion_s: Option<f64>,
     /// Time from the last step until less than 1 µL is undelivered, s; null if the outlet's line is not known. It is
     /// predicted, for a dose that was stopped early by its stop.

@@ -1,0 +1,53 @@
+//! The real time of a simulated motion: its steps wait until they are due.
+
+use std::ops::ControlFlow;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use pump_ctl::plan::PlannedMotion;
+
+/// Longest sleep between two calls of the caller's watch.
+const SLICE: Duration = Duration::from_millis(20);
+
+/// Time by which a step may be early: a sleep for each of many thousand steps a second would make them late.
+const EARLY: Duration = Duration::from_millis(1);
+
+/// Real time of a motion under way.
+#[derive(Debug)]
+pub(super) struct RealTime<'p> {
+    /// Motion whose times are kept. `None` if the drive itself takes the time, or none is to pass.
+    plan: Option<PlannedMotion<'p>>,
+    /// Instant of the first step's leave.
+    began: Option<Instant>,
+}
+
+impl<'p> RealTime<'p> {
+    /// Makes the real time of a motion that is about to begin, if it is kept.
+    pub(super) fn of(plan: PlannedMotion<'p>, is_kept: bool) -> Self {
+        Self { plan: is_kept.then_some(plan), began: None }
+    }
+
+    /// Returns true if the motion takes the time of its plan here.
+    pub(super) fn is_kept(&self) -> bool {
+        self.plan.is_some()
+    }
+
+    /// Calls `watch` until the step after `made` steps is due, or it breaks.
+    pub(super) fn wait(
+        &mut self,
+        made: u64,
+        watch: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Some(plan) = self.plan else { return ControlFlow::Continue(()) };
+        let began = *self.began.get_or_insert_with(Instant::now);
+        let due_s = plan.time_of((made + 1).min(plan.steps().unsigned_abs()));
+        loop {
+            let left = Duration::from_secs_f64(due_s).saturating_sub(began.elapsed());
+            if left < EARLY {
+                return ControlFlow::Continue(());
+            }
+            watch(made)?;
+            sleep(left.min(SLICE));
+        }
+    }
+}
