@@ -59,10 +59,14 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
         }
         Remedy::DoseFromKnownAngle => {
-            "find the angle with `dose home`, or make a dose of whole pitches, and weigh that dose"
+            "make one of these and weigh it, or say the angle before the next with `dose home --set 0deg --tolerance \
+             1deg`"
         }
         Remedy::JoinOrBeginAnew => {
             "join the reading to these runs with --add, or calibrate by the reading alone with --anew"
+        }
+        Remedy::WeighAlone => {
+            "calibrate by the reading alone with --anew, or name the fluid that was weighed with --fluid"
         }
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
         Remedy::FindAngle => "`dose home` finds it",
@@ -187,12 +191,13 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 12] = [
+    const VALUES: [&str; 13] = [
         "<TEXT>",
         "none",
         "<ANGLE>",
         "<N>",
         "0deg",
+        "1deg",
         "NAME",
         "rust",
         "low-flow",

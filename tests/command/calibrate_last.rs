@@ -204,3 +204,71 @@ fn a_fluid_far_thicker_than_the_one_that_was_weighed_is_warned_of() {
     assert!(warned(&["--fluid", "glycerol 50%"]));
     assert!(!warned(&[]) && !warned(&["--temperature", "40degC"]) && !warned(&["--fluid", "ethanol"]));
 }
+
+#[test]
+fn masses_of_two_fluids_are_never_read_as_one() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    let water = user.json(&["calibrate", "last", "217.26g"]);
+    assert_eq!(number(&water["runs"][0], "temperature_degc"), 25.0);
+    user.json(&["213mL"]);
+    let ethanol = ["calibrate", "last", "168.2g", "--fluid", "ethanol"];
+    let refused = user.is_refused(&ethanol);
+    assert!(
+        refused.contains("calibration 1 was weighed with water, and this dose with ethanol"),
+        "{refused}"
+    );
+    assert!(refused.contains("--anew") && refused.contains("--fluid"), "{refused}");
+    let alone = user.json(&[&ethanol[..], &["--anew"]].concat());
+    assert_eq!((alone["runs"].as_array().unwrap().len(), &alone["fluid"]), (1, &"ethanol".into()));
+    // A later temperature leaves the earlier masses what they were.
+    user.json(&["213mL"]);
+    let warm = user.json(&["calibrate", "last", "167.9g", "--fluid", "ethanol", "--temperature", "26degC"]);
+    let degc: Vec<_> = (0..2).map(|run| number(&warm["runs"][run], "temperature_degc")).collect();
+    assert_eq!(degc, [25.0, 26.0], "{warm}");
+}
+
+#[test]
+fn a_second_reading_of_a_dose_says_that_it_takes_the_place_of_the_first() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    let first = user.types(&["calibrate", "last", "217.26g"]);
+    assert!(!first.err.contains("takes the place"), "{}", first.err);
+    let second = user.types(&["calibrate", "last", "217.30g"]);
+    assert!(
+        second.err.contains("this reading takes the place of 217.26g of the same dose"),
+        "{}",
+        second.err
+    );
+    assert!(second.out.contains("1 run at"), "{}", second.out);
+}
+
+#[test]
+fn doses_that_scatter_far_too_much_are_told_as_a_slip() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    let first = user.json(&["calibrate", "last", "217.26g"]);
+    user.json(&["213mL"]);
+    let second = user.json(&["calibrate", "last", "190.26g"]);
+    let is_told =
+        |found: &serde_json::Value| found["warnings"].to_string().contains("one of them is hardly right");
+    assert!(!is_told(&first) && is_told(&second), "{second}");
+}
+
+#[test]
+fn a_dose_that_no_scale_can_tell_of_names_the_doses_that_one_can() {
+    let user = User::new();
+    let lost = ["home", "--set", "0deg", "--tolerance", "10deg"];
+    assert_eq!(user.types(&lost).code, 0);
+    user.json(&["40mL"]);
+    let refused = user.is_refused(&["calibrate", "last", "40.2g"]);
+    assert!(
+        refused.contains("not known to better than 2 deg") && refused.contains("as doses of "),
+        "{refused}"
+    );
+    let volume = refused.split("as doses of ").nth(1).unwrap().split(' ').next().unwrap();
+    user.json(&[format!("{volume}mL").as_str()]);
+    let grams = volume.parse::<f64>().unwrap() / Z_ML_G;
+    let found = user.json(&["calibrate", "last", &format!("{grams:.2}g")]);
+    assert!((number(&found["displacement"], "factor") - 1.0).abs() < 2e-3, "{found}");
+}

@@ -76,7 +76,7 @@ fn drawings_of_pumps_that_cannot_work_are_refused_by_name() {
         ("--tube", "10mm", "is no tube; write bore x outer"),
         ("--tube", "14x10mm", "the outer diameter, 10 mm, must be more than the bore, 14 mm"),
         ("--backplate", "63", "has no unit"),
-        ("--offset", "38mm", "use a larger roller, offset or wall"),
+        ("--offset", "38mm", "use a smaller backplate, or a larger roller"),
         ("--offset", "44mm", "beyond the backplate radius"),
         ("--contact", "85deg", "psi = 360 - 303.45 - 66.81 = -10.26 deg"),
         ("--rollers", "1", "no roller seals"),

@@ -1,8 +1,8 @@
 //! Guided runs: a run to try, then several at each of several speeds, each of them weighed.
 
 use pump_bench::calibration::{
-    CalibrationError, CalibrationRun, PlannedRuns, Reading, RunLog, UnfinishedRuns, Weighing,
-    default_rate_left_out, now_utc,
+    CalibrationError, CalibrationRun, PlannedRuns, RunLog, UnfinishedRuns, Weighing, default_rate_left_out,
+    now_utc,
 };
 use pump_bench::record::Purpose;
 use pump_bench::report::ErrorKind;
@@ -266,10 +266,7 @@ impl Guide<'_, '_> {
 
 /// Returns the failure to put a reading on record. It names the reading, so that it is not lost.
 fn unrecorded(error: CalibrationError, run: &CalibrationRun) -> Failure {
-    let reading = match run.reading {
-        Reading::MassG(mass_g) => format!("{mass_g}g"),
-        Reading::VolumeMl(volume_ml) => format!("{volume_ml}mL"),
-    };
+    let reading = run.reading;
     let error = advice::told(&error);
     let message = format!("{error}; the reading {reading} of this run is not on record: note it down");
     Failure::fault(ErrorKind::Record, message)

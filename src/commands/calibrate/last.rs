@@ -63,6 +63,9 @@ impl LastArgs {
             Expected::of_digits(bench.file(), &reading)
         };
         let weighed = bench.weigh_last_dose(&reading, self.fluid.temperature, self.earlier(), &expected)?;
+        if let Some(replaced) = weighed.replaced {
+            say(&format!("this reading takes the place of {replaced} of the same dose\n"));
+        }
         let mut calibration = weighed.calibration;
         calibration.tube = self.options.tube.clone().or(calibration.tube);
         calibration.note = self.options.note.clone();

@@ -26,14 +26,32 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
     if course.answers.driver == Some(DriverName::Sim) {
         return Ok(());
     }
-    if course.answers.port.is_none() {
-        ask_port(course)?;
+    loop {
+        if course.answers.port.is_none() {
+            ask_port(course)?;
+        }
+        if course.answers.axis.is_none() {
+            meet(course);
+        }
+        lack_of_axis(course)?;
+        if course.answers.axis.is_some() || ask_axis(course)? {
+            return Ok(());
+        }
+        // Each axis of this board turns another pump.
+        let mut answers = course.answers.clone();
+        answers.port = None;
+        course.take(answers)?;
+        course.board = None;
     }
-    lack_of_axis(course)?;
-    if course.answers.axis.is_none() {
-        ask_axis(course)?;
+}
+
+/// Asks the board at a port that nobody was asked for who it is, so that only axes are offered that it has. A board
+/// that does not answer is met later, before it moves.
+fn meet(course: &mut Course) {
+    let Some(port) = course.answers.port.clone().filter(|_| course.board.is_none()) else { return };
+    if !course.asker.is_silent() {
+        course.board = who_is_at(&port).ok();
     }
-    Ok(())
 }
 
 fn ask_driver(course: &mut Course) -> Asked<()> {
@@ -134,14 +152,15 @@ fn lack_of_axis(course: &mut Course) -> Asked<()> {
     }
     let port = course.answers.port.clone().unwrap_or_default();
     let lacks = format!("the board at {} has {}, and not {axis}", port.display(), in_words(axes));
+    let mut answers = course.answers.clone();
+    answers.axis = None;
+    course.take(answers)?;
     if course.asker.is_silent() {
         let refused = format!("{lacks}; name one that it has with --axis <AXIS>");
         return Err(Failure::refused(refused).value(axis).allowed(in_words(axes)).into());
     }
     tell_person(&format!("  {lacks}"));
-    let mut answers = course.answers.clone();
-    answers.axis = None;
-    Ok(course.take(answers)?)
+    Ok(())
 }
 
 /// Takes the driver of the board that answers at the port.
@@ -185,7 +204,8 @@ fn search() -> Result<Vec<(PathBuf, FoundBoard)>, Failure> {
     Ok(found)
 }
 
-fn ask_axis(course: &mut Course) -> Asked<()> {
+/// Asks for the axis. Returns false if each axis of the board turns another pump.
+fn ask_axis(course: &mut Course) -> Asked<bool> {
     let port = course.answers.port.clone().unwrap_or_default();
     let others = course.others_at(&port);
     for other in &others {
@@ -194,11 +214,12 @@ fn ask_axis(course: &mut Course) -> Asked<()> {
     let axes = axes(course);
     let free = axes.iter().find(|axis| others.iter().all(|other| other.axis != **axis));
     if free.is_none() {
-        return Err(Failure::refused(format!(
-            "each axis of the board at {} turns another pump; name another board with --port <PORT>",
-            port.display()
-        ))
-        .into());
+        let refused = format!("each axis of the board at {} turns another pump", port.display());
+        if course.asker.is_silent() {
+            return Err(Failure::refused(format!("{refused}; name another board with --port <PORT>")).into());
+        }
+        tell_person(&format!("  {refused}; name another board, or quit"));
+        return Ok(false);
     }
     let former = course.former(|before| {
         before.axis.filter(|_| before.port.as_ref() == Some(&port)).map(|axis| axis.as_str().to_owned())
@@ -220,7 +241,8 @@ fn ask_axis(course: &mut Course) -> Asked<()> {
             None => Ok(axis),
         }
     };
-    course.settle(&question, read, |answers, axis| answers.axis = Some(axis))
+    course.settle(&question, read, |answers, axis| answers.axis = Some(axis))?;
+    Ok(true)
 }
 
 /// The axes of the board, as far as it tells. A node has four.

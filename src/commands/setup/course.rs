@@ -259,7 +259,12 @@ pub(super) fn head_in_words(head: &HeadAnswer) -> String {
     match head {
         HeadAnswer::Catalogue(name) => name.clone(),
         HeadAnswer::Volume { ml_per_rev } => format!("{ml_per_rev} mL per revolution"),
-        HeadAnswer::Drawing { bore_mm, outer_mm, .. } => format!("a drawing, tube {bore_mm} x {outer_mm} mm"),
+        HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg } => {
+            format!(
+                "a drawing: tube {bore_mm} x {outer_mm} mm, backplate {backplate_mm} mm, roller {roller_mm} mm, offset \
+             {offset_mm} mm, contact {contact_deg} deg"
+            )
+        }
         HeadAnswer::File(path) => format!("as in {}", path.display()),
     }
 }

@@ -15,13 +15,10 @@ const WEIGHING: [&str; 3] = ["dose setup", "dose calibrate run", "dose calibrate
 impl Runnable {
     /// Completes the commands of a text, which stand between back quotes.
     pub(super) fn complete(&self, text: &str) -> String {
-        let text = if self.scale.is_empty() {
-            text.to_owned()
-        } else {
-            // The balance need not be tared for a dose of the setup.
-            let again = format!("`dose setup {}` makes it and weighs it", self.pump);
-            text.replace("make the dose again, then say `dose calibrate last` and its weight", &again)
-        };
+        // A dose of the setup is exact from any angle, and a balance need not be tared for it.
+        let weighs = if self.scale.is_empty() { "asks for its weight" } else { "weighs it" };
+        let again = format!("`dose setup {}` makes it and {weighs}", self.pump);
+        let text = text.replace("make the dose again, then say `dose calibrate last` and its weight", &again);
         let quoted = text.split('`').enumerate();
         let parts = quoted.map(|(at, part)| if at % 2 == 1 { self.command(part) } else { part.to_owned() });
         parts.collect::<Vec<_>>().join("`")
@@ -58,7 +55,7 @@ mod tests {
             "make the dose again, then say `dose calibrate last` and its weight; `--use` has doses use it";
         assert_eq!(
             runnable("").complete(text),
-            "make the dose again, then say `dose calibrate last --pump acid` and its weight; `--use` has doses use it"
+            "`dose setup acid` makes it and asks for its weight; `--use` has doses use it"
         );
         assert_eq!(
             runnable("--scale-port /dev/ttyUSB1").complete(text),

@@ -171,10 +171,16 @@ fn may_move(course: &mut Course) -> Asked<()> {
         usual: None,
         help: "write yes, and it turns; quit leaves, and the answers stay on record",
     };
-    match course.asker.agrees(&question)? {
-        true => Ok(()),
-        false => Err(Stop::Left),
-    }
+    let name = course.answers.name.clone();
+    let may = course.asker.ask(&question, |answer| {
+        yes_or_no(answer).ok_or_else(|| {
+            format!(
+                "`{answer}` is neither yes nor quit; to change an answer quit, then add its option, as `dose setup \
+                 {name} --rollers 3`"
+            )
+        })
+    })?;
+    if may { Ok(()) } else { Err(Stop::Left) }
 }
 
 /// Turns the head by one revolution, as far as its steps are right.

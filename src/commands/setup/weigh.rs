@@ -44,6 +44,12 @@ pub(super) fn weigh(
         let (mut shown_g, mut before) = (None, None);
         if !course.answers.done.dosed {
             heading("A dose to be weighed");
+            let fluid = course.bench()?.file().fluid.clone();
+            tell_person(&format!(
+                "The weight is taken as that of {} at {} °C; `dose` names another fluid by --fluid, or by [fluid] in \
+                 the pump file.",
+                fluid.name, fluid.temperature_degc
+            ));
             if course.answers.volume_ml.is_none() {
                 ask_volume(course)?;
             }
@@ -163,7 +169,7 @@ fn exact_ml(bench: &Bench, volume_ml: f64) -> Result<f64, Failure> {
 /// Asks for the weight. `None` for a dose that is to be made again.
 fn ask_weight(course: &mut Course, balance_g: Option<f64>) -> Asked<Option<StatedReading>> {
     let question = Question {
-        text: "Reading of the scale, as 4.93g (redo: dose again)",
+        text: "Reading of the scale, as 4.93g, or of a cylinder, as 4.9mL (redo: dose again)",
         option: "--weight 4.93g",
         usual: balance_g.map(|grams| Usual::new(format!("{grams:.3}g"))),
         help: "the reading with all digits of the scale: the last one says how sure it is. Water of 25 °C is weighed, \
@@ -171,6 +177,9 @@ fn ask_weight(course: &mut Course, balance_g: Option<f64>) -> Asked<Option<State
     };
     course.asker.ask(&question, |answer| match answer {
         "redo" => Ok(None),
+        bare if bare.parse::<f64>().is_ok() => {
+            Err(format!("`{bare}` has no unit; write {bare}g if the scale shows g"))
+        }
         answer => stated_reading(answer).map(Some).map_err(|error| error.to_string()),
     })
 }

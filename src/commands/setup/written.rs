@@ -105,7 +105,9 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
     } else {
         format!(", {} mL per revolution", rounded(model.revolution_ml()))
     };
-    line("head", &format!("{head}{known}, {} rollers", file.rollers.count));
+    let bore = file.head.as_ref().and_then(|head| head.tube_bore_mm);
+    let bore = bore.map_or(String::new(), |mm| format!(", bore of {mm} mm"));
+    line("head", &format!("{head}{known}, {} rollers{bore}", file.rollers.count));
     let steps = answers.motor().map_or_else(
         || {
             format!(

@@ -239,7 +239,7 @@ fn a_simulated_motor_takes_the_time_of_its_plan_if_it_is_told_to() {
         let (planned_s, measured_s) = (number(&report, "motion_s"), number(&report, "measured_motion_s"));
         // A step may be a millisecond early.
         assert!(began.elapsed().as_secs_f64() >= measured_s && measured_s > planned_s - 2e-3, "{report}");
-        assert!(planned_s > 0.9, "{report}");
+        assert!(planned_s > 0.8, "{report}");
         measured_s != planned_s
     };
     assert!(timed(&["4mL", "--rate", "4mL/s", "--pace", "real"]));

@@ -17,7 +17,7 @@ const EARLY: Duration = Duration::from_millis(1);
 pub(super) struct RealTime<'p> {
     /// Motion whose times are kept. `None` if the drive itself takes the time, or none is to pass.
     plan: Option<PlannedMotion<'p>>,
-    /// Instant of the first step's leave.
+    /// Instant at which the drive asked for the first step.
     began: Option<Instant>,
 }
 
@@ -27,9 +27,9 @@ impl<'p> RealTime<'p> {
         Self { plan: is_kept.then_some(plan), began: None }
     }
 
-    /// Returns true if the motion takes the time of its plan here.
-    pub(super) fn is_kept(&self) -> bool {
-        self.plan.is_some()
+    /// Returns the time since the motion began, in s. `None` if no real time is kept.
+    pub(super) fn took_s(&self) -> Option<f64> {
+        self.plan.map(|_| self.began.map_or(0.0, |began| began.elapsed().as_secs_f64()))
     }
 
     /// Calls `watch` until the step after `made` steps is due, or it breaks.

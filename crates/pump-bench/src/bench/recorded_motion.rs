@@ -228,7 +228,6 @@ fn drive(
     let stretches = AnnouncedStretches::new(motion.plan, motion.model, !drive.is_simulated());
     let mut announced = AnnouncedSteps::new(stretches, announcer, motion.may_pause);
     let mut looked = Instant::now();
-    let is_timed = real_time.is_kept();
     let mut gate = |made: u64, about_to: u64| {
         if real_time.wait(made, watch).is_break() {
             return Leave::Stop;
@@ -252,6 +251,6 @@ fn drive(
     };
     let AnnouncedSteps { pace, halt, .. } = announced;
     let took_s = pace.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    let measured_s = drive.simulated_s().filter(|_| !is_timed).unwrap_or(took_s);
+    let measured_s = real_time.took_s().or(drive.simulated_s()).unwrap_or(took_s);
     Driven { ended, is_refused: false, measured_s, pace, halt }
 }

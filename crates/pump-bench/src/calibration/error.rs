@@ -6,6 +6,7 @@ use pump_model::{ModelError, Shown};
 use thiserror::Error;
 
 use crate::files::TableError;
+use crate::numbers::significant;
 
 /// A calibration that cannot be made or used. The message says what is wrong and what to do.
 #[derive(Debug, Error)]
@@ -95,14 +96,30 @@ pub enum CalibrationError {
     },
     /// The last dose turned a part of a pitch from an angle that is not known.
     #[error(
-        "the last dose turned {turned_deg:.3} deg from an angle that is not known to 2 deg; only whole pitches of \
-         {pitch_deg:.3} deg deliver the same volume from any angle"
+        "the last dose turned {turned_deg:.3} deg from an angle that is not known to better than 2 deg; only whole \
+         pitches of {pitch_deg:.3} deg deliver the same volume from any angle, as doses of {} and {} mL do",
+        significant(nearest_ml[0], 5),
+        significant(nearest_ml[1], 5)
     )]
     LastDoseFromUnknownAngle {
         /// Angle that the rotor turned, in deg.
         turned_deg: f64,
         /// Angle between rollers, in deg.
         pitch_deg: f64,
+        /// Volumes of whole pitches below and above, in mL.
+        nearest_ml: [f64; 2],
+    },
+    /// Masses of another fluid are among the runs of the calibration in use.
+    #[error(
+        "calibration {version} was weighed with {weighed}, and this dose with {now}: a mass is another volume of each"
+    )]
+    WeighedWith {
+        /// Number of the calibration.
+        version: u32,
+        /// Name of the fluid that was weighed.
+        weighed: String,
+        /// Name of the fluid of the dose.
+        now: String,
     },
     /// The calibration in use was weighed otherwise, and one dose does not replace it without a word.
     #[error(

@@ -73,19 +73,30 @@ impl CalibrationRun {
         };
         match run.model_ml(pump, 1) {
             Err(CalibrationError::UnknownAngle { turned_deg, pitch_deg, .. }) => {
-                Err(CalibrationError::LastDoseFromUnknownAngle { turned_deg, pitch_deg })
+                let pitches = (turned_deg / pitch_deg).abs().floor();
+                let pitch_ml = pump.outlet_curve().pitch_ml();
+                // The least dose of whole pitches is one.
+                let nearest_ml = [pitches.max(1.0), pitches.max(1.0) + 1.0].map(|whole| whole * pitch_ml);
+                Err(CalibrationError::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml })
             }
             checked => checked.map(|_| run),
         }
     }
 
-    /// Returns the runs of a calibration by this dose. The earlier reading of the same dose is left out.
+    /// Returns the runs of a calibration by this dose of the fluid that is named. The earlier reading of the same dose
+    /// is left out. Runs of earlier versions without a temperature have that of their calibration.
     ///
     /// # Errors
     ///
     /// [`CalibrationError::WeighedOtherwise`] if the calibration in use has other runs than doses weighed like this
-    /// one, and `earlier` does not name them.
-    pub fn beside(self, active: Option<&Stored>, earlier: Earlier) -> Result<Vec<Self>, CalibrationError> {
+    /// one, and `earlier` does not name them. [`CalibrationError::WeighedWith`] if masses of another fluid are among
+    /// its runs: they are other volumes.
+    pub fn beside(
+        self,
+        active: Option<&Stored>,
+        earlier: Earlier,
+        fluid: &str,
+    ) -> Result<Vec<Self>, CalibrationError> {
         let joined =
             active.filter(|stored| earlier != Earlier::Left && stored.calibration.displacement.is_some());
         let Some(Stored { version, calibration }) = joined else { return Ok(vec![self]) };
@@ -93,10 +104,20 @@ impl CalibrationRun {
             let runs = calibration.runs.len();
             return Err(CalibrationError::WeighedOtherwise { version: *version, runs });
         }
-        let same = |run: &Self| run.time == self.time && same_turn(run.turned_deg, self.turned_deg);
-        let mut runs: Vec<Self> = calibration.runs.iter().filter(|run| !same(run)).cloned().collect();
+        let kept = calibration.runs.iter().filter(|run| !run.is_of_dose(&self));
+        let mut runs: Vec<Self> = kept.map(|run| run.clone().at_degc(calibration.temperature_degc)).collect();
+        let has_masses = runs.iter().any(|run| matches!(run.reading, Reading::MassG(_)));
+        if has_masses && !calibration.fluid.eq_ignore_ascii_case(fluid) {
+            let (weighed, now) = (calibration.fluid.clone(), fluid.to_owned());
+            return Err(CalibrationError::WeighedWith { version: *version, weighed, now });
+        }
         runs.push(self);
         Ok(runs)
+    }
+
+    /// Returns true if both runs are readings of one dose.
+    fn is_of_dose(&self, other: &Self) -> bool {
+        self.time == other.time && same_turn(self.turned_deg, other.turned_deg)
     }
 }
 
@@ -126,6 +147,8 @@ fn same_turn(one_deg: f64, other_deg: f64) -> bool {
 pub struct WeighedDose {
     /// Dose that was weighed, as a run.
     pub run: CalibrationRun,
+    /// Earlier reading of the same dose, in whose place this one is. `None` if there was none.
+    pub replaced: Option<Reading>,
     /// Calibration by this dose and the doses joined to it.
     pub calibration: Calibration,
 }
@@ -147,7 +170,8 @@ impl WeighedDose {
             Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
         };
         let pump = file.model()?;
-        let run = CalibrationRun::of_last_dose(last, &pump, reading, weighing.temperature_degc)?;
+        let run = CalibrationRun::of_last_dose(last, &pump, reading, weighing.temperature_degc);
+        let run = run.map_err(|error| error.by_calibration(active, last, &pump))?;
         let start = last.filter(|_| run.start_angle_deg.is_some()).map(|dose| dose.start());
         let angle_ml = start.map_or(0.0, |start| angle_ml(&pump, start, radians(run.turned_deg)));
         let density = match reading {
@@ -155,12 +179,27 @@ impl WeighedDose {
             Reading::VolumeMl(_) => 0.0,
         };
         let expected = weighing.expected.with_angle_ml(angle_ml).with_density(density);
-        let runs = run.clone().beside(active, weighing.earlier)?;
+        let runs = run.clone().beside(active, weighing.earlier, &file.fluid.name)?;
+        let replaced = active.filter(|_| weighing.earlier != Earlier::Left).and_then(|active| {
+            active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run)).map(|run| run.reading)
+        });
         let before = active.map(|active| &active.calibration);
         let fit = fit_of_doses(&runs);
         let mut calibration = Calibration::of_runs(file, Source::Last, runs, fit, &expected, before)?;
         calibration.tube = before.and_then(|before| before.tube.clone());
-        Ok(Self { run, calibration })
+        Ok(Self { run, replaced, calibration })
+    }
+}
+
+impl CalibrationError {
+    /// Returns the error with the volumes of whole pitches by the calibration that doses use.
+    fn by_calibration(self, active: Option<&Stored>, last: Option<LastDose>, pump: &Pump) -> Self {
+        let Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml } = self else { return self };
+        let found = active.and_then(|stored| stored.calibration.displacement.as_ref());
+        let rpm = last.map_or(0.0, |dose| rpm(dose.speed_rad_s));
+        let factor = found.and_then(|found| found.factor_at(pump, rpm).ok()).unwrap_or(1.0);
+        let nearest_ml = nearest_ml.map(|volume_ml| factor * volume_ml);
+        Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml }
     }
 }
 

@@ -78,6 +78,8 @@ impl Calibration {
         before: Option<&Self>,
     ) -> Result<Self, CalibrationError> {
         let weighing = Weighing::of(file);
+        // The pump file may say another temperature one day; these masses stay those of today's.
+        let runs: Vec<_> = runs.into_iter().map(|run| run.at_degc(file.fluid.temperature_degc)).collect();
         let mut calibration = Self::empty(file, source)?;
         if let Some(before) = before {
             calibration.zero_deg = before.zero_deg;

@@ -1,5 +1,7 @@
 //! A weighed run: the angle that the rotor turned, and the volume that arrived.
 
+use std::fmt;
+
 use libm::round;
 use pump_model::Pump;
 use pump_model::units::{degrees, radians};
@@ -24,6 +26,16 @@ pub enum Reading {
     MassG(f64),
     /// Volume that a measuring vessel showed, in mL.
     VolumeMl(f64),
+}
+
+/// Words the reading with its unit, as it would be typed.
+impl fmt::Display for Reading {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::MassG(mass_g) => write!(to, "{mass_g}g"),
+            Self::VolumeMl(volume_ml) => write!(to, "{volume_ml}mL"),
+        }
+    }
 }
 
 /// A run at constant speed with the volume that arrived.
@@ -61,6 +73,14 @@ impl CalibrationRun {
     /// Returns the temperature of the fluid, in °C.
     pub(crate) fn temperature_degc(&self, weighing: &Weighing<'_>) -> f64 {
         self.temperature_degc.unwrap_or(weighing.fluid.temperature_degc)
+    }
+
+    /// Returns the run with this temperature in °C, if it was weighed and its own is not known.
+    pub(super) fn at_degc(mut self, degc: f64) -> Self {
+        if matches!(self.reading, Reading::MassG(_)) {
+            self.temperature_degc.get_or_insert(degc);
+        }
+        self
     }
 
     /// Returns the model volume of the angle turned, in mL, without sign; `number` names the run in errors.

@@ -62,6 +62,8 @@ pub enum Remedy {
     DoseFromKnownAngle,
     /// Join the reading to the runs of the calibration in use, or calibrate by the reading alone.
     JoinOrBeginAnew,
+    /// Calibrate by the reading alone, or say the fluid of the earlier ones.
+    WeighAlone,
     /// Find the angle of the rollers.
     FindAngle,
     /// Find the angle of the rollers, or say it.
@@ -208,6 +210,7 @@ impl Remedy {
         Self::DoseThenWeigh,
         Self::DoseFromKnownAngle,
         Self::JoinOrBeginAnew,
+        Self::WeighAlone,
         Self::FindAngle,
         Self::FindOrSayAngle,
         Self::ThenFindAngle,

@@ -204,6 +204,7 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
             "the speeds depart from the fit by far more than the runs scatter; it is not their shape{instead}"
         ));
     }
+    warnings.extend(slip(found));
     let (limit_rpm, fastest_rpm) = (file.motor.max_speed_rpm, found.range_rpm().1);
     if fastest_rpm > 1.01 * limit_rpm {
         let (fastest, limit) = (short(fastest_rpm), short(limit_rpm));
@@ -218,6 +219,23 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
     });
     warnings.extend(default_rate_uncovered(file, base, found)?);
     Ok(warnings)
+}
+
+/// Scatter of a few weighed doses over the one that their prior states from which on a reading is hardly right. If the
+/// prior is right, two doses scatter so by chance in one of 16,000 cases.
+const SLIP: f64 = 4.0;
+
+/// Says that a few weighed doses scatter by so much that one of their readings is hardly right.
+fn slip(found: &Displacement) -> Option<String> {
+    let (scatter, prior) = (found.scatter.standard()?, found.prior?);
+    (prior.rests_on_few() && scatter > SLIP * prior.standard).then(|| {
+        format!(
+            "the weighed doses scatter by {} %, and {} % were expected: one of them is hardly right, by its reading, a \
+             tare, a drop or air in the line; weigh anew before you rely on it",
+            two_digits(100.0 * scatter / found.factor),
+            two_digits(100.0 * prior.standard / found.factor)
+        )
+    })
 }
 
 /// Says that weighed doses which show the volume less well than the model are not used, and what would use them.

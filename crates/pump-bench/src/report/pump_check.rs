@@ -24,6 +24,7 @@ pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, Disp
     let by_speed = file.speed_dependent_pump()?;
     let pump = *by_speed.base();
     let lines = [
+        ("head", head_text(file)),
         ("roller", roller_text(file, pump.roller_volume())?),
         ("volume", volume_text(&pump)),
         ("flow", flow_text(&pump)),
@@ -48,6 +49,22 @@ pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, Disp
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
     let text: String = catalogue_line(file).into_iter().chain(lines).chain(warnings(file)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
+}
+
+/// The dimensions of the head, as the file gives them.
+fn head_text(file: &PumpFile) -> String {
+    if let Some(head) = &file.head {
+        let bore = head.tube_bore_mm.map_or("unknown bore".to_owned(), |mm| format!("bore of {mm} mm"));
+        return format!("{} mL per revolution, {} rollers, {bore}", head.ml_per_rev, file.rollers.count);
+    }
+    let radii = [file.tube.bore_radius_mm, file.tube.outer_radius_mm];
+    let diameters = radii.map(|mm| mm.map_or("?".to_owned(), |mm| significant(2.0 * mm, 6))).join(" x ");
+    let radii = [("roller", file.rollers.radius_mm), ("offset", file.rollers.offset_mm)];
+    let radii = radii.into_iter().filter_map(|(name, mm)| mm.map(|mm| format!(", {name} {mm} mm")));
+    let backplate = file.backplate.as_ref().map_or(String::new(), |plate| {
+        format!(", backplate {} mm, contact {}°", plate.radius_mm, plate.contact_angle_deg)
+    });
+    format!("tube {diameters} mm{backplate}{}", radii.collect::<String>())
 }
 
 /// The head's row of the catalogue, and how far its figures are from the maker's own words.

@@ -216,7 +216,6 @@ impl Answers {
         missing(&mut self.discharge_lift_mm, &other.discharge_lift_mm);
         missing(&mut self.outlet_end, &other.outlet_end);
         missing(&mut self.nozzle_bore_mm, &other.nozzle_bore_mm);
-        missing(&mut self.prime_ml, &other.prime_ml);
     }
 
     /// Returns true if the run came to its end: a dose was weighed, or the pump file alone was asked for. The answers

@@ -62,7 +62,8 @@ pub enum ModelError {
     /// The rollers do not close the tube.
     #[error(
         "the gap between roller and backplate is {gap_mm:.3} mm but the tube closes at {closed_mm:.3} mm \
-         (twice its wall), so it stays open by {:.3} mm; use a larger roller, offset or wall",
+         (twice its wall), so it stays open by {:.3} mm; use a smaller backplate, or a larger roller, \
+         offset or wall (backplate and roller are radii)",
         gap_mm - closed_mm
     )]
     NotOccluding {

@@ -110,7 +110,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SuckBack => "retract sucks back",
         Remedy::DoseThenWeigh => "make a dose into a tared vessel, then call bench.calibrate_last()",
         Remedy::DoseFromKnownAngle => {
-            "find the angle with bench.home_set(), or make a dose of whole pitches, and weigh that dose"
+            "make one of these and weigh it, or say the angle before the next with bench.home_set()"
+        }
+        Remedy::WeighAlone => {
+            "calibrate by the reading alone with anew=True, or name the fluid that was weighed with fluid="
         }
         Remedy::JoinOrBeginAnew => {
             "join the reading to these runs with add=True, or calibrate by the reading alone with anew=True"

@@ -22,6 +22,9 @@ pub(super) struct NextWeighing {
     mean_percent: f64,
     /// Certainty of a single dose. `None` without a prior: its scatter is the pump file's or that of the runs.
     dose_percent: Option<f64>,
+    /// Volume of a dose like the last one from an unknown angle, whole pitches by this calibration, mL. `None` from a
+    /// known angle, where a dose of the same volume does as well.
+    whole_pitches_ml: Option<f64>,
     /// Number of doses to weigh next; 0 if few more bring little.
     more: usize,
     /// Certainty of the mean that they are expected to bring.
@@ -79,9 +82,15 @@ impl NextWeighing {
         let next = (1..).zip(after).find(|(_, then)| then.of_most_use() < SURER * now.of_most_use());
         let (more, then) = next.unwrap_or((0, now));
         let percent = |standard: f64| 200.0 * standard / found.factor;
+        let is_anywhere = run.start_angle_deg.is_none();
+        let whole_pitches_ml = match is_anywhere {
+            true => Some(run.model_ml(base, calibration.runs.len())? * found.factor_at(base, run.speed_rpm)?),
+            false => None,
+        };
         Ok(Some(Self {
             mean_percent: percent(now.mean),
             dose_percent: now.dose.map(percent),
+            whole_pitches_ml,
             more,
             then_mean_percent: percent(then.mean),
             then_dose_percent: then.dose.map(percent),
@@ -118,8 +127,10 @@ impl NextWeighing {
             more => format!("{more} more doses like this"),
         };
         let way = words(Remedy::WeighOneMore);
+        let whole = |ml| format!(", of {} mL, which are whole pitches,", significant(ml, 5));
+        let of_volume = self.whole_pitches_ml.map_or(String::new(), whole);
         format!(
-            "  sure now    {now}\n  next        weigh {doses} before you rely on it: then {then}; {way}\n"
+            "  sure now    {now}\n  next        weigh {doses}{of_volume} before you rely on it: then {then}; {way}\n"
         )
     }
 }

@@ -177,9 +177,10 @@ impl Explain for CalibrationError {
             Self::UnsureLastDose { turned_deg, half_width_deg } => facts
                 .value(format!("± {half_width_deg:.3} deg"))
                 .allowed(format!("± {:.3} deg at most", 1e-3 * turned_deg.abs())),
-            Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg } => {
+            Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, .. } => {
                 facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
             }
+            Self::WeighedWith { weighed, now, .. } => facts.value(now).allowed(weighed),
             Self::WeighedOtherwise { version, .. } => facts.value(format!("calibration {version}")),
             Self::Implausible { measured_ml, model_ml, .. } => facts
                 .value(format!("{measured_ml:.4} mL"))

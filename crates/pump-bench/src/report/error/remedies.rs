@@ -167,6 +167,7 @@ impl CalibrationError {
             Self::NoLastDose | Self::UnsureLastDose { .. } => vec![Remedy::DoseThenWeigh],
             Self::LastDoseFromUnknownAngle { .. } => vec![Remedy::DoseFromKnownAngle],
             Self::WeighedOtherwise { .. } => vec![Remedy::JoinOrBeginAnew],
+            Self::WeighedWith { .. } => vec![Remedy::WeighAlone],
             Self::File { .. }
             | Self::Table(_)
             | Self::TooFew { .. }
