@@ -4,13 +4,18 @@ mod pair;
 
 use std::fs;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-use pump_bench::DoseRequest;
+use pump_bench::drives::{Disturbance, Drive, Opening};
+use pump_bench::pump_file::Axis;
 use pump_bench::rack::RackEnd;
+use pump_bench::{DoseRequest, built_in};
 
 use self::pair::{NAMES, Pair};
+use crate::rig::table;
 use crate::simulated::options::{Defects, Options};
 
 /// Twice as much of the one as of the other, together.
@@ -191,6 +196,32 @@ fn a_counter_of_one_axis_that_jumps_loses_the_angles_of_both_pumps() {
         reasons.len() == 2 && reasons.iter().all(|told| told.contains("angle is unknown")),
         "{reasons:?}"
     );
+}
+
+#[test]
+fn a_reset_is_heard_once_by_an_axis_that_is_opened_anew_while_another_keeps_the_port() {
+    let (pair, folder) = (Pair::new(Options::default()), tempfile::tempdir().unwrap());
+    let shared = pair.board.shared();
+    let open = |axis, record: &str| {
+        let opening = Opening { settings_record: Some(folder.path().join(record)), ..Opening::default() };
+        let table = table().with_port(Path::new("/dev/ttyUSB7")).with_axis(axis);
+        shared.axis(&table, &built_in("three-roller").unwrap().motor, &opening).unwrap()
+    };
+    let mut keeps = open(Axis::X, "acid");
+    let mut told_before = open(Axis::Y, "base");
+    assert_eq!((keeps.disturbed(), told_before.disturbed()), (None, None));
+    pair.board.send(&[0x18]);
+    pair.board.pass(Duration::from_secs(1));
+    assert_eq!(told_before.disturbed(), Some(Disturbance::Reset));
+    drop(told_before);
+    assert_eq!(open(Axis::Y, "base").disturbed(), None, "it was told before");
+    assert_eq!(open(Axis::Y, "other").disturbed(), Some(Disturbance::Reset), "a record that was not told");
+    assert_eq!(keeps.disturbed(), Some(Disturbance::Reset));
+    // A disturbance that nobody asked for stays for the next drive.
+    pair.board.send(&[0x18]);
+    pair.board.pass(Duration::from_secs(1));
+    drop(open(Axis::Y, "base"));
+    assert_eq!(open(Axis::Y, "base").disturbed(), Some(Disturbance::Reset));
 }
 
 #[test]

@@ -111,8 +111,9 @@ impl Grbl {
         opening: &Opening,
     ) -> Result<Self, GrblError> {
         let mut board = axis_board.lock()?;
-        // A reset since the port was opened came after the record was written.
-        let mut reset = connect::find(&mut board, table)? | (board.resets() > 0);
+        // A reset since the port was opened came after the record was written, unless an earlier drive of this pump
+        // has told of it.
+        let mut reset = connect::find(&mut board, table)? | (board.resets() > axis_board.told_resets());
         connect::rest(&mut board, &mut reset)?;
         board.needs_axis()?;
         let SelfDescription { flavour, text } = settings::described(&mut board)?;
@@ -306,6 +307,14 @@ impl Grbl {
             self.stands = None;
         }
         heard
+    }
+}
+
+impl Drop for Grbl {
+    fn drop(&mut self) {
+        if self.disturbed.is_none() {
+            self.board.note_told(self.resets);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A board that several drives of this process share, each for one axis. One of them talks to it at a time.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::sleep;
 use std::time::Duration;
@@ -24,9 +24,14 @@ pub(super) struct SharedBoard {
     board: Mutex<Board>,
     /// Axes that have a drive.
     taken: Mutex<Vec<Axis>>,
+    /// Number of the resets of which each record was told.
+    told: Mutex<Vec<(AxisRecord, u32)>>,
     /// Shares of the axes that wait for a line.
     pub(super) shares: Mutex<Vec<Share>>,
 }
+
+/// Axis with the record of the pump that it turns.
+type AxisRecord = (Axis, PathBuf);
 
 /// Board that several drives share, each for one axis and from a thread of its own.
 #[doc(hidden)]
@@ -61,7 +66,7 @@ impl SharedBoard {
     fn new(wire: Box<dyn Wire>) -> Self {
         // The axis that talks says which it is.
         let board = Board::new(wire, 0, StopRequest::default());
-        Self { board: Mutex::new(board), taken: Mutex::default(), shares: Mutex::default() }
+        Self { board: Mutex::new(board), taken: Mutex::default(), told: Mutex::default(), shares: Mutex::default() }
     }
 }
 
@@ -70,6 +75,8 @@ impl SharedBoard {
 pub(in crate::drives::grbl) struct AxisBoard {
     pub(super) shared: Arc<SharedBoard>,
     pub(super) axis: Axis,
+    /// Record of the pump. `None` if the drive does not know it.
+    record: Option<PathBuf>,
     stop: StopRequest,
 }
 
@@ -92,7 +99,28 @@ impl AxisBoard {
             return Err(DriveError::Busy { device, holder });
         }
         taken.push(table.axis);
-        Ok(Self { shared: Arc::clone(shared), axis: table.axis, stop: opening.stop.clone() })
+        let (record, stop) = (opening.settings_record.clone(), opening.stop.clone());
+        Ok(Self { shared: Arc::clone(shared), axis: table.axis, record, stop })
+    }
+
+    /// Returns the number of resets of which the pump's record was told while this process had the port.
+    pub(in crate::drives::grbl) fn told_resets(&self) -> u32 {
+        let told = self.shared.told.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = |(key, _): &&(AxisRecord, u32)| self.is_own(key);
+        told.iter().find(own).map_or(0, |(_, resets)| *resets)
+    }
+
+    /// Notes that the pump's record was told of this number of resets. The next drive of the pump tells no more of
+    /// them.
+    pub(in crate::drives::grbl) fn note_told(&self, resets: u32) {
+        let Some(record) = &self.record else { return };
+        let mut told = self.shared.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.retain(|(key, _)| !self.is_own(key));
+        told.push(((self.axis, record.clone()), resets));
+    }
+
+    fn is_own(&self, (axis, record): &AxisRecord) -> bool {
+        *axis == self.axis && self.record.as_ref() == Some(record)
     }
 
     /// Talks to the board for this axis, once no other axis does. The motion of another axis may take long.
