@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use pump_bench::dosing::RunEnd;
+use pump_bench::dosing::{RunBound, RunEnd};
 use pump_bench::record::{Clock, Purpose, Stamp};
 use pump_bench::report::{Ending, ErrorKind, Explain};
 use pump_bench::safety::SafetyLimit;
@@ -200,6 +200,26 @@ fn a_run_until_stopped_ends_within_the_limits_and_a_batch_is_refused_whole() {
     let refused = session.keep_batch_safe(5.0, 7, 60.0).map(|()| 0.0);
     assert_eq!(stands(refused), (SafetyLimit::Vessel, true));
     assert_eq!(bench.stands().unwrap().wear.volume_ml, 0.0, "nothing moved");
+}
+
+#[test]
+fn a_run_that_outlasts_the_window_of_its_limit_stands_at_the_limit_it_was_planned_by() {
+    let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
+    let bench = bench(&folder, Some(50.0), Some(60.0));
+    let mut session = session(&bench, &clock);
+    dose(&mut session, 45.0).unwrap();
+    // The day leaves 5 mL, and the vessel 15.
+    let prepared = session.prepare(DoseRequest::new(Purpose::Run, 1.0).with_end(RunEnd::Stop)).unwrap();
+    let delivered = session
+        .run(&prepared, |_| {
+            clock.set(START + DAY + 1);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    // The day has begun anew, and the vessel leaves 10 mL.
+    let limit = delivered.stand.map(|stand| stand.limit);
+    assert_eq!((limit, delivered.ran_out), (Some(SafetyLimit::Day), Some(RunBound::Safety(SafetyLimit::Day))));
+    assert_eq!(stands(dose(&mut session, 0.1)), (SafetyLimit::Day, false));
 }
 
 #[test]

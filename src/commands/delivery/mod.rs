@@ -124,11 +124,11 @@ pub(super) fn report(
     said: &Said<'_>,
 ) -> Result<(), Failure> {
     let report = DoseReport::new(bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
-    let stood = delivered.as_ref().and_then(|(end, _)| Some((end.stand?, end.volume_ml)));
+    let early = delivered.as_ref().and_then(|(end, _)| Some((bench.ended_early(end)?, end.volume_ml)));
     ended(report_once(bench, report, said, None, Vec::new(), &mut Warned::default()), delivered)?;
-    let Some((stand, volume_ml)) = stood else { return Ok(()) };
+    let Some((error, volume_ml)) = early else { return Ok(()) };
     // A run that a limit has ended is no success: its flow was to go on.
-    Err(Failure::of(bench.refusal(stand, true)).after_motion().delivered(volume_ml))
+    Err(Failure::of(error).after_motion().delivered(volume_ml))
 }
 
 /// Prints a report. Its warnings appear once: before and after the motion of a real motor, or here, and beside a report

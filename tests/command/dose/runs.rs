@@ -193,6 +193,20 @@ fn a_run_until_it_is_stopped_ends_with_the_tube_and_a_worn_tube_refuses_it() {
 }
 
 #[test]
+fn a_run_until_it_is_stopped_that_ends_by_itself_is_no_success() {
+    let user = User::new();
+    let ran = user.types(&["run", "--rate", "8mL/s", "--tube-limit", "4mL", "--format", "json"]);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    let report: Value = serde_json::from_str(&ran.out).unwrap();
+    let delivered = number(&report, "delivered_ml");
+    assert!((delivered - 3.96).abs() < 0.01 && report["run"]["was_stopped"] == false, "{report}");
+    let error: Value = serde_json::from_str(ran.err.lines().last().unwrap()).unwrap();
+    assert_eq!((&error["kind"], &error["moved"]), (&"limit".into(), &true.into()));
+    let message = error["message"].as_str().unwrap();
+    assert!(message.contains("ended by itself") && message.contains("dose tube --new"), "{message}");
+}
+
+#[test]
 fn ends_and_files_that_no_run_has_are_refused() {
     let user = User::new();
     for (words, said) in [

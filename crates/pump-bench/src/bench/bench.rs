@@ -318,8 +318,8 @@ impl Bench {
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
         let now_s = SystemClock.now().unix_s;
-        let most =
-            RunBounds { steps: None, ml: self.left_ml(state.as_ref(), now_s, request.volume_ml < 0.0) };
+        let safety = self.nearest_limit(state.as_ref(), now_s, request.volume_ml < 0.0);
+        let most = RunBounds { steps: None, safety };
         let mut prepared = self.prepare_from(&self.file, state, request, Some(most))?;
         self.would_be_safe(state.as_ref(), prepared.plan.planned_ml())?;
         prepared.warnings.extend(self.device_not_asked());

@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 
 use pump_model::units::degrees;
 
+use super::bench::Bench;
 use super::lateness;
 use super::recorded_motion::RecordedMotion;
 use super::session::Session;
-use crate::dosing::{DoseError, DoseRequest, Prepared, Retraction, RunEnd};
+use crate::dosing::{DoseError, DoseRequest, Prepared, Retraction, RunBound, RunEnd};
 use crate::notice::Notice;
 use crate::record::{DoseTerms, Purpose, Stamp};
 use crate::safety::Stand;
@@ -38,10 +39,25 @@ pub struct Delivered {
     pub sucked_back: bool,
     /// Time that the motion of the dose took, in s. A simulated motion takes the time of its plan.
     pub measured_s: f64,
+    /// Bound at which a run until it was stopped ended by itself. `None` otherwise.
+    pub ran_out: Option<RunBound>,
     /// Stand of the pump after a run until it was stopped that a safety limit ended. `None` otherwise.
     pub stand: Option<Stand>,
     /// Warnings for the user that came up in motion or after it.
     pub warnings: Vec<Notice>,
+}
+
+impl Bench {
+    /// Returns the error of a run until it was stopped that ended by itself: its flow was to go on. `None` for any other
+    /// motion.
+    #[must_use]
+    pub fn ended_early(&self, delivered: &Delivered) -> Option<DoseError> {
+        match (delivered.stand, delivered.ran_out) {
+            (Some(stand), _) => Some(self.refusal(stand, true)),
+            (None, Some(bound)) => Some(DoseError::RanOut { bound, delivered_ml: delivered.volume_ml }),
+            (None, None) => None,
+        }
+    }
 }
 
 impl Session<'_> {
@@ -94,6 +110,7 @@ impl Session<'_> {
             retracted_ml: 0.0,
             sucked_back: prepared.retraction.is_none(),
             measured_s: moved.measured_s,
+            ran_out: None,
             stand: None,
             warnings: Vec::new(),
         };
@@ -104,22 +121,27 @@ impl Session<'_> {
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
             self.suck_back(prepared, retraction, &mut delivered, &mut watch)?;
         }
-        if delivered.completed && self.has_reached_limit(prepared) {
-            delivered.stand = self.stand_after_run(prepared.request.volume_ml < 0.0);
+        if delivered.completed {
+            delivered.ran_out = self.bound_of(prepared);
+        }
+        if let Some(RunBound::Safety(limit)) = delivered.ran_out {
+            delivered.stand = self.stand_after_run(limit);
         }
         delivered.warnings.append(&mut self.notes);
         Ok(delivered)
     }
 
-    /// Returns true after a run until it was stopped that a safety limit has ended. The rest of one that was cut off
-    /// ends where the whole run was to end, by the limits of then.
-    fn has_reached_limit(&self, prepared: &Prepared) -> bool {
+    /// Returns the bound at which a run until it is stopped has ended by itself. The rest of one that was cut off ends
+    /// where the whole run was to end, by the limits of then. `None` for a motion with an end.
+    fn bound_of(&self, prepared: &Prepared) -> Option<RunBound> {
         let DoseRequest { end, whole_ml, volume_ml, .. } = prepared.request;
-        let is_rest_at_limit = || {
-            end == RunEnd::Stop
-                && whole_ml.is_some_and(|whole_ml| self.left_ml(volume_ml < 0.0) <= NEARLY * whole_ml.abs())
-        };
-        prepared.ends_at_safety_limit || is_rest_at_limit()
+        if end != RunEnd::Stop || prepared.ends_at.is_some() {
+            return prepared.ends_at;
+        }
+        let nearest = self.nearest_limit(volume_ml < 0.0);
+        let is_near =
+            |stand: &Stand| whole_ml.is_some_and(|whole_ml| stand.left_ml() <= NEARLY * whole_ml.abs());
+        Some(nearest.filter(is_near).map_or(RunBound::Rest, |stand| RunBound::Safety(stand.limit)))
     }
 
     /// Makes the retraction after a dose. The dose is delivered and on record whatever becomes of it.

@@ -266,7 +266,7 @@ impl<'a> Session<'a> {
             return Err(error);
         }
         let most_steps = self.device.as_ref().and_then(|device| device.most_steps(request.volume_ml < 0.0));
-        let most = RunBounds { steps: most_steps, ml: self.left_ml(request.volume_ml < 0.0) };
+        let most = RunBounds { steps: most_steps, safety: self.nearest_limit(request.volume_ml < 0.0) };
         let prepared = self.bench.prepare_from(self.file(), self.state, request, Some(most))?;
         self.keep_safe(prepared.plan.planned_ml())?;
         self.checked(prepared)

@@ -27,6 +27,7 @@ use crate::record::Stamp;
 use crate::safety::Stand;
 
 use super::flow_profile::ProfileError;
+use super::request::RunBound;
 use super::tube_life::LifeUnit;
 
 pub use no_rest_by_weight::NoRestByWeight;
@@ -325,6 +326,14 @@ pub enum DoseError {
     NoRun {
         /// Reason, as the message words it.
         why: &'static str,
+    },
+    /// A run until it was stopped has ended by itself. It is complete and on record.
+    #[error("the run ended by itself after {} mL, since {bound}", significant(*delivered_ml, 6))]
+    RanOut {
+        /// Bound at which it ended.
+        bound: RunBound,
+        /// Volume delivered, in mL.
+        delivered_ml: f64,
     },
     /// An earlier run of continuous flow was to go on until it is stopped, and was cut off.
     #[error("a run of continuous flow is unfinished: {} were delivered", between(*least_ml, *most_ml))]

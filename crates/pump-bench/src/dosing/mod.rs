@@ -23,7 +23,7 @@ pub use error::{DoseError, NoRestByWeight, WeightFault};
 pub use flow_profile::{FlowProfile, ProfileError};
 pub use prepared::Prepared;
 pub(crate) use prepared::{cruise_of, settle_of_s};
-pub use request::{DoseRequest, RunEnd};
+pub use request::{DoseRequest, RunBound, RunEnd};
 pub use retraction::Retraction;
 pub(crate) use ripple::{PulseErrors, SureRipples, sure_ripples};
 pub use ripple::{RippleAt, RippleReport};

@@ -14,7 +14,7 @@ pub(crate) use stopped::settle_of_s;
 use super::displaced_pumps::DisplacedPumps;
 use super::error::DoseError;
 use super::planner::{Planner, SpeedPlan};
-use super::request::{DoseRequest, RunEnd};
+use super::request::{DoseRequest, RunBound, RunEnd};
 use super::retraction::Retraction;
 use super::stands::Stands;
 use super::swept::Swept;
@@ -61,8 +61,9 @@ pub struct Prepared {
     pub carry_half_width_ml: f64,
     /// Retraction after the dose.
     pub retraction: Option<Retraction>,
-    /// True for a run until it is stopped that a safety limit ends before anything else does.
-    pub(crate) ends_at_safety_limit: bool,
+    /// Bound at which a run until it is stopped ends by itself. `None` for any other motion, and for the rest of such a
+    /// run.
+    pub(crate) ends_at: Option<RunBound>,
     /// Warnings for the user.
     pub warnings: Vec<Notice>,
 }
@@ -346,7 +347,7 @@ impl PlanningBasis<'_> {
             carry_out_ml,
             carry_half_width_ml: self.stands.carry_half_width_ml + changed_ml,
             retraction,
-            ends_at_safety_limit: false,
+            ends_at: None,
             warnings: Vec::new(),
         };
         prepared.warnings = self.warnings(&prepared, warning)?;

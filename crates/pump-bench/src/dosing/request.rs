@@ -1,9 +1,11 @@
 //! The request for a dose.
 
+mod run_bound;
 mod run_end;
 
 use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
 
+pub use run_bound::RunBound;
 pub use run_end::RunEnd;
 
 use crate::record::{Asked, DoseTerms, Purpose};

@@ -33,11 +33,12 @@ pub(super) fn check(members: &[Member], steps: &[RackStep]) -> Result<(), RackEr
 /// Returns the reason why the first step of two pumps is no line of constant ratio.
 fn off_line(steps: &[RackStep], pumps: [usize; 2]) -> Option<String> {
     (1..).zip(steps).find_map(|(number, step)| {
-        let flow = step.flows.iter().find(|flow| pumps.contains(&flow.pump))?;
-        match flow.profile {
-            Some(_) => Some(format!("step {number} is a flow over time")),
-            None if step.smooth => Some(format!("step {number} is smooth")),
-            None => None,
+        let mut flows = step.flows.iter().filter(|flow| pumps.contains(&flow.pump)).peekable();
+        flows.peek()?;
+        match flows.any(|flow| flow.profile.is_some()) {
+            true => Some(format!("step {number} is a flow over time")),
+            false if step.smooth => Some(format!("step {number} is smooth")),
+            false => None,
         }
     })
 }
@@ -85,4 +86,26 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
 pub(super) fn is_one_board(one: &Bench, other: &Bench) -> bool {
     let ports = one.board_port().zip(other.board_port());
     ports.is_some_and(|(port, at)| port == at || is_one_file(port, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dosing::FlowProfile;
+    use crate::rack::step::{Begin, Flow};
+
+    #[test]
+    fn every_flow_of_every_step_is_looked_at() {
+        let profile = FlowProfile::from_columns("ramp", &[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]);
+        let flow = |pump, profile| Flow { pump, volume_ml: 1.0, rate_ml_s: None, profile };
+        let step = |flows, smooth| RackStep { begin: Begin::After { time_s: 0.0 }, flows, smooth };
+        let dose = || step(vec![flow(0, None), flow(1, None)], false);
+        let mixed = step(vec![flow(0, None), flow(1, Some(profile.unwrap()))], false);
+        let told = off_line(&[dose(), mixed], [0, 1]);
+        assert_eq!(told.as_deref(), Some("step 2 is a flow over time"));
+        let smooth = step(vec![flow(1, None)], true);
+        assert_eq!(off_line(&[dose(), dose(), smooth], [0, 1]).as_deref(), Some("step 3 is smooth"));
+        let other = step(vec![flow(2, None)], true);
+        assert_eq!(off_line(&[dose(), other], [0, 1]), None);
+    }
 }

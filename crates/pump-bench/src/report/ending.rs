@@ -40,6 +40,7 @@ impl DoseError {
             Self::ByWeight { .. }
             | Self::Drive { .. }
             | Self::NoIndex { .. }
+            | Self::RanOut { .. }
             | Self::Retraction { .. }
             | Self::NotJournalled { .. }
             | Self::SlowDisk { .. }
@@ -77,6 +78,7 @@ impl DoseError {
             Self::Drive { least_ml, most_ml, .. } => Some((*least_ml, *most_ml)),
             Self::NotJournalled { delivered_ml, .. }
             | Self::SlowDisk { delivered_ml, .. }
+            | Self::RanOut { delivered_ml, .. }
             | Self::Retraction { delivered_ml, .. }
             | Self::NotRecorded { delivered_ml, .. } => Some((*delivered_ml, *delivered_ml)),
             Self::ByWeight { turned_ml, .. } => Some((*turned_ml, *turned_ml)),

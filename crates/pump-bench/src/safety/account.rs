@@ -110,24 +110,22 @@ impl SafetyAccount {
         })
     }
 
-    /// Returns the volume that the limits leave to a motion, in mL, in reverse or not. Infinite without limits.
-    pub(crate) fn left_ml(&self, limits: &SafetyLimits, now_s: u64, reverse: bool) -> f64 {
-        let left = |allowed_ml: Option<f64>, used_ml: f64| {
-            allowed_ml.map_or(f64::INFINITY, |allowed_ml| (allowed_ml - used_ml).max(0.0))
-        };
-        let day_ml = left(limits.max_ml_per_day, self.day_ml(now_s));
-        if reverse { day_ml } else { day_ml.min(left(limits.vessel_ml, self.vessel_ml)) }
+    /// Returns the limit that leaves the least to a motion, in reverse or not, with what is used of it. `None` without
+    /// limits.
+    pub(crate) fn nearest(&self, limits: &SafetyLimits, now_s: u64, reverse: bool) -> Option<Stand> {
+        let day = self.stand_at(SafetyLimit::Day, limits, now_s);
+        let vessel = self.stand_at(SafetyLimit::Vessel, limits, now_s).filter(|_| !reverse);
+        let all = [day, vessel].into_iter().flatten();
+        all.min_by(|one, other| one.left_ml().total_cmp(&other.left_ml()))
     }
 
-    /// Returns the stand at the limit that leaves least to a motion, in reverse or not. `None` without limits.
-    pub(crate) fn nearest(&self, limits: &SafetyLimits, now_s: u64, reverse: bool) -> Option<Stand> {
-        let stand = |limit, used_ml, allowed_ml: Option<f64>| {
-            Some(Stand { limit, used_ml, planned_ml: 0.0, allowed_ml: allowed_ml?, unix_s: now_s })
+    /// Returns the stand at a limit that has ended a run. `None` without that limit.
+    pub(crate) fn stand_at(&self, limit: SafetyLimit, limits: &SafetyLimits, now_s: u64) -> Option<Stand> {
+        let (used_ml, allowed_ml) = match limit {
+            SafetyLimit::Day => (self.day_ml(now_s), limits.max_ml_per_day),
+            SafetyLimit::Vessel => (self.vessel_ml, limits.vessel_ml),
         };
-        let day = stand(SafetyLimit::Day, self.day_ml(now_s), limits.max_ml_per_day);
-        let vessel = stand(SafetyLimit::Vessel, self.vessel_ml, limits.vessel_ml.filter(|_| !reverse));
-        let left_ml = |stand: &Stand| stand.allowed_ml - stand.used_ml;
-        [day, vessel].into_iter().flatten().min_by(|one, other| left_ml(one).total_cmp(&left_ml(other)))
+        Some(Stand { limit, used_ml, planned_ml: 0.0, allowed_ml: allowed_ml?, unix_s: now_s })
     }
 
     /// Returns the account of a pump that stands.

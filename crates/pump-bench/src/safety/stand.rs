@@ -36,6 +36,13 @@ pub struct Stand {
     pub unix_s: u64,
 }
 
+impl Stand {
+    /// Returns the volume that the limit leaves, in mL.
+    pub(crate) fn left_ml(&self) -> f64 {
+        (self.allowed_ml - self.used_ml).max(0.0)
+    }
+}
+
 impl fmt::Display for Stand {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [used, planned, allowed] =

@@ -30,7 +30,7 @@ pub(super) struct Ran {
     pub(super) json: String,
     pub(super) note: String,
     /// Stand at a safety limit that has ended a run until it was stopped.
-    pub(super) stand: Option<DoseError>,
+    pub(super) early: Option<DoseError>,
 }
 
 #[pymethods]
@@ -214,12 +214,12 @@ impl Bench {
                 let prepared = prepare(session, signal)?;
                 let delivered = deliver(session, &prepared, signal)?;
                 let report = DoseReport::new(bench, &prepared, Some(&delivered)).worded(advice::words);
-                let stand = delivered.stand.map(|stand| bench.refusal(stand, true));
-                Ok(Ran { json: report.json(), note: note(&delivered), stand })
+                let early = bench.ended_early(&delivered);
+                Ok(Ran { json: report.json(), note: note(&delivered), early })
             },
         )?;
-        let Some(stand) = ran.stand else { return Ok(ran.json) };
-        let error = errors::dose(py, stand);
+        let Some(early) = ran.early else { return Ok(ran.json) };
+        let error = errors::dose(py, early);
         error.value(py).call_method1("add_note", (ran.note,))?;
         Err(error)
     }

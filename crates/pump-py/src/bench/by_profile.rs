@@ -70,7 +70,7 @@ impl Bench {
                 signal.plans(prepared.motion().steps().unsigned_abs());
                 let delivered = session.run_profile(&prepared, |made| signal.made(made))?;
                 let report = DoseReport::by_profile(bench, &prepared, Some(&delivered)).worded(advice::words);
-                Ok(Ran { json: report.json(), note: note(&delivered), stand: None })
+                Ok(Ran { json: report.json(), note: note(&delivered), early: None })
             },
         )?;
         Ok(ran.json)

@@ -157,6 +157,7 @@ fn numbers(error: &DoseError) -> Vec<(&'static str, f64)> {
                 ("allowed_ml", stand.allowed_ml),
             ]
         }
+        DoseError::RanOut { delivered_ml, .. } => bounds(*delivered_ml, *delivered_ml),
         _ => Vec::new(),
     }
 }

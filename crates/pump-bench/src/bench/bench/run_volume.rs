@@ -9,7 +9,7 @@ use pump_model::Allowed;
 use self::time_search::TimeSearch;
 use super::Bench;
 use crate::bench::safety::RunBounds;
-use crate::dosing::{DoseError, DoseRequest, Prepared, cruise_of};
+use crate::dosing::{DoseError, DoseRequest, Prepared, RunBound, cruise_of};
 use crate::numbers::{duration, significant};
 use crate::pump_file::PumpFile;
 use crate::record::{PumpState, Wear};
@@ -85,7 +85,7 @@ impl Bench {
         let counted_ml =
             most.and_then(|most| most.steps).map_or(f64::INFINITY, |steps| steps as f64 * step_ml);
         let any_ml = MAX_VOLUME_ML.min(MAX_STEPS * step_ml).min(MAX_DURATION_S * flow_ml_s);
-        let safe_ml = most.map_or(f64::INFINITY, |most| most.ml);
+        let safe_ml = most.map_or(f64::INFINITY, |most| most.safe_ml());
         let most_ml = any_ml.min(left_ml).min(counted_ml).min(safe_ml);
         // A tube that is used up refuses its smallest run, and so does a device that counts no further.
         let volume_ml = f64::copysign((WITHIN * most_ml).max(2.0 * step_ml), request.volume_ml);
@@ -107,8 +107,13 @@ impl Bench {
                 duration(plan.plan.profile().duration_s())
             );
             plan.warnings.push(text.into());
-            plan.ends_at_safety_limit = true;
         }
+        plan.ends_at = Some(match most.and_then(|most| most.safety) {
+            Some(stand) if safe_ml < any_ml.min(left_ml).min(counted_ml) => RunBound::Safety(stand.limit),
+            _ if counted_ml < any_ml.min(left_ml) => RunBound::Count,
+            _ if left_ml < any_ml => RunBound::Tube,
+            _ => RunBound::Most,
+        });
         Ok(plan)
     }
 

@@ -60,6 +60,7 @@ impl Session<'_> {
             retracted_ml: 0.0,
             sucked_back: true,
             measured_s: moved.measured_s,
+            ran_out: None,
             stand: None,
             warnings: std::mem::take(&mut self.notes),
         })

@@ -31,9 +31,14 @@ impl Bench {
         state.copied().unwrap_or(self.fresh()).safety_at(now_s)
     }
 
-    /// Returns the volume that the safety limits leave to a motion, in mL. Infinite without limits.
-    pub(in crate::bench) fn left_ml(&self, state: Option<&PumpState>, now_s: u64, reverse: bool) -> f64 {
-        self.safety_account(state, now_s).left_ml(&self.safety_limits(), now_s, reverse)
+    /// Returns the safety limit that leaves the least to a motion, with what is used of it. `None` without limits.
+    pub(in crate::bench) fn nearest_limit(
+        &self,
+        state: Option<&PumpState>,
+        now_s: u64,
+        reverse: bool,
+    ) -> Option<Stand> {
+        self.safety_account(state, now_s).nearest(&self.safety_limits(), now_s, reverse)
     }
 
     /// Refuses a plan of `planned_ml` that a session would refuse now. Nothing is recorded: the pump may move on.
@@ -87,9 +92,9 @@ impl Bench {
 }
 
 impl Session<'_> {
-    /// Returns the volume that the safety limits leave to a motion, in mL. Infinite without limits.
-    pub(in crate::bench) fn left_ml(&self, reverse: bool) -> f64 {
-        self.bench.left_ml(self.state.as_ref(), self.log.clock.now().unix_s, reverse)
+    /// Returns the safety limit that leaves the least to a motion, with what is used of it. `None` without limits.
+    pub(in crate::bench) fn nearest_limit(&self, reverse: bool) -> Option<Stand> {
+        self.bench.nearest_limit(self.state.as_ref(), self.log.clock.now().unix_s, reverse)
     }
 
     /// Refuses to move a pump that stands at a safety limit.
@@ -162,11 +167,11 @@ impl Session<'_> {
         Err(self.bench.refusal(stand, true))
     }
 
-    /// Has the pump stand after a run until it was stopped that a safety limit ended.
-    pub(in crate::bench) fn stand_after_run(&mut self, reverse: bool) -> Option<Stand> {
+    /// Has the pump stand after a run until it was stopped that this safety limit ended.
+    pub(in crate::bench) fn stand_after_run(&mut self, limit: SafetyLimit) -> Option<Stand> {
         let now_s = self.log.clock.now().unix_s;
         let account = self.stands().safety_at(now_s);
-        let stand = account.nearest(&self.bench.safety_limits(), now_s, reverse)?;
+        let stand = account.stand_at(limit, &self.bench.safety_limits(), now_s)?;
         let stand = self.bench.as_said(stand);
         self.record_stand(account, stand);
         Some(stand)

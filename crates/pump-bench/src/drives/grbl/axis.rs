@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use pump_ctl::plan::{Motor, Plan};
 
-use super::board::{Heard, POLL};
+use super::board::{Board, Heard, POLL};
 use super::connect;
 use super::error::GrblError;
 use super::jogs::{Follower, Jogs, Task};
-use super::line::{AxisBoard, Ended, GrblBoard, Met, follow, lead, meet};
+use super::line::{AxisBoard, Ended, GrblBoard, Met, SILENCE, follow, lead, meet};
 use super::recovery::Made;
 use super::remarks::remarks;
 use super::scale::Scale;
@@ -257,7 +257,7 @@ impl Grbl {
         let own = Follower { scale: self.scale, task };
         let ended = match meet(&self.board, &mut place, own, gate) {
             Ok(Met::Stopped) => return Ok(0),
-            Ok(Met::Follows(led)) => Ok(follow(&led, task.steps, gate)),
+            Ok(Met::Follows(led)) => Ok(follow(&led, task.steps, gate, SILENCE)),
             Ok(Met::Leads(others)) => match self.board.lock() {
                 Ok(mut board) => lead(&mut board, own, &others, gate, || place.has_begun()),
                 Err(_) => return Ok(0),
@@ -298,16 +298,28 @@ impl Grbl {
     /// Takes in what the board says unasked for as long as `wait`, to this axis or another.
     fn overhear(&mut self, wait: Duration, deaf: bool) -> Result<(), GrblError> {
         let mut board = self.board.lock()?;
-        let before = board.be_deaf(deaf);
-        let heard = board.hear_all(wait, |_: Heard| Ok(()));
-        board.be_deaf(before);
-        if board.resets() != self.resets {
-            self.resets = board.resets();
+        let heard = overheard(&mut board, wait, deaf);
+        let resets = board.resets();
+        drop(board);
+        self.note_resets(resets);
+        heard
+    }
+
+    fn note_resets(&mut self, resets: u32) {
+        if resets != self.resets {
+            self.resets = resets;
             self.disturbed = Some(Disturbance::Reset);
             self.stands = None;
         }
-        heard
     }
+}
+
+/// Takes in what a board says unasked for as long as `wait`.
+fn overheard(board: &mut Board, wait: Duration, deaf: bool) -> Result<(), GrblError> {
+    let before = board.be_deaf(deaf);
+    let heard = board.hear_all(wait, |_: Heard| Ok(()));
+    board.be_deaf(before);
+    heard
 }
 
 impl Drop for Grbl {
@@ -344,8 +356,13 @@ impl Drive for Grbl {
     }
 
     fn disturbed(&mut self) -> Option<Disturbance> {
-        // A connection that broke at rest is the next motion's fault.
-        let _ = self.overhear(Duration::ZERO, true);
+        // A board that another axis has all the time tells of its resets later.
+        let resets = self.board.lock_if_idle().map(|mut board| {
+            // A connection that broke at rest is the next motion's fault.
+            let _ = overheard(&mut board, Duration::ZERO, true);
+            board.resets()
+        });
+        self.note_resets(resets.unwrap_or(self.resets));
         self.disturbed.take()
     }
 

@@ -6,7 +6,7 @@ use pump_ctl::plan::{FlowError, Nearest, PlanError};
 
 use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
-use crate::dosing::{DoseError, NoRestByWeight, WeightFault};
+use crate::dosing::{DoseError, NoRestByWeight, RunBound, WeightFault};
 use crate::notice::Remedy;
 use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
@@ -33,7 +33,7 @@ impl DoseError {
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
-            Self::TubeWorn { .. } => vec![Remedy::ReplaceTube],
+            Self::TubeWorn { .. } | Self::RanOut { bound: RunBound::Tube, .. } => vec![Remedy::ReplaceTube],
             Self::NoRest { .. } | Self::NoRestOfProfile { .. } => vec![Remedy::Accept],
             Self::Flow(FlowError::UnsureAngle { .. }) => vec![Remedy::SayExactAngle],
             Self::ByWeight { fault, from_stated_angle, .. } => by_weight(fault, *from_stated_angle),
@@ -67,6 +67,7 @@ impl DoseError {
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
             | Self::NotCleared { .. }
+            | Self::RanOut { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
         }

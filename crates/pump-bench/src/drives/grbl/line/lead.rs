@@ -1,6 +1,6 @@
 //! The line of several axes, by the axis that leads it: one sequence of jogs, with a share of the steps for each.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::meeting::{Share, Word};
 use crate::drives::grbl::board::Board;
@@ -9,8 +9,8 @@ use crate::drives::grbl::jogs::{Follower, Jogs, Task};
 use crate::drives::grbl::recovery::Made;
 use crate::drives::{Gate, Leave};
 
-/// Longest wait for the leave of another axis. It comes once that axis has its steps on record. A disk that takes
-/// longer stops the line.
+/// Longest wait for the leaves of the other axes. They come once those axes have their steps on record. A disk that
+/// takes longer stops the line.
 const LEAVE: Duration = Duration::from_secs(10);
 
 /// End of a line for one axis.
@@ -141,10 +141,11 @@ pub(in crate::drives::grbl) fn lead(
             let _ = share.words.send(Word::MayGo(made, last));
         }
         let (made, last) = asked(&own, made, last);
-        let own = gate(made, last);
-        others
-            .iter()
-            .fold(own, |leave, share| both(leave, share.leaves.recv_timeout(LEAVE).unwrap_or(Leave::Stop)))
+        let (since, own) = (Instant::now(), gate(made, last));
+        others.iter().fold(own, |leave, share| {
+            let left = LEAVE.saturating_sub(since.elapsed());
+            both(leave, share.leaves.recv_timeout(left).unwrap_or(Leave::Stop))
+        })
     };
     begins();
     board.attend_axis(first.scale.axis.number());

@@ -1,6 +1,6 @@
 //! The meeting of the axes that move as one line. The last that is ready leads, and asks the others for their leave.
 
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -15,6 +15,13 @@ use crate::drives::{BeginPlace, Gate, Leave};
 
 /// Time between two looks at the other axes.
 const LOOK: Duration = Duration::from_millis(1);
+
+/// Longest silence of the axis that leads. It waits 10 s for a leave, 8 s and a ramp for a motor to stop, and 5 s each
+/// for a line and for a board that was reset.
+pub(in crate::drives::grbl) const SILENCE: Duration = Duration::from_secs(60);
+
+/// Time between two questions whether the user asks to stop, while the axis that leads says nothing.
+const POLL: Duration = Duration::from_millis(50);
 
 /// Word of the axis that leads to one that follows.
 #[derive(Debug)]
@@ -90,22 +97,69 @@ pub(in crate::drives::grbl) fn meet(
     Ok(if met? { Met::Leads(shares.drain(..).collect()) } else { Met::Stopped })
 }
 
-/// Answers the axis that leads until the line has ended.
-pub(in crate::drives::grbl) fn follow(led: &Led, steps: u64, gate: &mut Gate<'_>) -> Ended {
-    let mut announced = 0;
+/// Answers the axis that leads until the line has ended, or the axis has said nothing for `silence`. A stop that the
+/// user asks for meanwhile is the next answer.
+pub(in crate::drives::grbl) fn follow(led: &Led, steps: u64, gate: &mut Gate<'_>, silence: Duration) -> Ended {
+    let (mut seen, mut announced, mut is_stopped) = (0, 0, false);
+    let mut heard = Instant::now();
     loop {
-        match led.words.recv() {
+        match led.words.recv_timeout(POLL.min(silence)) {
             Ok(Word::MayGo(made, about_to)) => {
-                announced = about_to;
-                let _ = led.leaves.send(gate(made, about_to));
+                (seen, announced, heard) = (made, about_to, Instant::now());
+                let leave = if is_stopped { Leave::Stop } else { gate(made, about_to) };
+                is_stopped |= leave == Leave::Stop;
+                let _ = led.leaves.send(leave);
             }
             Ok(Word::Ended(ended)) => return ended,
-            // The thread of the axis that led is gone, and what it sent is made.
+            Err(RecvTimeoutError::Timeout) if heard.elapsed() < silence => {
+                is_stopped = is_stopped || gate(seen, announced) == Leave::Stop;
+            }
+            // The thread of the axis that led is gone or hangs, and what it sent is made.
             Err(_) => {
                 let most = announced.min(steps) as i64;
                 let made = Made { least: 0, most, lost: true };
                 return Ended { result: Err((GrblError::Unled, made)), sent: announced, rests: 0 };
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHORT: Duration = Duration::from_millis(100);
+
+    #[test]
+    fn an_axis_whose_leader_falls_silent_ends_within_the_bounds_that_were_announced() {
+        let ((words, heard), (leaves, left)) = (channel(), channel());
+        let led = Led { words: heard, leaves };
+        words.send(Word::MayGo(10, 40)).unwrap();
+        let ended = follow(&led, 900, &mut |_, _| Leave::Go, SHORT);
+        assert_eq!(left.recv(), Ok(Leave::Go));
+        let (error, made) = ended.result.unwrap_err();
+        assert!(matches!(error, GrblError::Unled), "{error}");
+        assert_eq!((made, ended.sent), (Made { least: 0, most: 40, lost: true }, 40));
+    }
+
+    #[test]
+    fn a_stop_in_the_silence_of_the_leader_is_the_next_answer() {
+        let ((words, heard), (leaves, left)) = (channel(), channel());
+        let led = Led { words: heard, leaves };
+        let (mut asked, mut later) = (0, Some(words));
+        follow(
+            &led,
+            900,
+            &mut |_, _| {
+                asked += 1;
+                // The leader asks again only once the user has asked to stop.
+                if let Some(words) = later.take() {
+                    words.send(Word::MayGo(0, 20)).unwrap();
+                }
+                Leave::Stop
+            },
+            Duration::from_secs(60),
+        );
+        assert_eq!((left.recv(), asked), (Ok(Leave::Stop), 1));
     }
 }

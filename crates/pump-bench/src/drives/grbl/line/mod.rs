@@ -5,6 +5,6 @@ mod meeting;
 mod shared_board;
 
 pub(super) use lead::{Ended, lead};
-pub(super) use meeting::{Met, follow, meet};
+pub(super) use meeting::{Met, SILENCE, follow, meet};
 pub(super) use shared_board::AxisBoard;
 pub use shared_board::GrblBoard;

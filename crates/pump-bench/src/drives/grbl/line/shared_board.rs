@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::meeting::Share;
 use crate::drives::grbl::board::Board;
@@ -17,6 +17,9 @@ static OPEN: OpenPorts<SharedBoard> = OpenPorts::new();
 
 /// Time between two looks at a board with which another axis talks.
 const LOOK: Duration = Duration::from_millis(1);
+
+/// Longest wait of a question that may be left out, in which another axis talks with the board.
+const IDLE_LIMIT: Duration = Duration::from_secs(10);
 
 /// Board with the axes that have a drive.
 #[derive(Debug)]
@@ -130,18 +133,33 @@ impl AxisBoard {
     /// [`GrblError::Interrupted`] if the user asks to stop meanwhile.
     pub(in crate::drives::grbl) fn lock(&self) -> Result<MutexGuard<'_, Board>, GrblError> {
         loop {
-            let mut board = match self.shared.board.try_lock() {
-                Ok(board) => board,
-                Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-                Err(TryLockError::WouldBlock) if self.stop.is_made() => return Err(GrblError::Interrupted),
-                Err(TryLockError::WouldBlock) => {
-                    sleep(LOOK);
-                    continue;
-                }
-            };
-            board.attend(self.axis.number(), &self.stop);
-            return Ok(board);
+            match self.try_lock() {
+                Some(board) => return Ok(board),
+                None if self.stop.is_made() => return Err(GrblError::Interrupted),
+                None => sleep(LOOK),
+            }
         }
+    }
+
+    /// Talks to the board for this axis if no other axis does within [`IDLE_LIMIT`].
+    pub(in crate::drives::grbl) fn lock_if_idle(&self) -> Option<MutexGuard<'_, Board>> {
+        let began = Instant::now();
+        loop {
+            match self.try_lock() {
+                None if began.elapsed() < IDLE_LIMIT && !self.stop.is_made() => sleep(LOOK),
+                board => return board,
+            }
+        }
+    }
+
+    fn try_lock(&self) -> Option<MutexGuard<'_, Board>> {
+        let mut board = match self.shared.board.try_lock() {
+            Ok(board) => board,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        board.attend(self.axis.number(), &self.stop);
+        Some(board)
     }
 
     /// Lets the other axes of the board talk to it, if there are any: they look once a [`LOOK`].
