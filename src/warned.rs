@@ -18,7 +18,8 @@ impl Warned {
 /// The words of a warning without its numbers: those of one kind differ from dose to dose.
 fn kind(text: &str) -> String {
     // A sign or a bracket may stand before the first digit, as in `(±0.12`.
-    let is_number = |word: &str| word.chars().find(|letter| letter.is_alphanumeric()).is_some_and(char::is_numeric);
+    let is_number =
+        |word: &str| word.chars().find(|letter| letter.is_alphanumeric()).is_some_and(char::is_numeric);
     text.split(' ').filter(|word| !is_number(word)).collect::<Vec<_>>().join(" ")
 }
 
@@ -33,7 +34,8 @@ mod tests {
         let peak = |rpm: &str| of(&format!("the dose peaks at {rpm} r/min, and was calibrated to -3 r/min"));
         assert_eq!(warned.untold(&peak("2.5289")), peak("2.5289"));
         assert_eq!(warned.untold(&peak("26.342")), []);
-        let late = |by: &str| of(&format!("the dose took longer than planned (0.{by} s, ±{by} %, [{by}..9])"));
+        let late =
+            |by: &str| of(&format!("the dose took longer than planned (0.{by} s, ±{by} %, [{by}..9])"));
         assert_eq!(warned.untold(&late("12")), late("12"));
         assert_eq!(warned.untold(&late("345")), []);
         let other = of("the tube has 2.5289 mL left");

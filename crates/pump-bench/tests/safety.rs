@@ -218,7 +218,10 @@ fn a_run_that_outlasts_the_window_of_its_limit_stands_at_the_limit_it_was_planne
         .unwrap();
     // The day has begun anew, and the vessel leaves 10 mL.
     let limit = delivered.stand.map(|stand| stand.limit);
-    assert_eq!((limit, delivered.ran_out), (Some(SafetyLimit::Day), Some(RunBound::Safety(SafetyLimit::Day))));
+    assert_eq!(
+        (limit, delivered.ran_out),
+        (Some(SafetyLimit::Day), Some(RunBound::Safety(SafetyLimit::Day)))
+    );
     assert_eq!(stands(dose(&mut session, 0.1)), (SafetyLimit::Day, false));
 }
 

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use clap::{Args, ValueEnum};
 use pump_bench::Bench;
 use pump_bench::record::{Clock, LogEntry, LogLine, SystemClock, moment};
-use pump_bench::report::{LOG_CSV_HEADER, LogTotals, log_csv, log_json, log_text};
+use pump_bench::report::{LOG_CSV_HEADER, LogPlace, LogSpan, LogTotals, log_csv, log_json, log_text};
 
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
@@ -48,12 +48,6 @@ enum LogFormat {
     Json,
 }
 
-/// Doses that began within these times, in seconds since 1970.
-struct Span {
-    since: u64,
-    until: u64,
-}
-
 impl LogArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let now = SystemClock::default().now();
@@ -63,7 +57,8 @@ impl LogArgs {
         let (since, until) = (read(&self.since)?.unwrap_or(0), read(&self.until)?.unwrap_or(u64::MAX));
         let bench = self.record.bench()?;
         let lines = bench.log().map_err(Failure::of)?;
-        let mut out = Listing::new(&bench, self.format.unwrap_or_default(), self.totals);
+        let span = LogSpan::new(since, until, now.unix_s);
+        let mut out = Listing::new(&bench, self.format.unwrap_or_default(), self.totals, span);
         let mut to = BufWriter::new(io::stdout().lock());
         let mut listed = out.begin(&mut to);
         for line in lines {
@@ -71,15 +66,15 @@ impl LogArgs {
                 break;
             }
             match line.map_err(Failure::of)? {
-                LogLine::Dose(entry) => listed = out.dose(&mut to, &entry, &Span { since, until }),
+                LogLine::Dose(entry) => listed = out.dose(&mut to, &entry),
                 LogLine::Damaged { line, message } => {
                     say(&format!("warning: line {line} of the log is damaged and left out: {message}\n"));
                 }
                 _ => {}
             }
         }
-        if let Some(told) = out.left_out() {
-            say(&told);
+        if let Some(left_out) = out.span.left_out() {
+            say(&format!("warning: {}\n", left_out.told("--since")));
         }
         match listed.and_then(|()| out.end(&mut to)).and_then(|()| to.flush()) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -91,25 +86,20 @@ impl LogArgs {
     }
 }
 
-/// The list under way. It keeps the totals and the time of the last dose, and no doses.
+/// The list under way. It keeps the totals, and no doses.
 struct Listing<'a> {
     bench: &'a Bench,
     format: LogFormat,
     only_totals: bool,
     totals: LogTotals,
-    /// Time of the dose before, in seconds since 1970.
-    before: u64,
-    /// Latest time of a dose, in seconds since 1970.
-    latest: u64,
+    /// The span of the doses that are listed.
+    span: LogSpan,
     listed: u64,
-    /// Number of doses that are left out since their time is before the span, though they came after a dose within it.
-    behind: u64,
 }
 
 impl<'a> Listing<'a> {
-    fn new(bench: &'a Bench, format: LogFormat, only_totals: bool) -> Self {
-        let totals = LogTotals::default();
-        Self { bench, format, only_totals, totals, before: 0, latest: 0, listed: 0, behind: 0 }
+    fn new(bench: &'a Bench, format: LogFormat, only_totals: bool, span: LogSpan) -> Self {
+        Self { bench, format, only_totals, totals: LogTotals::default(), span, listed: 0 }
     }
 
     fn begin(&self, to: &mut dyn Write) -> io::Result<()> {
@@ -120,13 +110,9 @@ impl<'a> Listing<'a> {
         }
     }
 
-    fn dose(&mut self, to: &mut dyn Write, entry: &LogEntry, span: &Span) -> io::Result<()> {
-        let unix_s = entry.time.unix_s;
-        let went_back = unix_s < std::mem::replace(&mut self.before, unix_s);
-        self.latest = self.latest.max(unix_s);
-        if !(span.since..span.until).contains(&unix_s) {
-            // A dose after one of the span belongs to it by its place in the record.
-            self.behind += u64::from(unix_s < span.since && self.latest >= span.since);
+    fn dose(&mut self, to: &mut dyn Write, entry: &LogEntry) -> io::Result<()> {
+        let LogPlace { is_within, went_back, .. } = self.span.look(entry);
+        if !is_within {
             return Ok(());
         }
         self.totals.add(entry, went_back);
@@ -142,18 +128,6 @@ impl<'a> Listing<'a> {
             LogFormat::Csv => writeln!(to, "{}", log_csv(pump, driver, entry, went_back)),
             LogFormat::Json => writeln!(to, "{}", log_json(pump, driver, entry, went_back)),
         }
-    }
-
-    /// The warning of doses that are left out though they were made within the span; none if there are none.
-    fn left_out(&self) -> Option<String> {
-        let were = match self.behind {
-            0 => return None,
-            1 => "1 dose is left out: its time is".to_owned(),
-            count => format!("{count} doses are left out: their times are"),
-        };
-        Some(format!(
-            "warning: {were} before --since, since the clock had gone back; without --since every dose is listed\n"
-        ))
     }
 
     fn end(&self, to: &mut dyn Write) -> io::Result<()> {

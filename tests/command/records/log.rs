@@ -85,7 +85,7 @@ fn a_clock_that_was_set_back_is_remarked_in_every_format_and_hides_no_dose_in_si
     // The third dose was made after the second one, by a clock that had been set back by 27 hours.
     set_times(
         &user,
-        &["2026-11-21T23:00:00+00:00", "2026-11-23T02:15:00+00:00", "2026-11-21T23:15:00+00:00"],
+        &["2024-11-21T23:00:00+00:00", "2024-11-23T02:15:00+00:00", "2024-11-21T23:15:00+00:00"],
     );
     let remarked = |dose: &Value| dose["clock_went_back"] == true;
     let listed = objects(&user.types(&["log", "--format", "json"]).out);
@@ -97,10 +97,23 @@ fn a_clock_that_was_set_back_is_remarked_in_every_format_and_hides_no_dose_in_si
     assert!(text.contains("in 3 doses; the clock had gone back once"), "{text}");
     let totals = objects(&user.types(&["log", "--totals", "--format", "json"]).out);
     assert_eq!(totals.last().unwrap()["clock_went_back"], 1);
-    let since = user.types(&["log", "--since", "2026-11-23T01:00:00Z", "--format", "json"]);
+    let since = user.types(&["log", "--since", "2024-11-23T01:00:00Z", "--format", "json"]);
     assert_eq!(objects(&since.out).len(), 1);
-    assert!(since.err.contains("warning: 1 dose is left out: its time is before --since"), "{}", since.err);
+    let told = "warning: 1 dose is left out: number 3, whose time is before --since although dose 2 at 2024-11-23T02:15";
+    assert!(since.err.contains(told), "{}", since.err);
     assert_eq!(user.types(&["log", "--since", "1970-01-02"]).err, "");
+}
+
+#[test]
+fn one_wrong_time_in_the_future_makes_no_later_list_warn() {
+    let user = User::new();
+    (0..4).for_each(|_| drop(user.types(&["1mL"])));
+    let [ahead, day, later] =
+        ["2999-01-01T00:00:00+00:00", "2024-11-21T23:15:00+00:00", "2024-11-22T23:15:00+00:00"];
+    set_times(&user, &["2024-11-20T23:00:00+00:00", ahead, day, later]);
+    let since = user.types(&["log", "--since", "2024-11-22", "--format", "json"]);
+    let numbers: Vec<_> = objects(&since.out).iter().map(|dose| dose["number"].clone()).collect();
+    assert_eq!((numbers, since.err.as_str()), (vec![json!(2), json!(4)], ""));
 }
 
 #[test]

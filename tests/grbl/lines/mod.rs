@@ -1,6 +1,7 @@
 //! Claims about pumps on one grbl board that a rack moves as one line of constant ratio.
 
 mod pair;
+mod speeds;
 
 use std::fs;
 use std::ops::ControlFlow;

@@ -22,9 +22,9 @@ const HEAD: &str = "schema = \"rack/1\"\n[pumps]\nacid = \"acid\"\nbase = \"base
 /// Steps per mm of both axes.
 const STEPS_MM: f64 = 250.0;
 
-/// Returns the file of a pump on an axis, and the table of its drive.
-fn file(name: &str, axis: Axis) -> (PumpFile, DriveTable) {
-    let mut file = built_in("three-roller").unwrap();
+/// Returns the file of a pump like `head` on an axis, and the table of its drive.
+fn file(head: &PumpFile, name: &str, axis: Axis) -> (PumpFile, DriveTable) {
+    let mut file = head.clone();
     name.clone_into(&mut file.pump.id);
     let table = table().with_port(Path::new("/dev/ttyUSB7")).with_axis(axis);
     file.drive = Some(table.clone());
@@ -34,19 +34,25 @@ fn file(name: &str, axis: Axis) -> (PumpFile, DriveTable) {
 /// Two pumps with their records, and their board.
 pub(crate) struct Pair {
     pub(crate) board: Board,
+    head: PumpFile,
     folder: tempfile::TempDir,
 }
 
 impl Pair {
     pub(crate) fn new(options: Options) -> Self {
-        Self { board: Board::start(options), folder: tempfile::tempdir().unwrap() }
+        Self::of(built_in("three-roller").unwrap(), options)
+    }
+
+    /// Makes a pair of two pumps like `head`.
+    pub(crate) fn of(head: PumpFile, options: Options) -> Self {
+        Self { board: Board::start(options), head, folder: tempfile::tempdir().unwrap() }
     }
 
     /// Opens both axes.
     pub(crate) fn drives(&self) -> (Vec<Grbl>, Vec<Bench>) {
         let shared = self.board.shared();
         let each = NAMES.iter().zip([Axis::X, Axis::Y]).map(|(name, axis)| {
-            let (file, table) = file(name, axis);
+            let (file, table) = file(&self.head, name, axis);
             let drive = shared.axis(&table, &file.motor, &Opening::default()).unwrap();
             let bench = Bench::new(file, None, self.folder.path()).unwrap();
             let bench = bench.driven_by(&drive).unwrap().at_port(table.port).confirming_pump(true);
@@ -80,7 +86,7 @@ impl Pair {
     /// Returns the recorded states of both.
     pub(crate) fn states(&self) -> [PumpState; 2] {
         NAMES.map(|name| {
-            let bench = Bench::new(file(name, Axis::X).0, None, self.folder.path()).unwrap();
+            let bench = Bench::new(file(&self.head, name, Axis::X).0, None, self.folder.path()).unwrap();
             bench.story().unwrap().state.unwrap()
         })
     }

@@ -29,6 +29,7 @@
 //! ```
 
 mod clock;
+mod conductor;
 mod error;
 mod gradient;
 mod member;

@@ -4,7 +4,7 @@ use super::clock::SharedStop;
 use super::error::RackError;
 use super::rack::Rack;
 use super::report::{RackDose, RackEnd, RackPumpReport, RackReport};
-use super::timetable::{Timetable, Timing};
+use super::timetable::{LineSpeeds, Timetable, Timing};
 use crate::bench::{Bench, Delivered, SeriesMotion, SeriesRequest, TimedVolume};
 use crate::dosing::DoseError;
 use crate::report::DoseReport;
@@ -22,8 +22,15 @@ impl Rack {
             let prepared = member.bench.prepare_series(&self.requests(pump));
             plans.push(prepared.map_err(|refused| self.refused(pump, refused))?);
         }
-        let timings: Vec<_> = plans.iter().map(|prepared| timings(prepared)).collect();
-        let timetable = Timetable::of(self.steps(), self.members(), &timings)?;
+        let own = plans.iter().map(|prepared| timings(prepared)).collect();
+        let (timetable, timings) = LineSpeeds::settle(self, own, |speeds, slowed, told| {
+            for pump in slowed {
+                let prepared = self.members()[*pump].bench.prepare_series(&speeds.requests(self, *pump));
+                plans[*pump] = prepared.map_err(|refused| self.refused(*pump, refused))?;
+                told[*pump] = timings(&plans[*pump]);
+            }
+            Ok(())
+        })?;
         let mut rows = Vec::new();
         for (pump, (member, prepared)) in self.members().iter().zip(&plans).enumerate() {
             let series = self.series(pump, &timetable, &timings[pump]);
@@ -105,6 +112,8 @@ pub(super) fn timings(motions: &[SeriesMotion]) -> Vec<Timing> {
             // Nobody waits for a line that does not come to rest.
             settle_s: if settle_s.is_finite() { settle_s } else { 0.0 },
             planned_ml: motion.planned_ml(),
+            turn_rad: motion.turn_rad(),
+            at_peak_s: motion.turn_rad() / motion.peak_rad_s(),
         }
     };
     motions.iter().map(of).collect()

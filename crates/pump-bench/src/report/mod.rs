@@ -29,7 +29,7 @@ pub use config::{ShownConfig, ShownPump, ShownRack};
 pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, ProfileReport, RunReport, Until};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain};
-pub use log::{LOG_CSV_HEADER, LogTotal, LogTotals, log_csv, log_json, log_text};
+pub use log::{LOG_CSV_HEADER, LeftOut, LogPlace, LogSpan, LogTotal, LogTotals, log_csv, log_json, log_text};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
 pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};

@@ -1,34 +1,44 @@
 //! The log of a bench.
 
 use pump_bench::record::{Clock, LogLine, SystemClock, moment};
-use pump_bench::report::{log_json, with_sources};
+use pump_bench::report::{LogPlace, LogSpan, log_json, with_sources};
 use pyo3::prelude::*;
 
 use super::bench::Bench;
 use crate::python::errors::{PumpError, value};
+use crate::python::warnings::warn;
 
 #[pymethods]
 impl Bench {
     /// Reads the log. Returns the JSON of each dose that began at `since` or later.
     fn log(&self, py: Python<'_>, since: Option<&str>) -> PyResult<Vec<String>> {
-        let since =
-            since.map(|text| moment(text, SystemClock::default().now())).transpose().map_err(value)?;
-        let (bench, since) = (&self.bench, since.unwrap_or(0));
-        let read = || -> Result<Vec<String>, String> {
+        let now = SystemClock::default().now();
+        let since = since.map(|text| moment(text, now)).transpose().map_err(value)?;
+        let bench = &self.bench;
+        let mut span = LogSpan::new(since.unwrap_or(0), u64::MAX, now.unix_s);
+        let read = || -> Result<(Vec<String>, Vec<String>), String> {
             let lines = bench.log().map_err(|error| with_sources(&error))?;
-            let (mut doses, mut before_s) = (Vec::new(), 0);
+            let (mut doses, mut warnings) = (Vec::new(), Vec::new());
             for line in lines {
-                if let LogLine::Dose(entry) = line.map_err(|error| with_sources(&error))? {
-                    let unix_s = entry.time.unix_s;
-                    let went_back = unix_s < std::mem::replace(&mut before_s, unix_s);
-                    if unix_s >= since {
-                        let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
-                        doses.push(log_json(pump, driver, &entry, went_back));
+                match line.map_err(|error| with_sources(&error))? {
+                    LogLine::Dose(entry) => {
+                        let LogPlace { is_within, went_back, .. } = span.look(&entry);
+                        if is_within {
+                            let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
+                            doses.push(log_json(pump, driver, &entry, went_back));
+                        }
                     }
+                    LogLine::Damaged { line, message } => {
+                        warnings.push(format!("line {line} of the log is damaged and left out: {message}"));
+                    }
+                    _ => {}
                 }
             }
-            Ok(doses)
+            warnings.extend(span.left_out().map(|left_out| left_out.told("since")));
+            Ok((doses, warnings))
         };
-        py.detach(read).map_err(PumpError::new_err)
+        let (doses, warnings) = py.detach(read).map_err(PumpError::new_err)?;
+        warn(py, &warnings)?;
+        Ok(doses)
     }
 }

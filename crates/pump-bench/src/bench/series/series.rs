@@ -9,6 +9,7 @@ use crate::bench::by_profile::PreparedProfile;
 use crate::bench::delivery::Delivered;
 use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared};
+use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{Intent, PumpState, Purpose};
 
@@ -65,6 +66,24 @@ impl SeriesMotion {
         }
     }
 
+    /// Returns the angle of all steps, in rad, positive.
+    pub fn turn_rad(&self) -> f64 {
+        self.steps() as f64 * self.whole().plan.step_rad()
+    }
+
+    /// Returns the fastest speed, in rad/s. That of a flow over time is its mean.
+    pub fn peak_rad_s(&self) -> f64 {
+        match self {
+            Self::Dose(prepared) => prepared.plan.profile().peak_rad_s(),
+            Self::Flow(_) => self.turn_rad() / self.motion_s(),
+        }
+    }
+
+    /// Adds warnings for the user.
+    pub(crate) fn warn(&mut self, mut warnings: Vec<Notice>) {
+        self.whole_mut().warnings.append(&mut warnings);
+    }
+
     /// Returns the volume of the first `made` steps, in mL, by the model.
     pub fn delivered_ml(&self, made: u64) -> f64 {
         self.with_motion(|motion| motion.delivered_ml(&self.whole().model, made))
@@ -87,7 +106,7 @@ impl SeriesMotion {
 
 impl Session<'_> {
     /// Plans a series of motions, each from where the one before would leave the pump, within the limits of the
-    /// device. Moves nothing. The safety limits are [`Session::keep_series_safe`]'s.
+    /// device. Moves nothing. The notes of the device stay in the session. The safety limits are [`Session::keep_series_safe`]'s.
     ///
     /// # Errors
     ///
@@ -105,10 +124,13 @@ impl Session<'_> {
         self.connect().map_err(first)?;
         self.finished().map_err(first)?;
         let mut motions = self.bench.plan_series(self.file(), self.state, requests)?;
+        // The notes stay for whoever runs the series, which may be planned again.
+        let notes = std::mem::take(&mut self.notes);
         for (place, motion) in motions.iter_mut().enumerate() {
             let checked = self.checked(motion.whole().clone()).map_err(|error| (place, error))?;
             *motion.whole_mut() = checked;
         }
+        self.notes = notes;
         Ok(motions)
     }
 

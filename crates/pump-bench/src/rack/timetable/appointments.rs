@@ -20,11 +20,11 @@ pub(in crate::rack) struct Appointment {
 }
 
 /// Parts that begin together: those of one board, at one time.
-struct Meeting {
+pub(super) struct Meeting {
     board: usize,
     begin_s: f64,
     /// Number of the pump and of the part of each.
-    parts: Vec<(usize, usize)>,
+    pub(super) parts: Vec<(usize, usize)>,
 }
 
 /// Makes the appointments of each pump. `begins_s` are the times of the steps.
@@ -44,7 +44,8 @@ pub(in crate::rack) fn appointments(rack: &Rack, begins_s: &[f64]) -> Vec<Vec<Ap
     all
 }
 
-fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) -> Vec<Meeting> {
+/// Returns the parts that begin together. Those that begin alone are meetings of one.
+pub(super) fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) -> Vec<Meeting> {
     let mut meetings: Vec<Meeting> = Vec::new();
     for (pump, (member, appointments)) in members.iter().zip(appointments).enumerate() {
         let Some(board) = board(members, member) else { continue };

@@ -17,6 +17,10 @@ pub(in crate::rack) struct Timing {
     pub(in crate::rack) settle_s: f64,
     /// Planned volume, in mL. Negative in reverse.
     pub(in crate::rack) planned_ml: f64,
+    /// Angle of all steps, in rad, positive.
+    pub(in crate::rack) turn_rad: f64,
+    /// Time of all steps at the fastest speed of the plan, in s. A line takes that of its slowest axis.
+    pub(in crate::rack) at_peak_s: f64,
 }
 
 impl Timing {

@@ -1,7 +1,9 @@
 //! The rows of a log, one a dose.
 
+use serde::Serialize;
+
 use crate::numbers::{microlitres, significant};
-use crate::record::{LogEnd, LogEntry};
+use crate::record::{Asked, LogEnd, LogEntry, Purpose, Stamp};
 
 /// Header of the table of which [`log_csv`] writes the rows.
 pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
@@ -88,31 +90,58 @@ pub fn log_csv(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> S
 /// its time is before that of the dose before it.
 pub fn log_json(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> String {
     let (least_ml, most_ml) = entry.delivered_range_ml.unzip();
-    serde_json::json!({
-        "schema": "log/1",
-        "pump": pump,
-        "driver": driver,
-        "number": entry.number,
-        "time": entry.time,
-        "purpose": entry.purpose,
-        "asked": entry.asked,
-        "requested_ml": requested_ml(entry),
-        "delivered_ml": entry.delivered_ml,
-        "delivered_least_ml": least_ml,
-        "delivered_most_ml": most_ml,
-        "expanded_uncertainty_ml": entry.expanded_uncertainty_ml,
-        "carry_ml": entry.carry_ml,
-        "end": entry.end,
-        "cause": entry.cause,
-        "resumed": entry.resumed,
-        "tube": entry.tube,
-        "calibration": entry.calibration,
-        "steps": entry.steps,
-        "motion_s": entry.motion_s,
-        "rack": entry.rack,
-        "clock_went_back": went_back,
-    })
-    .to_string()
+    let object = Object {
+        asked: &entry.asked,
+        calibration: entry.calibration,
+        carry_ml: entry.carry_ml,
+        cause: entry.cause.as_deref(),
+        clock_went_back: went_back,
+        delivered_least_ml: least_ml,
+        delivered_ml: entry.delivered_ml,
+        delivered_most_ml: most_ml,
+        driver,
+        end: entry.end,
+        expanded_uncertainty_ml: entry.expanded_uncertainty_ml,
+        motion_s: entry.motion_s,
+        number: entry.number,
+        pump,
+        purpose: entry.purpose,
+        rack: &entry.rack,
+        requested_ml: requested_ml(entry),
+        resumed: entry.resumed,
+        schema: "log/1",
+        steps: entry.steps,
+        time: entry.time,
+        tube: entry.tube,
+    };
+    serde_json::to_string(&object).unwrap_or_default()
+}
+
+/// Dose as an object of JSON. It is written without a map between, for the logs of years.
+#[derive(Serialize)]
+struct Object<'a> {
+    asked: &'a Option<Asked>,
+    calibration: Option<u32>,
+    carry_ml: f64,
+    cause: Option<&'a str>,
+    clock_went_back: bool,
+    delivered_least_ml: Option<f64>,
+    delivered_ml: f64,
+    delivered_most_ml: Option<f64>,
+    driver: &'a str,
+    end: LogEnd,
+    expanded_uncertainty_ml: Option<f64>,
+    motion_s: Option<f64>,
+    number: u64,
+    pump: &'a str,
+    purpose: Purpose,
+    rack: &'a Option<Asked>,
+    requested_ml: Option<f64>,
+    resumed: bool,
+    schema: &'static str,
+    steps: Option<i64>,
+    time: Stamp,
+    tube: u32,
 }
 
 /// Quotes a text for CSV where it needs it (RFC 4180, 2.6 and 2.7).
@@ -127,7 +156,6 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{Asked, Purpose, Stamp};
 
     fn entry() -> LogEntry {
         LogEntry {

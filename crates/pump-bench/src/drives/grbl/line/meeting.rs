@@ -99,7 +99,12 @@ pub(in crate::drives::grbl) fn meet(
 
 /// Answers the axis that leads until the line has ended, or the axis has said nothing for `silence`. A stop that the
 /// user asks for meanwhile is the next answer.
-pub(in crate::drives::grbl) fn follow(led: &Led, steps: u64, gate: &mut Gate<'_>, silence: Duration) -> Ended {
+pub(in crate::drives::grbl) fn follow(
+    led: &Led,
+    steps: u64,
+    gate: &mut Gate<'_>,
+    silence: Duration,
+) -> Ended {
     let (mut seen, mut announced, mut is_stopped) = (0, 0, false);
     let mut heard = Instant::now();
     loop {

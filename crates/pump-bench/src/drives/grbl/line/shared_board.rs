@@ -69,7 +69,12 @@ impl SharedBoard {
     fn new(wire: Box<dyn Wire>) -> Self {
         // The axis that talks says which it is.
         let board = Board::new(wire, 0, StopRequest::default());
-        Self { board: Mutex::new(board), taken: Mutex::default(), told: Mutex::default(), shares: Mutex::default() }
+        Self {
+            board: Mutex::new(board),
+            taken: Mutex::default(),
+            told: Mutex::default(),
+            shares: Mutex::default(),
+        }
     }
 }
 

@@ -1,0 +1,158 @@
+//! The run of a rack: all pumps plan, then check, then begin together by one timetable, and one stop ends them all.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::Duration;
+
+use super::clock::{RackClock, SharedStop, Stop};
+use super::error::RackError;
+use super::pace::RackPace;
+use super::player::{Answer, Order, Played, Player};
+use super::progress::RackProgress;
+use super::rack::Rack;
+use super::report::{RackEnd, RackFault, RackPumpReport, RackReport};
+use super::timetable::{LineSpeeds, Timetable, Timing, appointments};
+use crate::drives::Drive;
+
+/// Time from the order to the begin, in which each pump announces its first motion. Simulated motors need none.
+const LEAD: Duration = Duration::from_millis(500);
+
+impl Rack {
+    /// Checks every step of every pump, then runs them. The threads of the pumps call `on_progress` before the first
+    /// step of a motion and every 256 steps or 20 ms; it returns soon.
+    ///
+    /// # Errors
+    ///
+    /// [`RackError`] if a pump refuses its part. Nothing has moved. A fault in motion is in the report.
+    pub fn run(&self, on_progress: impl Fn(RackProgress<'_>) + Sync) -> Result<RackReport, RackError> {
+        self.run_with(self.members().iter().map(|_| None).collect(), on_progress)
+    }
+
+    /// Runs the rack with drives in the order of its pumps. A pump without one opens that of its file.
+    ///
+    /// # Errors
+    ///
+    /// [`RackError`] as for [`Rack::run`].
+    pub fn run_with<'a>(
+        &'a self,
+        drives: Vec<Option<Box<dyn Drive + 'a>>>,
+        on_progress: impl Fn(RackProgress<'_>) + Sync,
+    ) -> Result<RackReport, RackError> {
+        self.check_pace()?;
+        let stop = self.shared_stop();
+        let benches = self.benches(&stop);
+        thread::scope(|scope| {
+            let (answers, heard) = channel();
+            let (mut orders, mut threads) = (Vec::new(), Vec::new());
+            for ((pump, bench), drive) in benches.iter().enumerate().zip(drives) {
+                let (order, received) = channel();
+                let (stop, answers) = (stop.clone(), answers.clone());
+                let player = Player { rack: self, pump, bench, drive, stop, orders: received, answers };
+                let on_progress = &on_progress;
+                orders.push(order);
+                threads.push(scope.spawn(move || player.play(on_progress)));
+            }
+            drop(answers);
+            let conducted = self.conduct(&orders, &heard, &stop);
+            // A thread without orders gives its pump back.
+            drop(orders);
+            let played: Vec<Played> = threads.into_iter().filter_map(|thread| thread.join().ok()).collect();
+            Ok(self.reported(played, &conducted?, &stop))
+        })
+    }
+
+    /// Has all pumps plan, then check, then begin together.
+    fn conduct(
+        &self,
+        orders: &[Sender<Order>],
+        heard: &Receiver<(usize, Answer)>,
+        stop: &SharedStop,
+    ) -> Result<Timetable, RackError> {
+        let mut timings = vec![Vec::new(); self.members().len()];
+        self.gather(heard, stop, &mut timings, orders.len())?;
+        let (timetable, timings) = LineSpeeds::settle(self, timings, |speeds, slowed, timings| {
+            for pump in slowed {
+                let _ = orders[*pump].send(Order::Plan(speeds.requests(self, *pump)));
+            }
+            self.gather(heard, stop, timings, slowed.len())
+        })?;
+        for (pump, order) in orders.iter().enumerate() {
+            let _ = order.send(Order::Check(self.series(pump, &timetable, &timings[pump])));
+        }
+        self.gather(heard, stop, &mut vec![Vec::new(); orders.len()], orders.len())?;
+        if stop.cause().is_some() {
+            return Err(RackError::Stopped);
+        }
+        let lead = if self.is_simulated() { Duration::ZERO } else { LEAD };
+        let clock = Arc::new(RackClock::new(self.pace, self.members().len(), lead, stop.clone()));
+        for (order, appointments) in orders.iter().zip(appointments(self, &timetable.begins_s)) {
+            let _ = order.send(Order::Go(appointments, clock.clone()));
+        }
+        Ok(timetable)
+    }
+
+    /// Waits for the answers of so many pumps, and takes in their timings. A refusal ends the waits of the others.
+    fn gather(
+        &self,
+        heard: &Receiver<(usize, Answer)>,
+        stop: &SharedStop,
+        timings: &mut [Vec<Timing>],
+        answers: usize,
+    ) -> Result<(), RackError> {
+        let mut refused: Option<RackError> = None;
+        for _ in 0..answers {
+            let Ok((pump, answer)) = heard.recv() else { break };
+            match answer {
+                Ok(told) => timings[pump] = told,
+                Err((_, error)) if error.is_stop() => {}
+                Err(error) => {
+                    stop.make(Stop::Fault(pump));
+                    refused.get_or_insert(self.refused(pump, error));
+                }
+            }
+        }
+        match refused {
+            Some(error) => Err(error),
+            None if stop.cause().is_some() => Err(RackError::Stopped),
+            None => Ok(()),
+        }
+    }
+
+    fn check_pace(&self) -> Result<(), RackError> {
+        let real = self.members().iter().find(|member| !member.bench.is_simulated());
+        match real.filter(|_| self.pace == RackPace::Fast) {
+            Some(member) => Err(RackError::RealPace { pump: member.name.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    fn reported(&self, played: Vec<Played>, timetable: &Timetable, stop: &SharedStop) -> RackReport {
+        let mut faults = Vec::new();
+        let mut rows = Vec::new();
+        // An error that followed from another one is told where nobody knows the other.
+        let is_unexplained = matches!(stop.cause(), Some(Stop::Fault(_)))
+            && played.iter().all(|played| played.error.is_none());
+        for (pump, (member, played)) in self.members().iter().zip(played).enumerate() {
+            let Played { doses, warnings, error, failed_expanded_ml, followed } = played;
+            let error = error.or(followed.filter(|_| is_unexplained));
+            let (steps, requested_ml) = (self.parts(pump).count(), self.requested_ml(pump));
+            let mut row = RackPumpReport::of(member, steps, requested_ml, doses);
+            row.warnings.splice(0..0, warnings);
+            error.iter().for_each(|error| row.failed(error, failed_expanded_ml));
+            rows.push(row);
+            faults.extend(error.map(|error| RackFault { pump: member.name.clone(), error }));
+        }
+        let end = match stop.cause() {
+            _ if !faults.is_empty() => RackEnd::Fault,
+            _ if rows.iter().any(|row| !row.completed) => RackEnd::Stopped,
+            _ => RackEnd::Completed,
+        };
+        let first = stop.cause().and_then(|cause| match cause {
+            Stop::Fault(pump) => faults.iter().position(|fault| fault.pump == self.members()[pump].name),
+            Stop::Asked => None,
+        });
+        let fault = if faults.is_empty() { None } else { Some(faults.swap_remove(first.unwrap_or(0))) };
+        RackReport::of(self, end, fault, timetable.ends_s, rows)
+    }
+}
