@@ -24,10 +24,12 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/
 	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@
 
-# The command by a clock that libfaketime turns; `make test` leaves that out where faketime is absent.
+# The command by a clock that libfaketime turns, and the units of systemd by its own check; `make test` leaves out what
+# the machine lacks.
 clock:
 	command -v faketime || (apt-get update && apt-get install -y --no-install-recommends faketime)
-	FAKETIME_NEEDED=1 cargo test --locked --test command unattended::clock
+	command -v systemd-analyze || (apt-get update && apt-get install -y --no-install-recommends systemd)
+	FAKETIME_NEEDED=1 SYSTEMD_NEEDED=1 cargo test --locked --test command -- unattended::clock unattended::units
 
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults: clock

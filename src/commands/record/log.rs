@@ -115,7 +115,9 @@ impl<'a> Listing<'a> {
         if !is_within {
             return Ok(());
         }
-        self.totals.add(entry, went_back);
+        if self.only_totals || self.format == LogFormat::Text {
+            self.totals.add(entry, went_back);
+        }
         self.listed += 1;
         if self.only_totals {
             return Ok(());

@@ -7,3 +7,5 @@ mod limits;
 mod on_fail;
 #[cfg(unix)]
 mod unfinished;
+#[cfg(target_os = "linux")]
+mod units;

@@ -8,7 +8,7 @@ use pump_bench::pump_file::{PumpFile, SpeedLawTable};
 use pump_bench::{DoseRequest, built_in};
 use pump_ctl::plan::Phase;
 use pump_model::units::radians;
-use pump_model::{Drawing, Line, SpeedLaw};
+use pump_model::{Line, SpeedLaw};
 
 use super::pair::Pair;
 use crate::simulated::options::Options;

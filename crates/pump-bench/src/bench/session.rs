@@ -189,7 +189,7 @@ impl<'a> Session<'a> {
     ///
     /// [`CommonBegin`]: crate::drives::CommonBegin
     pub fn begin_with(&mut self, place: BeginPlace) -> Result<(), DoseError> {
-        if !self.bench.identity().abilities.common_begin {
+        if self.bench.identity().abilities.together.is_none() {
             return Err(DoseError::Connection(DriveError::no_common_begin(self.bench.drive_id())));
         }
         self.place = Some(place);

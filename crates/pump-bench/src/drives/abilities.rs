@@ -1,5 +1,15 @@
 //! The abilities of a drive.
 
+/// Way in which motions of several axes of one board go together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Together {
+    /// They begin at one tick. Each keeps its own times.
+    Begin,
+    /// They are one line: they begin together, keep the ratio of their steps, and end together. No axis moves while
+    /// others do otherwise.
+    Line,
+}
+
 /// Abilities of a drive. Anything else is refused before the motor moves, never approximated in silence.
 ///
 /// ```
@@ -24,19 +34,22 @@ pub struct Abilities {
     pub readback: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,
-    /// True if the drive begins a motion together with those of other axes of its board
-    /// ([`Drive::begin_with`](super::Drive::begin_with)).
-    pub common_begin: bool,
+    /// Way in which the drive makes a motion together with those of other axes of its board
+    /// ([`Drive::begin_with`](super::Drive::begin_with)). `None` if it makes each by itself.
+    pub together: Option<Together>,
 }
 
 impl Abilities {
     /// Abilities of a board that speaks grbl's protocol.
     pub(super) const GRBL: Self =
-        Self::new().with_index(true).with_readback(true).with_release(true).with_common_begin(true);
+        Self::new().with_index(true).with_readback(true).with_release(true).with_together(Together::Line);
 
     /// Abilities of a node: a board that makes each step at the plan's time.
-    pub(super) const NODE: Self =
-        Self::GRBL.with_step_times(true).with_angle_dependent_speed(true).with_flow_over_time(true);
+    pub(super) const NODE: Self = Self::GRBL
+        .with_step_times(true)
+        .with_angle_dependent_speed(true)
+        .with_flow_over_time(true)
+        .with_together(Together::Begin);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.
@@ -48,7 +61,7 @@ impl Abilities {
             index: false,
             readback: false,
             release: false,
-            common_begin: false,
+            together: None,
         }
     }
 
@@ -88,9 +101,9 @@ impl Abilities {
         Self { release, ..self }
     }
 
-    /// Returns the abilities with or without motions that begin with those of other axes.
+    /// Returns the abilities with motions that go together with those of other axes in this way.
     #[must_use]
-    pub const fn with_common_begin(self, common_begin: bool) -> Self {
-        Self { common_begin, ..self }
+    pub const fn with_together(self, together: Together) -> Self {
+        Self { together: Some(together), ..self }
     }
 }

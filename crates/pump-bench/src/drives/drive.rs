@@ -226,7 +226,7 @@ pub trait Drive: Debug + Send {
     /// Sets the correction of the displacement from now on. Only a simulation needs it.
     fn displaces(&mut self, _correction: Correction) {}
 
-    /// Has the next motion begin with those of the other places. It is called only if [`Abilities::common_begin`] says
+    /// Has the next motion begin with those of the other places. It is called only if [`Abilities::together`] says
     /// that the drive can.
     ///
     /// # Errors

@@ -25,7 +25,7 @@ mod stop_request;
 #[cfg(any(feature = "grbl", feature = "node"))]
 pub mod wire;
 
-pub use abilities::Abilities;
+pub use abilities::{Abilities, Together};
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Leave, Watch};
 #[cfg(all(feature = "grbl", feature = "node"))]

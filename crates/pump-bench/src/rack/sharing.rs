@@ -4,8 +4,8 @@ use super::error::RackError;
 use super::member::Member;
 use super::step::RackStep;
 use crate::bench::Bench;
+use crate::drives::Together;
 use crate::files::is_one_file;
-use crate::pump_file::DriverName;
 
 /// Way out for axes of a grbl board that are to move otherwise than as one line.
 const NODE_INSTEAD: &str =
@@ -43,9 +43,9 @@ fn off_line(steps: &[RackStep], pumps: [usize; 2]) -> Option<String> {
     })
 }
 
-/// Returns true if two pumps are axes of a grbl board. It starts and stops them as one.
+/// Returns true if two pumps are axes of a board that moves its axes only as one line.
 pub(super) fn is_one_line(one: &Bench, other: &Bench) -> bool {
-    one.drive().driver == DriverName::Grbl && is_one_board(one, other)
+    one.identity().abilities.together == Some(Together::Line) && is_one_board(one, other)
 }
 
 /// Returns the refusal of two pumps on a grbl board.

@@ -12,7 +12,7 @@ use super::board::{Board, Heard, POLL};
 use super::connect;
 use super::error::GrblError;
 use super::jogs::{Follower, Jogs, Task};
-use super::line::{AxisBoard, Ended, GrblBoard, Met, SILENCE, follow, lead, meet};
+use super::line::{AxisBoard, AxisEnd, GrblBoard, Met, SILENCE, follow, lead, meet};
 use super::recovery::Made;
 use super::remarks::remarks;
 use super::scale::Scale;
@@ -237,7 +237,7 @@ impl Grbl {
             Ok((value, made)) => (Some(value), Ok(made)),
             Err(error) => (None, Err(error)),
         };
-        let made = self.conclude(&task, Ended { result, sent, rests })?;
+        let made = self.conclude(&task, AxisEnd { result, sent, rests })?;
         Ok(value.map(|value| (value, made)))
     }
 
@@ -271,8 +271,8 @@ impl Grbl {
     }
 
     /// Takes in the end of a motion.
-    fn conclude(&mut self, task: &Task, ended: Ended) -> Result<u64, DriveFault> {
-        let Ended { result, sent, rests } = ended;
+    fn conclude(&mut self, task: &Task, ended: AxisEnd) -> Result<u64, DriveFault> {
+        let AxisEnd { result, sent, rests } = ended;
         self.rests = rests;
         let known = match &result {
             Ok(made) => Some(*made as i64),

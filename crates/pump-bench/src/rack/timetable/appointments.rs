@@ -62,7 +62,8 @@ pub(super) fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) ->
 
 /// Returns the number of the first pump on a pump's board. `None` if the board begins no axes together.
 fn board(members: &[Member], member: &Member) -> Option<usize> {
-    let begins_together = !member.bench.is_simulated() && member.bench.identity().abilities.common_begin;
+    let begins_together =
+        !member.bench.is_simulated() && member.bench.identity().abilities.together.is_some();
     let first = members.iter().position(|other| is_one_board(&other.bench, &member.bench));
     first.filter(|_| begins_together)
 }

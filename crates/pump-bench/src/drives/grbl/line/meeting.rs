@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::lead::Ended;
+use super::line::AxisEnd;
 use super::shared_board::AxisBoard;
 use crate::drives::common_begin::{Next, Ready, Standing};
 use crate::drives::grbl::error::GrblError;
@@ -29,7 +29,7 @@ pub(super) enum Word {
     /// The first number of steps are made, and those up to the second are about to be.
     MayGo(u64, u64),
     /// The line has ended.
-    Ended(Ended),
+    Ended(AxisEnd),
 }
 
 /// Share of one axis in a line, with the way to the thread that asks its gate.
@@ -104,7 +104,7 @@ pub(in crate::drives::grbl) fn follow(
     steps: u64,
     gate: &mut Gate<'_>,
     silence: Duration,
-) -> Ended {
+) -> AxisEnd {
     let (mut seen, mut announced, mut is_stopped) = (0, 0, false);
     let mut heard = Instant::now();
     loop {
@@ -123,7 +123,7 @@ pub(in crate::drives::grbl) fn follow(
             Err(_) => {
                 let most = announced.min(steps) as i64;
                 let made = Made { least: 0, most, lost: true };
-                return Ended { result: Err((GrblError::Unled, made)), sent: announced, rests: 0 };
+                return AxisEnd { result: Err((GrblError::Unled, made)), sent: announced, rests: 0 };
             }
         }
     }
