@@ -120,8 +120,13 @@ impl DosingOptions {
         self.bench.pump.typed().filter(|typed| of_environment.as_deref() != Some(typed))
     }
 
-    /// The benches of the pumps of a rack. Options of real motors are those of its real ones.
-    pub(crate) fn benches_of_rack(&self, files: Vec<PumpFile>) -> Result<Vec<Bench>, Failure> {
+    /// The benches of the pumps of a rack, each with the limit of a day. Options of real motors are those of its real
+    /// ones.
+    pub(crate) fn benches_of_rack(&self, mut files: Vec<PumpFile>) -> Result<Vec<Bench>, Failure> {
+        for file in &mut files {
+            let changed = self.day_limit.change(file);
+            changed.map_err(|failure| failure.after(&format!("pump {} of the rack: ", file.pump.id)))?;
+        }
         let moves = |file: &PumpFile| !self.bench.is_simulated(file);
         let is_mixed = files.iter().any(moves);
         let bench = |file: PumpFile| match is_mixed && !moves(&file) {

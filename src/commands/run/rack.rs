@@ -21,7 +21,7 @@ const STOPPED: &str = "stopped by the user; `dose resume --pump NAME` makes the 
                        NAME` leaves it";
 
 /// Options that mean nothing to a rack, whose file says them: by clap's ids.
-const NOT_OF_RACKS: [&str; 22] = [
+const NOT_OF_RACKS: [&str; 21] = [
     "for",
     "volume",
     "profile",
@@ -37,7 +37,6 @@ const NOT_OF_RACKS: [&str; 22] = [
     "max_outlet_pressure",
     "min_inlet_pressure",
     "tube_limit",
-    "max_per_day",
     "port",
     "verbose",
     "steps",

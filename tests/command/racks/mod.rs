@@ -93,6 +93,27 @@ fn a_rack_beyond_the_day_of_one_pump_ends_with_5_and_no_pump_moves() {
     }
 }
 
+#[test]
+fn the_limit_of_a_day_of_the_command_line_is_that_of_each_pump_and_widens_none() {
+    let user = desk(&MIX.replace("two-roller", "base.toml"));
+    let pump =
+        user.types(&["pumps", "show", "two-roller"]).out.replace("id = \"two-roller\"", "id = \"base\"");
+    fs::write(user.path("base.toml"), format!("{pump}\n[safety]\nmax_ml_per_day = 9.0\n")).unwrap();
+    let run = |limit| user.types(&["run", "mix.toml", "--pace", "fast", "--max-per-day", limit]);
+    let wide = run("20mL");
+    assert!(
+        wide.code == 2 && wide.err.contains("pump base of the rack: --max-per-day is 20 mL"),
+        "{}",
+        wide.err
+    );
+    assert_eq!(run("8mL").code, 0);
+    // Acid has made 4 mL and base 2 mL. Acid has no room for 4 mL more.
+    let narrow = run("7mL");
+    assert!(narrow.code == 5 && narrow.err.contains("pump `acid` of the rack"), "{}", narrow.err);
+    assert_eq!(user.types(&["safety", "clear", "three-roller", "--reason", "a test"]).code, 0);
+    assert_eq!(run("4.5mL").code, 0, "the day of acid began anew, and base has room");
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_stops_every_pump_and_the_report_is_printed() {

@@ -48,8 +48,8 @@ pub struct Delivered {
 }
 
 impl Bench {
-    /// Returns the error of a run until it was stopped that ended by itself: its flow was to go on. `None` for any other
-    /// motion.
+    /// Returns the error of a run until it was stopped that ended by itself: its flow was to go on. `None` for any
+    /// other motion.
     #[must_use]
     pub fn ended_early(&self, delivered: &Delivered) -> Option<DoseError> {
         match (delivered.stand, delivered.ran_out) {

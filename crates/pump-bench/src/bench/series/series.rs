@@ -106,7 +106,8 @@ impl SeriesMotion {
 
 impl Session<'_> {
     /// Plans a series of motions, each from where the one before would leave the pump, within the limits of the
-    /// device. Moves nothing. The notes of the device stay in the session. The safety limits are [`Session::keep_series_safe`]'s.
+    /// device. Moves nothing. The notes of the device stay in the session. The safety limits are
+    /// [`Session::keep_series_safe`]'s.
     ///
     /// # Errors
     ///

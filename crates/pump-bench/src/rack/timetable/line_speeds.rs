@@ -31,9 +31,9 @@ struct Slowed {
 }
 
 impl LineSpeeds {
-    /// Lays out the steps by the pumps' own `timings`, and has `plan` plan those pumps again that their lines slow, until
-    /// all are planned at the speeds that their lines give them. `plan` gets the speeds, the pumps, and the timings to
-    /// change. Returns the timetable with its timings.
+    /// Lays out the steps by the pumps' own `timings`, and has `plan` plan those pumps again that their lines slow.
+    /// It goes on until all are planned at the speeds that their lines give them. `plan` gets the speeds, the pumps,
+    /// and the timings to change. Returns the timetable with its timings.
     ///
     /// # Errors
     ///

@@ -5,8 +5,8 @@ use crate::record::{LogEntry, Stamp};
 /// Span of time of which doses are listed. It looks at the doses in the order of their numbers, and keeps none.
 ///
 /// A dose counts by the time that the clock of its day showed. A clock that was set back hides doses that were made
-/// within the span, and [`Self::left_out`] tells of them. A time that has not come yet is that of a clock that was ahead:
-/// no later dose is measured by it.
+/// within the span, and [`Self::left_out`] tells of them. A time that has not come yet is that of a clock that was
+/// ahead: no later dose is measured by it.
 #[derive(Debug, Clone, Copy)]
 pub struct LogSpan {
     since_s: u64,
