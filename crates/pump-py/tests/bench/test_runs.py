@@ -114,3 +114,14 @@ def test_a_profile_that_cannot_be_met_is_refused_with_its_instant(tmp_path: Path
         with pytest.raises(pm.PlanError, match="neither a rate nor ramps"):
             bench.run(profile=ROWS, rate="1mL/s")
         assert bench.status().wear.volume_ml == 0
+
+
+def test_a_run_until_stopped_that_its_tube_ends_raises_and_is_on_record(tmp_path: Path) -> None:
+    worn = tmp_path / "worn.toml"
+    worn.write_text(pm.Pump.three_roller().to_toml().replace("[tube]\n", "[tube]\nlife_ml = 4.0\n"))
+    with pm.Bench.open(worn, state_dir=tmp_path) as bench:
+        with pytest.raises(pm.PumpError, match="ended by itself after .* the tube is nearly used up") as caught:
+            bench.run(rate="8mL/s")
+        assert caught.value.delivered_least_ml == pytest.approx(3.96, abs=0.01)
+        assert bench.log()[-1].delivered_ml == pytest.approx(3.96, abs=0.01)
+        assert bench.status().unfinished is None

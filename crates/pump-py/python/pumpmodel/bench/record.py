@@ -38,6 +38,12 @@ class BenchRecord:
         PumpError
             If the log cannot be read.
 
+        Warns
+        -----
+        UserWarning
+            If doses are left out although a dose before them is listed: a clock had gone back. If a line of the
+            log is damaged.
+
         Examples
         --------
         >>> import tempfile

@@ -97,6 +97,9 @@ class BenchRuns(BenchRepeats):
         SafetyError
             If the run would exceed a safety limit. A run until `stop` goes on up to the limit; the pump then
             stands, and the run is on record.
+        PumpError
+            If a run until `stop` ends by itself, as where its tube is nearly used up. It is complete and on
+            record.
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
 
