@@ -41,9 +41,7 @@ impl Explain for DoseError {
                 .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),
             Self::NotCleared { .. } => of(ErrorKind::Safety),
-            Self::RanOut { delivered_ml, .. } => {
-                of(ErrorKind::Limit).value(format!("{} mL", Shown(*delivered_ml)))
-            }
+            Self::RanOut { .. } => of(ErrorKind::Limit),
             Self::Disturbed { within_deg } => within_deg
                 .iter()
                 .fold(of(ErrorKind::Angle), |facts, deg| facts.value(format!("{} deg", Shown(*deg)))),
