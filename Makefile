@@ -171,10 +171,11 @@ node-pico:
 
 # Doses by the drive of the node with the firmware of two boards in emulators, and holds the edges of their pins against
 # the plan. Time is the boards', so a slow computer makes this slow and changes no result; the limits end a computer that
-# hangs. `check-node FIRMWARE.elf PART [NUMBER]` makes one part.
+# hangs. The part `command` runs the command in real time. `check-node FIRMWARE.elf PART [NUMBER]` makes one part.
 node: node-pico
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
+	cargo build --locked --bin dose
 	cargo build --locked -p check-node
 	$(MAKE) firmware
 	cargo run --locked -p check-node $(FIRMWARE) uf2 target/pump-node.uf2

@@ -10,10 +10,11 @@ use pump_bench::drives::{CommonBegin, Drive, Leave, Node, NodeBoard, Opening};
 use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 
+use crate::board::emulator::Emulator;
+use crate::board::host::{Move, TICK_RATE};
+use crate::board::motor::rises;
 use crate::check;
-use crate::doses::{START_RAD, rises};
-use crate::emulator::Emulator;
-use crate::host::{Move, TICK_RATE};
+use crate::doses::START_RAD;
 use crate::together::hold_begun;
 
 /// Axes, each with its dose: mL and mL/s.

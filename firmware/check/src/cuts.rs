@@ -9,10 +9,9 @@ use pump_bench::drives::wire::Wire;
 use pump_ctl::step::Segment;
 use pump_link::message::{AXES, Answer, AxisState, Request};
 
+use crate::board::host::{Host, Move, TICK_RATE};
+use crate::board::motor::{Motor, rises};
 use crate::check;
-use crate::doses::rises;
-use crate::emulator::Edge;
-use crate::host::{Host, Move, TICK_RATE};
 
 /// Dead-man time, ms: the shortest that a host may set.
 const DEAD_MAN_MS: u16 = 100;
@@ -34,25 +33,6 @@ impl Random {
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) % end
-    }
-}
-
-/// Steps that the pins of axis 0 have made, signed, by its edges.
-#[derive(Default)]
-struct Motor {
-    reverse: bool,
-    count: i64,
-}
-
-impl Motor {
-    fn turn(&mut self, edges: &[Edge]) {
-        for edge in edges {
-            match (edge.pin, edge.level) {
-                (2, 1) => self.count += if self.reverse { -1 } else { 1 },
-                (3, level) => self.reverse = level == 0,
-                _ => {}
-            }
-        }
     }
 }
 

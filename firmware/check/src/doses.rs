@@ -10,13 +10,9 @@ use pump_bench::{PumpFile, built_in};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 use pump_model::Pump;
 
-use crate::emulator::{Edge, Emulator};
+use crate::board::emulator::{Edge, Emulator};
+use crate::board::motor::{rises, step_pin};
 use crate::{check, ripple};
-
-/// Returns the step pin of an axis (firmware/pico). The next pin is that of the direction.
-fn step_pin(axis: u8) -> u8 {
-    2 + 4 * axis
-}
 
 /// Pins of the axes, their sensors and the emergency stop.
 const AXIS_PINS: RangeInclusive<u8> = 2..=22;
@@ -139,12 +135,6 @@ fn reset(firmware: &Path) -> Result<(), Box<dyn Error>> {
         fault.made_least, fault.made_most
     );
     check((fault.made_least..=fault.made_most).contains(&rises), "the bounds after a reset")
-}
-
-/// Returns the times of the rises of an axis's step pin, in ns. A pin that becomes an output is no rise.
-pub(crate) fn rises(edges: &[Edge], axis: u8) -> Vec<f64> {
-    let pin = step_pin(axis);
-    edges.iter().filter(|edge| edge.pin == pin && edge.level == 1).map(|edge| edge.at_ns).collect()
 }
 
 /// Returns the time of each rise after its step in the plan, in µs, up to a constant.

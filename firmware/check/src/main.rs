@@ -6,11 +6,11 @@
 #![allow(clippy::print_stdout, reason = "this program prints what it measured")]
 
 mod axes;
+mod board;
+mod check;
+mod command;
 mod cuts;
 mod doses;
-mod emulator;
-mod host;
-mod lockstep;
 mod parts;
 mod retarget;
 mod ripple;
@@ -23,6 +23,8 @@ mod usb;
 use std::error::Error;
 use std::path::Path;
 
+pub(crate) use check::check;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
     let Some(firmware) = words.next() else {
@@ -33,8 +35,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(part) => parts::make(firmware, &part, words.next().as_deref()),
         None => parts::make_all(firmware),
     }
-}
-
-fn check(holds: bool, what: &str) -> Result<(), Box<dyn Error>> {
-    if holds { Ok(()) } else { Err(format!("{what} does not hold").into()) }
 }

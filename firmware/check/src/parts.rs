@@ -7,10 +7,11 @@ use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use crate::{axes, cuts, doses, retarget, slow, together, uf2, usb};
+use crate::{axes, command, cuts, doses, retarget, slow, together, uf2, usb};
 
 /// Names of the parts, those that take longest first.
-const PARTS: [&str; 9] = ["slow", "cuts", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
+const PARTS: [&str; 10] =
+    ["slow", "cuts", "command", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
 
 /// Number of stops, and of cuts of the link and kills of the host.
 const STOPS: u32 = 30;
@@ -19,11 +20,13 @@ const CUTS: u32 = 200;
 /// Minutes of the slow dose.
 const SLOW_MIN: f64 = 5.0;
 
-/// Makes a part. Some take a number: of stops, of cuts, of minutes. `uf2` takes a file.
+/// Makes a part. Some take a number: of stops, of cuts, of minutes. `uf2` and `command` take a
+/// file.
 pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<(), Box<dyn Error>> {
     let count = |usual| number.map_or(Ok(usual), str::parse);
     match part {
         "doses" => doses::doses(firmware),
+        "command" => command::command(firmware, number),
         "usb" => usb::dose(firmware),
         "even" => together::evens(firmware),
         "axes" => axes::axes(firmware),

@@ -9,9 +9,10 @@ use pump_ctl::step::Segment;
 use pump_link::message::{AXES, Answer, AxisState, End, MoveChange, Request};
 use pump_link::sender::Stream;
 
+use crate::board::host::{Host, Move, TICK_RATE};
+use crate::board::motor::rises;
 use crate::check;
-use crate::doses::{START_RAD, rises};
-use crate::host::{Host, Move, TICK_RATE};
+use crate::doses::START_RAD;
 
 /// Largest distance of a rise from its time in the old or the new plan, us.
 const MOST_OFF_US: f64 = 1.0;

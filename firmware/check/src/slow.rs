@@ -7,8 +7,9 @@ use std::time::Instant;
 use pump_bench::drives::{Drive, Leave};
 use pump_bench::pump_file::Axis;
 
+use crate::board::motor::rises;
 use crate::check;
-use crate::doses::{distances_us, meet, rises};
+use crate::doses::{distances_us, meet};
 
 /// Flow of the slow dose, mL/s.
 const FLOW_ML_S: f64 = 0.005;

@@ -8,10 +8,10 @@ use pump_ctl::plan::{Cruise, Doser, Phase, Request};
 use pump_ctl::step::Segment;
 use pump_link::message::{Answer, AxisState, End, Refusal};
 
+use crate::board::emulator::{Counts, Edge};
+use crate::board::host::{Host, Move, TICK_RATE};
+use crate::board::motor::rises;
 use crate::check;
-use crate::doses::rises;
-use crate::emulator::{Counts, Edge};
-use crate::host::{Host, Move, TICK_RATE};
 
 /// Axes whose steps are due within this time count as due together, us.
 const TOGETHER_US: f64 = 10.0;

@@ -6,8 +6,9 @@ use std::path::Path;
 use pump_bench::drives::{Drive, Leave, Opening};
 use pump_bench::pump_file::Axis;
 
-use crate::doses::{MOST_OFF_US, distances_us, meet_at, rises};
-use crate::emulator::{Emulator, Extremes};
+use crate::board::emulator::{Emulator, Extremes};
+use crate::board::motor::rises;
+use crate::doses::{MOST_OFF_US, distances_us, meet_at};
 use crate::size::STACK;
 use crate::{check, size};
 

@@ -4,7 +4,7 @@
 //! `check-node-mps2 FIRMWARE.elf [one]`: with `one` it makes one dose.
 #![allow(clippy::print_stdout, reason = "this program prints what it measured")]
 
-#[path = "../lockstep.rs"]
+#[path = "../board/lockstep.rs"]
 mod lockstep;
 mod qemu;
 mod scope;

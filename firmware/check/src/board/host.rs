@@ -13,7 +13,7 @@ use pump_link::message::{
 use pump_link::packing::{Codec, Grain, Rounder};
 use pump_link::sender::Stream;
 
-use crate::emulator::Emulator;
+use super::emulator::Emulator;
 
 /// Session of this host.
 const SESSION: u64 = 0x5e55_1011;

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use crate::lockstep::{Lockstep, Machine};
+use super::lockstep::{Lockstep, Machine};
 
 /// Change of a pin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,6 +120,11 @@ impl Emulator {
 }
 
 impl Board {
+    /// Returns the time of the board, in ns.
+    pub(crate) fn time_ns(&self) -> f64 {
+        self.now_ns
+    }
+
     /// Sends a request whose answer is the time.
     fn ask(&mut self, request: &[u8]) -> io::Result<()> {
         self.to.write_all(request)?;

@@ -1,0 +1,6 @@
+//! The emulated board, its motor, and a host of several axes.
+
+pub(crate) mod emulator;
+pub(crate) mod host;
+pub(crate) mod lockstep;
+pub(crate) mod motor;

@@ -1,0 +1,112 @@
+//! The emulated board at the end of a pseudo-terminal, in real time.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use pump_bench::drives::wire::Wire;
+
+use super::line::Line;
+use crate::board::emulator::Emulator;
+
+/// Shortest and longest time for which the board goes on between two looks at the line.
+const LOOK: Duration = Duration::from_millis(1);
+const SLICE: Duration = Duration::from_millis(2);
+
+/// Longest time that a late emulator makes up. What is beyond, the board's time stands still.
+const LONGEST_LAG: Duration = Duration::from_millis(20);
+
+/// Longest time for which the board goes on without a byte of a host that runs. Its time stands until the host is heard
+/// again, so a slow computer is no lost link.
+const PATIENCE: Duration = Duration::from_millis(150);
+
+/// State that the bridge's thread shares.
+#[derive(Debug, Default)]
+struct State {
+    has_host: AtomicBool,
+    is_over: AtomicBool,
+    /// Time for which the board's time stood still, in us.
+    stood_us: AtomicU64,
+}
+
+/// Emulated board at the end of a pseudo-terminal. It runs in a thread of its own until it is dropped.
+pub(super) struct Bridge {
+    port: PathBuf,
+    began: Instant,
+    state: Arc<State>,
+    thread: Option<JoinHandle<io::Result<()>>>,
+}
+
+impl Bridge {
+    /// Joins the UART of a board to a pseudo-terminal.
+    pub(super) fn new(emulator: Emulator) -> io::Result<Self> {
+        let (line, port) = Line::new()?;
+        let state = Arc::new(State::default());
+        let shared = Arc::clone(&state);
+        let thread = Some(thread::spawn(move || serve(emulator, line, &shared)));
+        Ok(Self { port, began: Instant::now(), state, thread })
+    }
+
+    /// Returns the device that the board is connected to.
+    pub(super) fn port(&self) -> &Path {
+        &self.port
+    }
+
+    /// Notes that a host runs, or that it has gone.
+    pub(super) fn has_host(&self, has_host: bool) {
+        self.state.has_host.store(has_host, Ordering::Relaxed);
+    }
+
+    /// Returns the time of the bridge, and the part of it in which the board's time stood still.
+    pub(super) fn times_s(&self) -> (f64, f64) {
+        (self.began.elapsed().as_secs_f64(), 1e-6 * self.state.stood_us.load(Ordering::Relaxed) as f64)
+    }
+
+    /// Returns true while the emulator runs.
+    pub(super) fn is_live(&self) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+}
+
+impl Drop for Bridge {
+    fn drop(&mut self) {
+        self.state.is_over.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Runs the board by the computer's clock, and hands on the bytes of both ends.
+fn serve(mut emulator: Emulator, mut line: Line, state: &State) -> io::Result<()> {
+    let mut buffer = [0; 4096];
+    let (mut before, mut owed) = (Instant::now(), Duration::ZERO);
+    let mut heard = emulator.now();
+    while !state.is_over.load(Ordering::Relaxed) {
+        let from = emulator.now();
+        let bytes = line.read();
+        if !bytes.is_empty() {
+            emulator.write(&bytes)?;
+            heard = from;
+        }
+        let now = Instant::now();
+        owed += now - before;
+        before = now;
+        let is_left_alone = state.has_host.load(Ordering::Relaxed) && from.saturating_sub(heard) > PATIENCE;
+        let made_up = if is_left_alone { Duration::ZERO } else { LONGEST_LAG };
+        let stands = owed.saturating_sub(made_up);
+        state.stood_us.fetch_add(stands.as_micros() as u64, Ordering::Relaxed);
+        owed -= stands;
+        if owed < LOOK {
+            thread::sleep(LOOK);
+            continue;
+        }
+        let read = emulator.read(&mut buffer, owed.min(SLICE))?;
+        owed = owed.saturating_sub(emulator.now().saturating_sub(from));
+        line.write(buffer.get(..read).unwrap_or_default());
+    }
+    Ok(())
+}
