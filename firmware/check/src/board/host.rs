@@ -8,18 +8,22 @@ use pump_bench::drives::wire::Wire;
 use pump_ctl::step::{Brake, Segment, TickRate};
 use pump_link::frame::{AnswerHeader, Deframer, Encoded, RequestHeader, body};
 use pump_link::message::{
-    AXES, Answer, AxisConfig, AxisState, AxisStatus, Identity, MAX_PACKED, MoveOrder, Request,
+    AXES, Answer, AxisConfig, AxisState, AxisStatus, Identity, MAX_PACKED, MoveOrder, Refusal, Request,
 };
 use pump_link::packing::{Codec, Grain, Rounder};
 use pump_link::sender::Stream;
 
 use super::emulator::Emulator;
+use super::noise::Noise;
 
 /// Session of this host.
 const SESSION: u64 = 0x5e55_1011;
 
 /// Longest wait for an answer before the request is sent again.
 const RESEND: Duration = Duration::from_millis(50);
+
+/// Number of times that a request is sent.
+const SENDS: u32 = 10;
 
 /// Time from the last answer to the tick at which moves begin, ticks.
 const BEGIN: u64 = 5_000;
@@ -35,6 +39,8 @@ pub(crate) struct Host {
     deframer: Deframer,
     /// Tick at which the board took the last request.
     heard_at: u64,
+    /// Changes of bytes on the line.
+    pub(crate) noise: Option<Noise>,
 }
 
 /// Move of an axis.
@@ -89,6 +95,7 @@ impl Host {
             number: 0,
             deframer: Deframer::new(),
             heard_at: 0,
+            noise: None,
         };
         let Answer::Identity(identity) = host.ask(&Request::Identify)? else {
             return Err("the board does not say who it is".into());
@@ -116,13 +123,21 @@ impl Host {
     /// Sends a request until its answer is there.
     pub(crate) fn ask(&mut self, request: &Request<'_>) -> Result<Answer, Box<dyn Error>> {
         let frame = self.frame(request)?;
-        for _ in 0..5 {
-            self.emulator.write(&frame)?;
+        for _ in 0..SENDS {
+            let mut bytes = frame.clone();
+            if let Some(noise) = &mut self.noise {
+                noise.pass(0, &mut bytes);
+            }
+            self.emulator.write(&bytes)?;
             let until = self.emulator.now() + RESEND;
             while self.emulator.now() < until {
                 let mut bytes = [0; 512];
                 let read = self.emulator.read(&mut bytes, RESEND)?;
-                for byte in bytes.iter().take(read) {
+                let bytes = bytes.get_mut(..read).unwrap_or_default();
+                if let Some(noise) = &mut self.noise {
+                    noise.pass(1, bytes);
+                }
+                for byte in bytes {
                     let Some(Ok(payload)) = self.deframer.push(*byte) else { continue };
                     let (header, rest) = AnswerHeader::split(payload)?;
                     if header.number == self.number {
@@ -179,20 +194,36 @@ impl Host {
         self.ask(&Request::Prepare { axis: made.axis, move_number: number, order })
     }
 
-    /// Begins a move with its first segments, and sends no more.
-    pub(crate) fn begin(&mut self, number: u32, made: &Move, segments: usize) -> Result<(), Box<dyn Error>> {
-        let Answer::Accepted { next, room } = self.prepare(number, made)? else {
-            return Err("the move was refused".into());
-        };
+    /// Begins a move with its first segments, and sends no more. Returns false if the board refused it, as it does where
+    /// too much was lost on the line.
+    pub(crate) fn begin(
+        &mut self,
+        number: u32,
+        made: &Move,
+        segments: usize,
+    ) -> Result<bool, Box<dyn Error>> {
+        let Answer::Accepted { next, room } = self.prepare(number, made)? else { return Ok(false) };
         let mut stream = Box::new(Stream::<HELD>::new(0));
         stream.accepted(next, room)?;
-        let first: Vec<_> = made.segments.iter().take(segments).copied().collect();
-        self.feed(number, &mut [(made, stream, first.iter())])?;
+        for segment in made.segments.iter().take(segments) {
+            stream.push(*segment)?;
+        }
+        let mut packed = [0; MAX_PACKED];
+        let chunk = stream.chunk(&mut packed).ok_or("the move has no segments")?;
+        let packed = packed.get(..chunk.bytes).unwrap_or_default();
+        let request = Request::Segments { axis: made.axis, move_number: number, first: chunk.first, packed };
+        if !matches!(self.ask(&request)?, Answer::Accepted { .. }) {
+            return Ok(false);
+        }
         let mut moves = [0; AXES];
-        moves[usize::from(made.axis)] = number;
-        match self.ask(&Request::Begin { at: self.heard_at + BEGIN, moves })? {
-            Answer::Begun => Ok(()),
-            other => Err(format!("the move did not begin: {other:?}").into()),
+        *moves.get_mut(usize::from(made.axis)).ok_or("no such axis")? = number;
+        loop {
+            match self.begin_moves(moves)? {
+                Answer::Begun => return Ok(true),
+                // The request was lost until its tick was past.
+                Answer::Refused(Refusal::Begin { .. }) => {}
+                _ => return Ok(false),
+            }
         }
     }
 
