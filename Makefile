@@ -143,6 +143,7 @@ embedded:
 	cd examples/firmware && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cd examples/firmware && cargo build --locked --release --target-dir ../../target
 	cd examples/firmware && timeout 60 cargo run --locked --release --target-dir ../../target --bin by_interrupt
+	cd examples/firmware && timeout 60 cargo run --locked --release --target-dir ../../target --bin by_rtic
 	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
 	cargo run --locked -p check-firmware target/firmware.txt
 	cd firmware/emulated && cargo fmt --check

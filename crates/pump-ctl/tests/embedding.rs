@@ -1,4 +1,4 @@
-//! docs/embedding.md prints the program that `make embedded` compiles and runs.
+//! docs/embedding.md prints the programs that `make embedded` compiles and runs.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -6,14 +6,14 @@ use std::fs::read_to_string;
 use std::path::Path;
 
 #[test]
-fn the_program_on_the_page_is_the_one_that_runs() {
+fn the_programs_on_the_page_are_those_that_run() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let page = read_to_string(root.join("docs/embedding.md")).unwrap();
-    let program = read_to_string(root.join("examples/firmware/src/bin/by_interrupt.rs")).unwrap();
-    let (_, printed) = page.split_once("```rust,ignore\n").unwrap();
-    let (printed, _) = printed.split_once("\n```").unwrap();
-    assert!(
-        printed == program.trim_end(),
-        "print examples/firmware/src/bin/by_interrupt.rs in docs/embedding.md"
-    );
+    let mut printed = page.split("```rust,ignore\n").skip(1).map(|rest| rest.split_once("\n```").unwrap().0);
+    for name in ["by_interrupt", "by_rtic"] {
+        let file = format!("examples/firmware/src/bin/{name}.rs");
+        let program = read_to_string(root.join(&file)).unwrap();
+        assert!(printed.next() == Some(program.trim_end()), "print {file} in docs/embedding.md");
+    }
+    assert_eq!(printed.next(), None, "a program that no file holds");
 }
