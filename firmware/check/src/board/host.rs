@@ -194,8 +194,8 @@ impl Host {
         self.ask(&Request::Prepare { axis: made.axis, move_number: number, order })
     }
 
-    /// Begins a move with its first segments, and sends no more. Returns false if the board refused it, as it does where
-    /// too much was lost on the line.
+    /// Begins a move with its first segments, and sends no more. Returns false if the board refused it, as it does
+    /// where too much was lost on the line.
     pub(crate) fn begin(
         &mut self,
         number: u32,

@@ -1,47 +1,13 @@
-//! Motions of several axes of one board that begin at one tick, each run by a session and a thread of its own.
+//! The meeting of the motions that begin together. The last that is ready tells the board to begin all.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use thiserror::Error;
+use super::{BeginPlace, CommonBeginError};
 
-/// Reason for which axes that were to begin together did not begin. Nothing has moved.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[non_exhaustive]
-pub enum CommonBeginError {
-    /// Another axis was stopped, refused or given up before the begin.
-    #[error("an axis that was to begin together with this one was stopped or failed before, so none began")]
-    Another,
-    /// Not all axes were ready in time.
-    #[error(
-        "not all axes that were to begin together were ready within {limit_s:.1} s, so none began; run a motion for \
-         each place, or allow more time"
-    )]
-    Late {
-        /// Time that was allowed, in s.
-        limit_s: f64,
-    },
-    /// The axes are not different axes of one board.
-    #[error("axes that begin together are different axes of one board; begin the others one after another")]
-    Boards,
-}
-
-/// Begin that several axes of one board have in common.
-///
-/// [`Self::places`] makes a place for each. A thread gives its place to its session by
-/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. All motions begin at one tick of the board.
-/// If one fails or is stopped before, none begins.
-///
-/// ```
-/// use std::time::Duration;
-///
-/// use pump_bench::drives::CommonBegin;
-///
-/// let places = CommonBegin::places(4, Duration::from_secs(10));
-/// assert_eq!(places.len(), 4);
-/// ```
+/// Begin that all motions of a meeting share.
 #[derive(Debug)]
-pub struct CommonBegin {
+struct Begin {
     limit: Duration,
     state: Mutex<State>,
 }
@@ -56,46 +22,43 @@ struct State {
     failed: Option<CommonBeginError>,
 }
 
-/// Place of one motion in a common begin. A place that is dropped before the begin keeps the others from beginning.
+/// Seat of one motion at the meeting.
 #[derive(Debug)]
-pub struct BeginPlace {
+pub(super) struct Seat {
     number: usize,
-    begin: Arc<CommonBegin>,
+    begin: Arc<Begin>,
     /// Time of the line's clock from which on the motion waits for the others.
     since: Option<Duration>,
 }
 
 /// Motion that is ready to begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
-pub(super) struct Ready {
+pub(in crate::drives) struct Ready {
     /// Line to the board, which tells boards apart.
-    pub(super) line: usize,
-    pub(super) axis: u8,
+    pub(in crate::drives) line: usize,
+    pub(in crate::drives) axis: u8,
     /// Number of the axis's move.
-    pub(super) move_number: u32,
+    pub(in crate::drives) move_number: u32,
     /// Tick from which on the move can begin.
-    pub(super) at: u64,
+    pub(in crate::drives) at: u64,
 }
 
 /// State of a motion that is to begin with others.
 #[derive(Debug, Clone, Copy, Default)]
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
-pub(super) struct Standing {
+pub(in crate::drives) struct Standing {
     /// Motion, once it is ready to begin.
-    pub(super) ready: Option<Ready>,
+    pub(in crate::drives) ready: Option<Ready>,
     /// True once the board has begun the motion.
-    pub(super) has_begun: bool,
+    pub(in crate::drives) has_begun: bool,
     /// True once the board has refused to begin it.
-    pub(super) is_refused: bool,
+    pub(in crate::drives) is_refused: bool,
     /// True once the motion is to end.
-    pub(super) stops: bool,
+    pub(in crate::drives) stops: bool,
 }
 
 /// Next act of a motion that is to begin with others.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
-pub(super) enum Next {
+pub(in crate::drives) enum Next {
     /// The motion waits.
     Wait,
     /// The motion tells the board to begin all these at one tick.
@@ -106,20 +69,16 @@ pub(super) enum Next {
     Fail(CommonBeginError),
 }
 
-impl CommonBegin {
-    /// Makes places for `count` motions that begin together. A motion that is ready waits for the others for as long as
-    /// `limit`.
-    pub fn places(count: usize, limit: Duration) -> Vec<BeginPlace> {
+impl Seat {
+    /// Returns the seats of so many motions.
+    pub(super) fn all(count: usize, limit: Duration) -> Vec<Self> {
         let state = State { ready: vec![None; count], sender: None, has_begun: false, failed: None };
-        let begin = Arc::new(Self { limit, state: Mutex::new(state) });
-        (0..count).map(|number| BeginPlace { number, begin: Arc::clone(&begin), since: None }).collect()
+        let begin = Arc::new(Begin { limit, state: Mutex::new(state) });
+        (0..count).map(|number| Self { number, begin: Arc::clone(&begin), since: None }).collect()
     }
-}
 
-#[cfg_attr(not(feature = "node"), allow(dead_code, reason = "grbl needs less of it than a node"))]
-impl BeginPlace {
     /// Tells how this motion stands at `now`, by the clock of its line. Returns what it does next.
-    pub(super) fn look(&mut self, standing: Standing, now: Duration) -> Next {
+    fn look(&mut self, standing: Standing, now: Duration) -> Next {
         let mut state = self.begin.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.has_begun |= standing.has_begun;
         if state.has_begun {
@@ -159,10 +118,17 @@ impl BeginPlace {
         state.sender = Some(self.number);
         Next::Send(all)
     }
+}
+
+impl BeginPlace {
+    /// Tells how this motion stands at `now`, by the clock of its line. Returns what it does next.
+    pub(in crate::drives) fn look(&mut self, standing: Standing, now: Duration) -> Next {
+        self.0.look(standing, now)
+    }
 
     /// Notes that all have begun.
     #[cfg(feature = "grbl")]
-    pub(super) fn has_begun(&mut self) {
+    pub(in crate::drives) fn has_begun(&mut self) {
         let _ = self.look(Standing { has_begun: true, ..Standing::default() }, Duration::ZERO);
     }
 }
@@ -174,7 +140,7 @@ fn is_one_board(all: &[Ready]) -> bool {
         .all(|(n, one)| all.iter().take(n).all(|other| other.line == one.line && other.axis != one.axis))
 }
 
-impl Drop for BeginPlace {
+impl Drop for Seat {
     fn drop(&mut self) {
         let mut state = self.begin.state.lock().unwrap_or_else(PoisonError::into_inner);
         if !state.has_begun {
@@ -183,8 +149,9 @@ impl Drop for BeginPlace {
     }
 }
 
-#[cfg(all(test, feature = "node"))]
+#[cfg(test)]
 mod tests {
+    use super::super::CommonBegin;
     use super::*;
 
     const NOW: Duration = Duration::from_secs(3);

@@ -1,0 +1,14 @@
+//! A build without boards, whose motions meet no others.
+
+use std::time::Duration;
+
+/// Seat of one motion.
+#[derive(Debug)]
+pub(super) struct Seat;
+
+impl Seat {
+    /// Returns the seats of so many motions.
+    pub(super) fn all(count: usize, _limit: Duration) -> Vec<Self> {
+        (0..count).map(|_| Self).collect()
+    }
+}
