@@ -6,7 +6,6 @@ use clap::Args;
 use pump_bench::calibration::Weighing;
 use pump_bench::config::Config;
 use pump_bench::pump_file::Pace;
-use pump_bench::rack::RackPace;
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, PumpFile};
 
@@ -133,9 +132,7 @@ impl DosingOptions {
             true => self.bench.simulated(file),
             false => self.bench.bench_of(file),
         };
-        // The clock of the rack is that of all its pumps.
-        let in_step = |bench: Bench| if bench.is_simulated() { bench.paced(Some(Pace::Fast)) } else { bench };
-        files.into_iter().map(|file| bench(file).map(in_step)).collect()
+        files.into_iter().map(bench).collect()
     }
 
     /// True if simulated motors are told to take no time.
@@ -144,11 +141,8 @@ impl DosingOptions {
     }
 
     /// The pace of a rack's simulated motors.
-    pub(crate) fn rack_pace(&self) -> RackPace {
-        match self.bench.motor.pace {
-            Some(Pace::Fast) => RackPace::Fast,
-            Some(Pace::Real) | None => RackPace::Real,
-        }
+    pub(crate) fn rack_pace(&self) -> Pace {
+        self.bench.motor.pace.unwrap_or(Pace::Real)
     }
 
     /// The command to run if the dose fails; none without one, and for a dry run.

@@ -7,7 +7,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use pump_bench::rack::{Rack, RackFile, RackPace};
+use pump_bench::pump_file::Pace;
+use pump_bench::rack::{Rack, RackFile};
 use pump_bench::record::{LogLine, PumpState};
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 use pump_ctl::plan::Phase;
@@ -108,7 +109,7 @@ pub(crate) fn child(arguments: &[String]) {
     let [folder] = arguments else { panic!("{arguments:?}") };
     let file = RackFile::parse(RACK, Path::new("rack.toml")).unwrap();
     let benches = PUMPS.map(|(name, _)| bench(Path::new(folder), name));
-    let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
+    let rack = Rack::new(file, benches.into()).unwrap().paced(Pace::Fast);
     let report = rack.run(|progress| {
         let line = format!("{} {} {} {}\n", progress.pump, progress.step, progress.made, progress.steps);
         // One write, so that a kill leaves a whole line or none.

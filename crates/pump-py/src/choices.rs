@@ -6,8 +6,8 @@ use pump_bench::balance::Protocol;
 use pump_bench::calibration::Fit;
 use pump_bench::dosing::{Missed, ShareSource};
 use pump_bench::heads::Provenance;
-use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
-use pump_bench::rack::{RackEnd, RackPace};
+use pump_bench::pump_file::{CurveFit, DriverName, Pace, UncheckedLimit};
+use pump_bench::rack::RackEnd;
 use pump_bench::record::{LogEnd, PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
 use pump_bench::simulation::{AskedMethod, ModelName};
@@ -35,12 +35,12 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("Method", words(AskedMethod::ALL)),
         ("Missed", words(Missed::ALL)),
         ("Model", words(ModelName::ALL)),
+        ("Pace", words(Pace::ALL)),
         ("PhaseSource", words(PhaseSource::ALL)),
         ("Port", words(&PORTS.map(|(word, _)| word))),
         ("Provenance", words(&Provenance::ALL)),
         ("Purpose", words(Purpose::ALL)),
         ("RackEnd", words(RackEnd::ALL)),
-        ("RackPace", words(RackPace::ALL)),
         ("Ramps", words(&Ramps::ALL)),
         ("UncertaintySource", words(ShareSource::ALL)),
         ("UncheckedLimit", words(UncheckedLimit::ALL)),

@@ -5,8 +5,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::pace::RackPace;
 use crate::drives::StopRequest;
+use crate::pump_file::Pace;
 
 /// Longest sleep between two looks for a stop.
 const SLICE: Duration = Duration::from_millis(10);
@@ -74,7 +74,7 @@ impl SharedStop {
 /// Clock of a rack under way.
 #[derive(Debug)]
 pub(super) struct RackClock {
-    pace: RackPace,
+    pace: Pace,
     began: Instant,
     stop: SharedStop,
     /// Times that the pumps have reached, in s. Infinite for a pump that is done.
@@ -84,7 +84,7 @@ pub(super) struct RackClock {
 
 impl RackClock {
     /// Makes a clock for so many pumps that begins `lead` from now.
-    pub(super) fn new(pace: RackPace, pumps: usize, lead: Duration, stop: SharedStop) -> Self {
+    pub(super) fn new(pace: Pace, pumps: usize, lead: Duration, stop: SharedStop) -> Self {
         let reached_s = Mutex::new(vec![0.0; pumps]);
         Self { pace, began: Instant::now() + lead, stop, reached_s, moved_on: Condvar::new() }
     }
@@ -93,8 +93,8 @@ impl RackClock {
     /// once all are to stop.
     pub(super) fn reach(&self, pump: usize, time_s: f64) -> ControlFlow<()> {
         match self.pace {
-            RackPace::Real => self.sleep_until(time_s),
-            RackPace::Fast => self.keep_step(pump, time_s),
+            Pace::Real => self.sleep_until(time_s),
+            Pace::Fast => self.keep_step(pump, time_s),
         }
     }
 
@@ -107,12 +107,12 @@ impl RackClock {
     /// done.
     pub(super) fn now_s(&self) -> f64 {
         match self.pace {
-            RackPace::Real => {
+            Pace::Real => {
                 let now = Instant::now();
                 let before_s = self.began.saturating_duration_since(now).as_secs_f64();
                 now.saturating_duration_since(self.began).as_secs_f64() - before_s
             }
-            RackPace::Fast => slowest_s(&self.lock()),
+            Pace::Fast => slowest_s(&self.lock()),
         }
     }
 
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn the_first_cause_of_a_stop_stays_and_ends_every_wait() {
         let stop = SharedStop::default();
-        let clock = RackClock::new(RackPace::Fast, 2, Duration::ZERO, stop.clone());
+        let clock = RackClock::new(Pace::Fast, 2, Duration::ZERO, stop.clone());
         assert_eq!(clock.reach(0, 0.005), ControlFlow::Continue(()));
         stop.make(Stop::Fault(1));
         stop.make(Stop::Asked);
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_fast_pump_waits_for_the_slowest_and_for_none_that_is_done() {
-        let clock = RackClock::new(RackPace::Fast, 2, Duration::ZERO, SharedStop::default());
+        let clock = RackClock::new(Pace::Fast, 2, Duration::ZERO, SharedStop::default());
         std::thread::scope(|scope| {
             let fast = scope.spawn(|| {
                 let went_on = clock.reach(0, 1.0);

@@ -7,13 +7,13 @@ use std::time::Duration;
 
 use super::clock::{RackClock, SharedStop, Stop};
 use super::error::RackError;
-use super::pace::RackPace;
 use super::player::{Answer, Order, Played, Player};
 use super::progress::RackProgress;
 use super::rack::Rack;
 use super::report::{RackEnd, RackFault, RackPumpReport, RackReport};
 use super::timetable::{LineSpeeds, Timetable, Timing, appointments};
 use crate::drives::Drive;
+use crate::pump_file::Pace;
 
 /// Time from the order to the begin, in which each pump announces its first motion. Simulated motors need none.
 const LEAD: Duration = Duration::from_millis(500);
@@ -121,7 +121,7 @@ impl Rack {
 
     fn check_pace(&self) -> Result<(), RackError> {
         let real = self.members().iter().find(|member| !member.bench.is_simulated());
-        match real.filter(|_| self.pace == RackPace::Fast) {
+        match real.filter(|_| self.pace == Pace::Fast) {
             Some(member) => Err(RackError::RealPace { pump: member.name.clone() }),
             None => Ok(()),
         }

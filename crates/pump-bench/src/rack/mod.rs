@@ -5,7 +5,8 @@
 //! of one stops all.
 //!
 //! ```
-//! use pump_bench::rack::{Rack, RackFile, RackPace};
+//! use pump_bench::pump_file::Pace;
+//! use pump_bench::rack::{Rack, RackFile};
 //! use pump_bench::{Bench, config::Config};
 //!
 //! let text = r#"
@@ -22,7 +23,7 @@
 //! let state = tempfile::tempdir()?;
 //! let pumps = file.pump_files(&Config::default())?;
 //! let benches = pumps.into_iter().map(|pump| Bench::new(pump, None, state.path()));
-//! let rack = Rack::new(file, benches.collect::<Result<_, _>>()?)?.paced(RackPace::Fast);
+//! let rack = Rack::new(file, benches.collect::<Result<_, _>>()?)?.paced(Pace::Fast);
 //! let report = rack.run(|_| {})?;
 //! assert!(report.completed && (report.pumps[0].delivered_ml - 4.0).abs() < 0.001);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,7 +34,6 @@ mod conductor;
 mod error;
 mod gradient;
 mod member;
-mod pace;
 mod player;
 mod progress;
 mod rack;
@@ -47,7 +47,6 @@ mod timetable;
 
 pub use error::RackError;
 pub use member::Member;
-pub use pace::RackPace;
 pub use progress::RackProgress;
 pub use rack::Rack;
 pub use rack_file::RackFile;

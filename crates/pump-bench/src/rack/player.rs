@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 
 use super::clock::{RackClock, SharedStop, Stop};
-use super::pace::RackPace;
 use super::progress::RackProgress;
 use super::rack::Rack;
 use super::rehearsal::{report, timings};
@@ -15,6 +14,7 @@ use crate::dosing::DoseError;
 use crate::drives::Drive;
 use crate::notice::Notice;
 use crate::numbers::significant;
+use crate::pump_file::Pace;
 
 /// Time before its begin at which a motion is given to a real drive, in s.
 const GIVEN_S: f64 = 0.3;
@@ -224,7 +224,7 @@ impl Part<'_> {
             clock.flow()
         })?;
         self.tell(delivered.made, on_progress);
-        if player.rack.pace == RackPace::Real && late_s > LATE_S {
+        if player.rack.pace == Pace::Real && late_s > LATE_S {
             warnings.push(Notice::from(format!(
                 "step {} began {} s late: the device or this computer was busy",
                 self.step + 1,

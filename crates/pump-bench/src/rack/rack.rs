@@ -3,12 +3,12 @@
 use super::clock::SharedStop;
 use super::error::RackError;
 use super::member::Member;
-use super::pace::RackPace;
 use super::rack_file::RackFile;
 use super::sharing;
 use super::step::RackStep;
 use crate::bench::Bench;
 use crate::drives::StopRequest;
+use crate::pump_file::Pace;
 
 /// Rack of pumps that one process moves.
 #[derive(Debug, Clone)]
@@ -16,7 +16,7 @@ pub struct Rack {
     name: String,
     members: Vec<Member>,
     steps: Vec<RackStep>,
-    pub(super) pace: RackPace,
+    pub(super) pace: Pace,
     pub(super) stop: StopRequest,
     /// True if nobody watches, so that each pump obeys the `home` of its safety limits.
     pub(super) unattended: bool,
@@ -31,22 +31,19 @@ impl Rack {
     /// as the steps say.
     pub fn new(file: RackFile, benches: Vec<Bench>) -> Result<Self, RackError> {
         let members = file.pump_names().map(str::to_owned).zip(benches);
-        let members: Vec<Member> = members.map(|(name, bench)| Member { name, bench }).collect();
+        // The clock of the rack is that of all its pumps.
+        let in_step = |bench: Bench| if bench.is_simulated() { bench.paced(Some(Pace::Fast)) } else { bench };
+        let members: Vec<Member> =
+            members.map(|(name, bench)| Member { name, bench: in_step(bench) }).collect();
         let (name, steps) = (file.name(), file.steps().to_vec());
         sharing::check(&members, &steps)?;
-        Ok(Self {
-            name,
-            members,
-            steps,
-            pace: RackPace::default(),
-            stop: StopRequest::default(),
-            unattended: false,
-        })
+        Ok(Self { name, members, steps, pace: Pace::Real, stop: StopRequest::default(), unattended: false })
     }
 
-    /// Returns the rack with the pace of its simulated motors.
+    /// Returns the rack with the pace of its simulated motors, in place of real time. Motors that take no time keep step
+    /// with each other.
     #[must_use]
-    pub fn paced(self, pace: RackPace) -> Self {
+    pub fn paced(self, pace: Pace) -> Self {
         Self { pace, ..self }
     }
 

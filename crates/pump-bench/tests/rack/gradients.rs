@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use pump_bench::drives::{Abilities, Drive, DriveError, DriveFault, Gate, Leave};
-use pump_bench::rack::{Rack, RackFile, RackPace};
+use pump_bench::pump_file::Pace;
+use pump_bench::rack::{Rack, RackFile};
 use pump_bench::report::with_sources;
 use pump_bench::{Bench, built_in};
 use pump_ctl::plan::{FlowMotion, Plan};
@@ -117,7 +118,7 @@ fn each_pump_of_a_gradient_is_within_a_motor_step_of_its_flow_at_a_thousand_inst
     // Each scribe has a book of its own.
     let (desk, scribes) = (Desk::new(), PUMPS.map(|_| Scribe::default()));
     let file = RackFile::parse(GRADIENT, Path::new("gradient.toml")).unwrap();
-    let rack = Rack::new(file, benches(&desk, &scribes)).unwrap().paced(RackPace::Fast);
+    let rack = Rack::new(file, benches(&desk, &scribes)).unwrap().paced(Pace::Fast);
     let drives = scribes.iter().map(|scribe| Some(Box::new(scribe.clone()) as Box<dyn Drive>)).collect();
     let report = rack.run_with(drives, |_| {}).unwrap();
     assert!(report.completed, "{}", report.json());
@@ -182,7 +183,7 @@ fn a_gradient_that_a_motor_or_a_drive_cannot_follow_is_refused_before_any_pump_m
     let benches = PUMPS.map(|pump| {
         Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap().driven_by(&failing).unwrap()
     });
-    let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
+    let rack = Rack::new(file, benches.into()).unwrap().paced(Pace::Fast);
     let drives = PUMPS.map(|_| Some(Box::new(crate::rig::Failing::default()) as Box<dyn Drive>)).into();
     let unable = with_sources(&rack.run_with(drives, |_| {}).unwrap_err());
     assert!(unable.contains("the failing driver has no"), "{unable}");

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use pump_bench::drives::{Drive, DriveError, DriveFault, Gate, Leave};
-use pump_bench::rack::{Rack, RackError, RackFile, RackPace};
+use pump_bench::pump_file::Pace;
+use pump_bench::rack::{Rack, RackError, RackFile};
 use pump_bench::record::PumpState;
 use pump_bench::{Bench, PumpFile, built_in};
 use pump_ctl::plan::Plan;
@@ -56,7 +57,7 @@ impl Desk {
             Bench::new(changed(name, built_in(pump).unwrap()), None, self.path()).unwrap()
         };
         let benches = PUMPS.map(bench).into();
-        Ok(Rack::new(file, benches)?.paced(RackPace::Fast))
+        Ok(Rack::new(file, benches)?.paced(Pace::Fast))
     }
 
     /// True if no pump has moved.

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pump_bench::Bench;
 use pump_bench::drives::{Drive, StopRequest};
-use pump_bench::rack::{Rack, RackEnd, RackFile, RackPace};
+use pump_bench::pump_file::Pace;
+use pump_bench::rack::{Rack, RackEnd, RackFile};
 use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::report::Ending;
 use pump_bench::{DoseRequest, built_in};
@@ -63,7 +64,7 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
         let bench = Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap();
         if name == "base" { bench.driven_by(&Failing::default()).unwrap() } else { bench }
     });
-    let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
+    let rack = Rack::new(file, benches.into()).unwrap().paced(Pace::Fast);
     let failing: Box<dyn Drive> = Box::new(Failing { after: 4000, unsure: 500 });
     let report = rack.run_with(vec![None, Some(failing), None], |_| {}).unwrap();
     assert_eq!(report.end, RackEnd::Fault);
@@ -109,7 +110,7 @@ fn the_log_of_each_pump_names_the_rack_and_who_stopped_it() {
         let bench = Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap();
         if name == "base" { bench.driven_by(&Failing::default()).unwrap() } else { bench }
     });
-    let rack = Rack::new(file, benches.into()).unwrap().paced(RackPace::Fast);
+    let rack = Rack::new(file, benches.into()).unwrap().paced(Pace::Fast);
     let failing: Box<dyn Drive> = Box::new(Failing { after: 4000, unsure: 0 });
     rack.run_with(vec![None, Some(failing), None], |_| {}).unwrap();
     for pump in [0, 2] {

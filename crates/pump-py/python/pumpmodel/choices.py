@@ -41,6 +41,8 @@ Method: TypeAlias = Literal["auto", "exact", "rodas5p"]
 Missed: TypeAlias = Literal["skip", "now"]
 #: Model of `Pump.simulate`.
 Model: TypeAlias = Literal["flow-centric", "roller-centric"]
+#: Pace of simulated motors: that of their plans, or as fast as they can.
+Pace: TypeAlias = Literal["real", "fast"]
 #: Panel of `plot`.
 Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 #: Source of the rotor's angle. "recorded" follows from the motions on record, and "assumed" is the middle of
@@ -58,8 +60,6 @@ LogEnd: TypeAlias = Literal["done", "weighed", "stopped", "fault", "cut-off"]
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "run", "calibrate", "retract", "jog"]
 #: End of a rack. "planned" is a rehearsal.
 RackEnd: TypeAlias = Literal["planned", "completed", "stopped", "fault"]
-#: Pace of a rack's simulated motors: that of their plans, or as fast as they can.
-RackPace: TypeAlias = Literal["real", "fast"]
 #: Ramps in which a dose starts and stops.
 Ramps: TypeAlias = Literal["line-aware", "fastest"]
 #: Result of `sweep` and `Pump.steady_state`, for `plot_map`.

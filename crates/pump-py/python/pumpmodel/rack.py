@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from pumpmodel._pumpmodel import _Rack
 from pumpmodel._results.record import Record
-from pumpmodel.choices import RackEnd, RackPace
+from pumpmodel.choices import Pace, RackEnd
 from pumpmodel.dose import Dose
 from pumpmodel.errors import PumpError
 
@@ -124,7 +124,7 @@ class Rack:
         cls,
         rack: str | os.PathLike[str],
         *,
-        pace: RackPace | None = None,
+        pace: Pace | None = None,
         state_dir: str | os.PathLike[str] | None = None,
         configure: bool = False,
         accept_settings: bool = False,
@@ -163,7 +163,7 @@ class Rack:
         text: str,
         *,
         path: str | os.PathLike[str] = "rack.toml",
-        pace: RackPace | None = None,
+        pace: Pace | None = None,
         state_dir: str | os.PathLike[str] | None = None,
         configure: bool = False,
         accept_settings: bool = False,
@@ -196,7 +196,7 @@ class Rack:
     def _core_of(
         rack: str,
         text: str | None,
-        pace: RackPace | None,
+        pace: Pace | None,
         state_dir: str | os.PathLike[str] | None,
         configure: bool,
         accept_settings: bool,

@@ -11,7 +11,8 @@ use std::time::Duration;
 use pump_bench::Bench as DoseBench;
 use pump_bench::config::Config;
 use pump_bench::drives::StopRequest;
-use pump_bench::rack::{Rack as DoseRack, RackError, RackFile, RackPace, RackReport};
+use pump_bench::pump_file::Pace;
+use pump_bench::rack::{Rack as DoseRack, RackError, RackFile, RackReport};
 use pyo3::prelude::*;
 
 use super::bench::state_dir;
@@ -67,8 +68,8 @@ impl Rack {
         // No person watches the runs of a program.
         let rack = DoseRack::new(file, benches).map_err(refused)?.unattended(true);
         // Simulated motors take no time, as those of a bench.
-        let usual = if rack.is_simulated() { RackPace::Fast } else { RackPace::Real };
-        let pace = pace.map_or(Ok(usual), |pace| word("pace", pace, RackPace::ALL))?;
+        let usual = if rack.is_simulated() { Pace::Fast } else { Pace::Real };
+        let pace = pace.map_or(Ok(usual), |pace| word("pace", pace, Pace::ALL))?;
         Ok(Self { rack: rack.paced(pace), running: Mutex::default() })
     }
 

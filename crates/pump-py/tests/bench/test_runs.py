@@ -120,7 +120,8 @@ def test_a_run_until_stopped_that_its_tube_ends_raises_and_is_on_record(tmp_path
     worn = tmp_path / "worn.toml"
     worn.write_text(pm.Pump.three_roller().to_toml().replace("[tube]\n", "[tube]\nlife_ml = 4.0\n"))
     with pm.Bench.open(worn, state_dir=tmp_path) as bench:
-        with pytest.raises(pm.PumpError, match="ended by itself after .* the tube is nearly used up") as caught:
+        worn_out = r"ended by itself after .* the tube is nearly used up"
+        with pytest.raises(pm.PumpError, match=worn_out) as caught:
             bench.run(rate="8mL/s")
         assert "were delivered" in caught.value.__notes__[0]
         assert bench.log()[-1].delivered_ml == pytest.approx(3.96, abs=0.01)

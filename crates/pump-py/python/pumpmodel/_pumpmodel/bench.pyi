@@ -3,7 +3,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, TypeAlias, final
 
-from pumpmodel.choices import BalanceProtocol, CalibrationFit, Driver, Missed, RackPace
+from pumpmodel.choices import BalanceProtocol, CalibrationFit, Driver, Missed, Pace
 from pumpmodel.weighed import WeighedRun
 
 from .doser import Calibration
@@ -143,7 +143,7 @@ class _Rack:
         rack: str,
         text: str | None,
         *,
-        pace: RackPace | None,
+        pace: Pace | None,
         state_dir: str | os.PathLike[str] | None,
         configure: bool,
         accept_settings: bool,

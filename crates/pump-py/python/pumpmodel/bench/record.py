@@ -41,8 +41,8 @@ class BenchRecord:
         Warns
         -----
         UserWarning
-            If doses are left out although a dose before them is listed: a clock had gone back. If a line of the
-            log is damaged.
+            If doses are left out although a dose before them is listed: a clock had gone back. If a line of
+            the log is damaged.
 
         Examples
         --------
