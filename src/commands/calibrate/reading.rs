@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use pump_bench::Bench;
-use pump_bench::calibration::{Calibration, CalibrationError, Expected, Stored};
+use pump_bench::calibration::{Calibration, CalibrationError, CalibrationRun, Expected, Stored};
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount, StatedReading};
@@ -55,11 +55,18 @@ impl ReadingOptions {
         self.scale.is_some()
     }
 
-    /// The scatter that is expected of the readings of a balance with this step of its last digit, in g. `--scale`
-    /// wins,
-    /// and without it the step is said.
-    pub(super) fn expected_by_balance(&self, bench: &Bench, digit_g: Option<f64>) -> Expected {
-        let Some(digit_g) = digit_g.filter(|_| !self.has_scale()) else { return self.expected(bench) };
+    /// The scatter that is expected of the readings of a balance with this step of its last digit, in g, or of those of
+    /// a person, whose finest digit counts. `--scale` wins, and without it the step of a balance is said.
+    pub(super) fn expected_of(
+        &self,
+        bench: &Bench,
+        digit_g: Option<f64>,
+        runs: &[CalibrationRun],
+    ) -> Expected {
+        if self.has_scale() {
+            return self.expected(bench);
+        }
+        let Some(digit_g) = digit_g else { return Expected::of_runs(bench.file(), runs) };
         say(&format!(
             "the balance shows steps of {}{}\n",
             shown(digit_g, digit_g),

@@ -142,7 +142,7 @@ impl RunArgs {
     ) -> Result<Stored, Failure> {
         let _held = bench.folder().lock()?;
         let before = bench.calibrations().active()?.map(|active| active.calibration);
-        let expected = bench.with_drop(&self.reading.expected_by_balance(bench, digit_g))?;
+        let expected = bench.with_drop(&self.reading.expected_of(bench, digit_g, &runs))?;
         let mut calibration =
             Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone();

@@ -210,3 +210,23 @@ fn guided_runs_of_a_coarse_motor_are_whole_steps_where_the_angle_is_unknown() {
     let refused = answers(&user, &of_coarse(&[&run[..], &["--pitches", "1"]].concat()), "");
     assert!(refused.code == 2 && refused.err.contains("from an unknown angle"), "{}", refused.err);
 }
+
+#[test]
+fn coarse_readings_that_are_typed_are_as_unsure_as_their_last_digit() {
+    let user = User::new();
+    // A pitch is 7.1 mL: 14.2 g of two pitches, on a scale that shows whole grams.
+    let arguments =
+        ["calibrate", "run", "--speeds", "60rpm", "--runs", "3", "--pitches", "2", "--format", "json"];
+    let said = answers(&user, &arguments, "14g\n14g\n14g\n14g\n\n");
+    assert_eq!(said.code, 0, "{}", said.err);
+    let found: Value = serde_json::from_str(&said.out).unwrap();
+    let (factor, reading) =
+        (number(&found["displacement"], "factor"), number(&found["displacement"], "reading"));
+    // Two readings, each known to a gram over the square root of 12, of 14.2 mL.
+    let expected = (2.0_f64 / 12.0).sqrt() / 14.2;
+    assert!((reading / expected - 1.0).abs() < 0.05, "{reading} {expected}");
+    assert!((factor - 0.99).abs() < 0.02, "{factor}");
+    assert!(!found["warnings"].to_string().contains("depart"), "{found}");
+    let dose = user.json(&["50mL", "--speed", "60rpm"]);
+    assert!(number(&dose, "expanded_uncertainty_ml") > 2.0 * 0.9 * expected * 50.0, "{dose}");
+}

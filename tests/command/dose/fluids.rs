@@ -112,3 +112,16 @@ fn a_weighing_has_the_density_of_the_temperature_that_is_given() {
     // 997.05 and 992.22 kg/m³; buoyancy changes the rest by 1e-4 of it.
     assert!((factor("40degC") / factor("25degC") - 997.0 / 992.22).abs() < 1e-4);
 }
+
+#[test]
+fn a_thick_fluid_in_a_pump_that_nobody_weighed_is_warned_of() {
+    let user = User::new();
+    let warned = |arguments: &[&str]| {
+        let report = user.json(&[&["25mL", "--dry-run"], arguments].concat());
+        report["warnings"]
+            .to_string()
+            .contains("the volume of a revolution is that of water at 25 °C, and this is")
+    };
+    assert!(warned(&["--fluid", "glycerol 50%"]));
+    assert!(!warned(&[]) && !warned(&["--fluid", "ethanol"]) && !warned(&["--temperature", "60degC"]));
+}

@@ -1,13 +1,13 @@
 //! A calibration made from weighed runs or short doses.
 
-use libm::sqrt;
+use libm::{pow, sqrt};
 
 use super::{
     AgainstSpeed, Calibration, CalibrationError, CalibrationRun, Displacement, Expected, LawToFit, PhaseFit,
-    Revolution, ShortDose, Source, Weighing,
+    Reading, Revolution, ShortDose, Source, Weighing,
 };
 use crate::pump_file::PumpFile;
-use crate::units::StatedReading;
+use crate::units::{Amount, StatedReading};
 use crate::words::words;
 
 /// Shape that is fitted to runs at several speeds.
@@ -26,6 +26,12 @@ pub enum Fit {
 
 words!(Fit { Best = "best", Line = "line", Factor = "factor", Law = "speed-law" });
 
+/// Returns the decimals of a reading, nine at most: those of its shortest text, so without zeros at its end.
+fn decimals_shown(reading: f64) -> usize {
+    let text = format!("{reading:.9}");
+    text.trim_end_matches('0').split_once('.').map_or(0, |(_, decimals)| decimals.len())
+}
+
 /// Returns the runs with their mean speed in place of their own.
 fn at_mean_speed(runs: &[CalibrationRun]) -> Vec<CalibrationRun> {
     let speed_rpm = runs.iter().map(|run| run.speed_rpm).sum::<f64>() / runs.len().max(1) as f64;
@@ -39,6 +45,23 @@ impl Expected {
         let table = &file.uncertainty;
         let repeatability_at_ml = table.repeatability_at_ml;
         Self { repeatability_at_ml, ..Self::new(table.repeatability_percent / 100.0, reading_ml) }
+    }
+
+    /// Returns the repeatability of the pump file, with the standard uncertainty of readings that the finest digit among
+    /// `runs` shows: all come from one scale.
+    pub fn of_runs(file: &PumpFile, runs: &[CalibrationRun]) -> Self {
+        let finest = |decimals: Option<usize>| decimals.map_or(0.0, |decimals| pow(10.0, -(decimals as f64)));
+        let masses = runs.iter().filter_map(|run| match run.reading {
+            Reading::MassG(mass_g) => Some(decimals_shown(mass_g)),
+            Reading::VolumeMl(_) => None,
+        });
+        let volumes = runs.iter().filter_map(|run| match run.reading {
+            Reading::MassG(_) => None,
+            Reading::VolumeMl(volume_ml) => Some(decimals_shown(volume_ml)),
+        });
+        let of_mass_ml = Amount::Mass(finest(masses.max())).volume_ml(file.fluid.density_kg_m3);
+        let step_ml = f64::max(of_mass_ml, finest(volumes.max()));
+        Self::of(file, step_ml * sqrt(2.0 / 12.0))
     }
 
     /// Returns the repeatability of the pump file, with the standard uncertainty of two readings, empty and full, that

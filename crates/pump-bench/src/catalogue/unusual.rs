@@ -14,7 +14,11 @@ use crate::pump_file::PumpFile;
 /// Most rollers that bought heads have. The catalogue has 3 to 8, and Ismatec's MS-4/12 has twelve by its name.
 const MOST_ROLLERS: u32 = 12;
 
-/// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap, a volume of a
+/// Largest part of the walls' thickness by which rollers press a tube that is not warned of: twice that of the heads of
+/// McIntyre et al., whose gap of 3 mm takes two walls of 2 mm.
+const MOST_SQUEEZE: f64 = 0.5;
+
+/// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap or press the tube flat, a volume of a
 /// revolution for its bore, a number of rollers, a height for its tube on either side, and microsteps for a motor's
 /// driver.
 ///
@@ -28,9 +32,9 @@ const MOST_ROLLERS: u32 = 12;
 /// ```
 pub fn unusual(file: &PumpFile) -> Vec<Notice> {
     let overlap = file.model().ok().and_then(|pump| overlap_warning(pump.geometry()));
-    let found =
-        [overlap, of_volume(file), of_rollers(file), of_suction(file), of_height(file), of_microsteps(file)];
-    found.into_iter().flatten().map(Notice::from).collect()
+    let of_head = [overlap, of_squeeze(file), of_volume(file), of_rollers(file)];
+    let found = of_head.into_iter().chain([of_suction(file), of_height(file), of_microsteps(file)]);
+    found.flatten().map(Notice::from).collect()
 }
 
 /// Warns of a volume that heads with this bore hardly have.
@@ -66,6 +70,25 @@ fn of_rollers(file: &PumpFile) -> Option<String> {
         )),
         _ => None,
     }
+}
+
+/// Warns of a drawing whose rollers press the tube's walls to less than half of their thickness.
+fn of_squeeze(file: &PumpFile) -> Option<String> {
+    let pump = file.model().ok().filter(|_| file.head.is_none())?;
+    let head = pump.geometry();
+    let walls_mm = 2.0 * (head.tube_outer_radius_mm - head.bore_radius_mm);
+    let gap_mm = head.backplate_radius_mm - head.roller_radius_mm - head.roller_offset_mm;
+    let part = 1.0 - gap_mm / walls_mm;
+    (part > MOST_SQUEEZE).then(|| {
+        format!(
+            "the rollers press the tube's two walls, {} mm, into a gap of {} mm, by {:.0} % of their thickness; the \
+             heads of McIntyre et al. press by 25 %, and more wears the tube and loads the motor; check offset, roller \
+             and backplate, which are radii, and the tube's wall",
+            significant(walls_mm, 3),
+            significant(gap_mm, 3),
+            100.0 * part
+        )
+    })
 }
 
 /// Warns of a supply so low that the tube may collapse.
@@ -160,5 +183,19 @@ mod tests {
             (file.motor.steps_per_rev, file.motor.confirmed) = (3000, Some(false));
         };
         assert_eq!(warned(assumed).len(), 0);
+    }
+
+    #[test]
+    fn a_drawing_whose_rollers_press_the_tube_flat_is_warned_of() {
+        let squeezed = |offset_mm: f64| {
+            let mut file = crate::catalogue::built_in("three-roller").unwrap();
+            file.rollers.offset_mm = Some(offset_mm);
+            unusual(&file).iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        // Two walls of 2 mm in a gap of 3 mm, of 1.9 mm and of 2.1 mm.
+        assert!(squeezed(40.0).is_empty());
+        let said = squeezed(41.1);
+        assert!(said.len() == 1 && said[0].contains("into a gap of 1.9 mm, by 52 % of"), "{said:?}");
+        assert!(squeezed(40.9).is_empty());
     }
 }

@@ -17,6 +17,9 @@ use crate::numbers::{microlitres_within, significant};
 use crate::pump_file::PumpFile;
 use crate::record::Purpose;
 
+/// Fluid of published flows, and of the measurements of McIntyre et al.: its name and temperature in °C.
+const WATER: (&str, f64) = ("water", 25.0);
+
 /// Part of the room to a limit from which on a dose is warned of.
 const CLOSE: f64 = 0.95;
 
@@ -214,12 +217,20 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     Some(Notice::from(text).with_remedy(Remedy::Weigh))
 }
 
-/// Warns of a fluid much thicker or thinner than that of the calibration in use.
+/// Warns of a fluid much thicker or thinner than that of the calibration in use, or than the water of a head's published
+/// or modelled volume.
 pub(super) fn unweighed_fluid(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
-    let applied = applied.filter(|applied| applied.sureness().is_some())?;
-    let Made { version, fluid, temperature_degc, .. } = applied.calibration.as_ref()?;
-    let text = file.fluid.fills_unlike(fluid, *temperature_degc, &format!("calibration {version}"))?;
-    Some(Notice::from(text).with_remedy(Remedy::Weigh))
+    let weighed = applied.filter(|applied| applied.sureness().is_some());
+    let text = match weighed.and_then(|applied| applied.calibration.as_ref()) {
+        Some(Made { version, fluid, temperature_degc, .. }) => {
+            let known = format!("calibration {version} was weighed with");
+            file.fluid.fills_unlike(fluid, *temperature_degc, &known)?
+        }
+        // Of a fluid whose viscosity nobody states nothing is said.
+        None if file.fluid.fluid().is_err() => return None,
+        None => file.fluid.fills_unlike(WATER.0, WATER.1, "the volume of a revolution is that of")?,
+    };
+    Some(Notice::from(format!("{text}; the dose's \u{b1} does not contain that")).with_remedy(Remedy::Weigh))
 }
 
 /// Warns by `text` of a speed at which nothing was weighed, where that makes the interval of the dose notably wider.

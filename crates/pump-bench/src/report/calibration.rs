@@ -195,7 +195,7 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
         .iter()
         .map(|run| format!("run {run} lies far from the others; it is in the fit: weigh it again"))
         .collect();
-    if found.scatter.standard().is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
+    if found.scatter.standard().is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter.max(found.reading)) {
         let instead = match found.speeds_rpm.len() {
             3 if found.law.is_none() => "; a fourth speed may show a parabola",
             _ => "",

@@ -148,7 +148,11 @@ fn uncertainty_text(file: &PumpFile) -> String {
         (None, None) => format!("{} % of the volume", stated.model_percent),
     };
     match &file.head {
-        Some(_) => format!("{} (standard uncertainty)", of_volume.trim_end_matches(',')),
+        Some(_) => {
+            let of_volume = of_volume.trim_end_matches(',');
+            let scatter = stated.repeatability_percent;
+            format!("{of_volume}; a dose scatters by {scatter} % (standard uncertainties)")
+        }
         None => {
             format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_standard_ml())
         }

@@ -42,6 +42,9 @@ pub struct SimulationReport {
     /// Fluid that is pumped, and its temperature, in °C.
     fluid: String,
     fluid_temperature_degc: f64,
+    /// True for the inlet and the outlet if the file has their lines, so that pressures follow.
+    #[serde(skip)]
+    has_lines: [bool; 2],
     warnings: Vec<Notice>,
 }
 
@@ -100,6 +103,7 @@ impl SimulationReport {
             limited_by: None,
             fluid: file.fluid.name.clone(),
             fluid_temperature_degc: file.fluid.temperature_degc,
+            has_lines: [!file.inlet.is_unknown(), !file.outlet.line.is_unknown()],
             warnings: warnings_of(file, run.speed_rad_s, steady, reached),
         }
     }
@@ -144,23 +148,23 @@ impl SimulationReport {
 
     fn figures(&self) -> String {
         let s = &self.steady;
+        let pressures = |is_known: bool, least_kpa: f64, most_kpa: f64, mean_kpa: f64| match is_known {
+            true => format!("{least_kpa:.3} to {most_kpa:.3} kPa absolute, mean {mean_kpa:.3}"),
+            false => "pressures not known: the pump file names no line".to_owned(),
+        };
+        let [has_inlet, has_outlet] = self.has_lines;
         format!(
             "{} at {:.4} r/min, {} model, periodic steady state\n\n  \
              flow    {:.4} mL/s mean; at the outlet rollers {:.1} % peak to peak, {:.1} % RMS\n  \
-             inlet   {:.3} to {:.3} kPa absolute, mean {:.3}\n  \
-             outlet  {:.3} to {:.3} kPa absolute, mean {:.3}\n",
+             inlet   {}\n  outlet  {}\n",
             self.pump,
             self.speed_rpm,
             self.model,
             s.mean_flow_ml_s,
             100.0 * s.ripple_peak_to_peak,
             100.0 * s.ripple_rms,
-            s.inlet_min_kpa,
-            s.inlet_max_kpa,
-            s.inlet_mean_kpa,
-            s.outlet_min_kpa,
-            s.outlet_max_kpa,
-            s.outlet_mean_kpa,
+            pressures(has_inlet, s.inlet_min_kpa, s.inlet_max_kpa, s.inlet_mean_kpa),
+            pressures(has_outlet, s.outlet_min_kpa, s.outlet_max_kpa, s.outlet_mean_kpa),
         )
     }
 

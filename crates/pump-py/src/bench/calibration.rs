@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
 use crate::argument::{Argument, speed};
-use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
+use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of};
 use crate::python::advice;
 use crate::python::errors::{self, value};
 
@@ -74,7 +74,7 @@ impl Bench {
         note: Option<String>,
     ) -> PyResult<Calibration> {
         let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
-        let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
+        let expected = expected_of(scale, self.bench.file(), &runs)?;
         let expected = self.bench.with_drop(&expected).map_err(|error| errors::dose(py, error))?;
         self.kept(py, move |file, before| {
             let mut calibration =

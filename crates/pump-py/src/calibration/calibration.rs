@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pump_bench::calibration::{
-    Calibration as DoseCalibration, CalibrationRun, Displacement, Expected, Source, Stored, runs_of_csv,
+    Calibration as DoseCalibration, CalibrationRun, Displacement, Source, Stored, runs_of_csv,
 };
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::pump_file::PumpFile;
@@ -11,7 +11,7 @@ use pump_model::units::radians;
 use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
 
-use super::weighed::{fit_named, reading_ml, runs_of};
+use super::weighed::{expected_of, fit_named, runs_of};
 use crate::argument::{Argument, Floats, speed};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
@@ -303,7 +303,7 @@ impl Calibration {
         scale: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let fit = fit_named(fit)?;
-        let expected = Expected::of(file, reading_ml(scale, file)?);
+        let expected = expected_of(scale, file, &runs)?;
         let calibration = DoseCalibration::of_runs(file, Source::File, runs, fit, &expected, None);
         Ok(Self(Stored::new(0, calibration.map_err(errors::calibration)?)))
     }

@@ -1,6 +1,6 @@
 //! Weighed runs and readings of a scale or a vessel.
 
-use pump_bench::calibration::{CalibrationRun, Fit};
+use pump_bench::calibration::{CalibrationRun, Expected, Fit};
 use pump_bench::pump_file::PumpFile;
 use pump_bench::units;
 use pump_bench::units::Amount;
@@ -20,6 +20,19 @@ pub(crate) fn reading_ml(scale: Option<&Bound<'_, PyAny>>, file: &PumpFile) -> P
         ));
     }
     Ok(reading_ml)
+}
+
+/// Returns the scatter that is expected of runs: with the standard uncertainty that `scale` states for a reading, or
+/// else with that of the finest digit of the readings.
+pub(crate) fn expected_of(
+    scale: Option<&Bound<'_, PyAny>>,
+    file: &PumpFile,
+    runs: &[CalibrationRun],
+) -> PyResult<Expected> {
+    match scale {
+        Some(_) => Ok(Expected::of(file, reading_ml(scale, file)?)),
+        None => Ok(Expected::of_runs(file, runs)),
+    }
 }
 
 /// Reads the reading of a scale, g, or of a vessel, mL.

@@ -40,10 +40,10 @@ impl Replaced {
         }
     }
 
-    /// Returns in words how `now` fills a tube unlike this fluid, with which `weighed` was weighed. `None` where both
-    /// fill it alike.
-    pub(super) fn fills_unlike(&self, now: &Self, weighed: &str) -> Option<String> {
-        let of_them = format!("{weighed} was weighed with {}, and this is {}", self.told(), now.told());
+    /// Returns in words how `now` fills a tube unlike this fluid, of which `known` says what is known by it. `None` where
+    /// both fill it alike.
+    pub(super) fn fills_unlike(&self, now: &Self, known: &str) -> Option<String> {
+        let of_them = format!("{known} {}, and this is {}", self.told(), now.told());
         let fills = "a thicker fluid fills the tube less, and nobody has weighed by how much";
         match self.viscosity_mpa_s.zip(now.viscosity_mpa_s) {
             Some((own, other)) if own.max(other) <= THICK_MPA_S => None,
@@ -141,7 +141,7 @@ mod tests {
     fn a_volume_that_was_weighed_with_a_fluid_far_thicker_or_thinner_is_doubtful() {
         let file = built_in("three-roller").unwrap();
         let said = |dosed: Option<&str>, weighed: &str, degc: f64| {
-            with(&file, dosed, Some(25.0)).fluid.fills_unlike(weighed, degc, "calibration 1")
+            with(&file, dosed, Some(25.0)).fluid.fills_unlike(weighed, degc, "calibration 1 was weighed with")
         };
         // Glycerol of 50 % at 25 °C: 5.03 mPa s by Cheng (2008), and water 0.89.
         let thick = said(Some("glycerol 50%"), "water", 25.0).unwrap();

@@ -39,7 +39,7 @@ pub(super) fn source_lines(file: &PumpFile, used: Option<&Calibration>) -> Vec<(
 }
 
 /// Returns the values of a pump file, each with its source. A calibration has measured some of them.
-fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source); 11] {
+fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source); 12] {
     let given_or = |is_given: bool, otherwise| if is_given { Source::Given } else { otherwise };
     let line = |table: &LineTable| match table.source {
         LineSource::Unknown => Source::Unknown,
@@ -82,6 +82,7 @@ fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source
         ("ambient pressure", given_or(file.ambient.source() != AmbientSource::SeaLevel, Source::Assumed)),
         ("nozzle's end", given_or(file.outlet.end.is_some(), Source::Assumed)),
         ("nozzle's bore", given_or(file.outlet.nozzle_bore_mm.is_some(), Source::Assumed)),
+        ("uncertainties", given_or(!file.uncertainty.is_assumed(), Source::Assumed)),
     ]
 }
 
