@@ -68,11 +68,12 @@ fn the_default_rate_is_among_the_speeds_of_guided_runs_and_a_table_without_it_sa
     let said = begun.err.find(added).unwrap_or_else(|| panic!("{}", begun.err));
     assert!(said < begun.err.find("moving").unwrap(), "{}", begun.err);
     // A fast one comes besides slow ones, and one speed alone is used at every speed.
-    // So does one that leaves no room for a factor which the runs may show.
+    // So does one that leaves no room for a factor which the runs may show, and that of the rate between two far ones.
     let courses = [
         ("5rpm,10rpm", "3 runs of"),
         ("60rpm,20rpm", "3 runs of"),
         ("14rpm,60rpm", "3 runs of"),
+        ("8rpm,60rpm", "3 runs of"),
         ("60rpm", "1 runs of"),
     ];
     for (speeds, runs) in courses {

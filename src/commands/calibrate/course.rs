@@ -31,6 +31,9 @@ const WHOLE_STEPS: f64 = 1e-4;
 /// Slowest of the default speeds, over that of the default rate: doses a little slower than usual are covered too.
 const SLOWEST: f64 = 0.5;
 
+/// Quotient of a speed that is given and that of the default rate within which the speed stands for it.
+const NEAR: f64 = 1.5;
+
 /// Speed that is added for the default rate, over or under that of the rate by the model: a tube displaces up to 15 %
 /// more or less.
 const BEYOND: f64 = 1.2;
@@ -199,9 +202,9 @@ fn usual_rad_s(bench: &Bench) -> f64 {
     pump_ctl::plan::speed_for_flow(bench.model(), bench.file().pump.default_rate_ml_s)
 }
 
-/// The speeds that are given, with one more where they leave out the default rate, or leave it no margin on one side:
-/// doses that name no rate would be refused once the runs show another factor. One speed is used at every speed, so it
-/// is enough. A rate that the device cannot have is left out.
+/// The speeds that are given, with one more where they leave out the default rate, are far from it, or leave it no
+/// margin on one side: doses that name no rate would be refused once the runs show another factor. One speed is used at
+/// every speed, so it is enough. A rate that the device cannot have is left out.
 fn with_default_rate(bench: &Bench, (least_rad_s, most_rad_s): (f64, f64), given: &[f64]) -> Vec<f64> {
     let mut speeds_rad_s = given.to_vec();
     let fastest_rad_s = given.iter().copied().fold(0.0, f64::max);
@@ -210,10 +213,14 @@ fn with_default_rate(bench: &Bench, (least_rad_s, most_rad_s): (f64, f64), given
     if slowest_rad_s < fastest_rad_s && (least_rad_s..=most_rad_s).contains(&usual_rad_s) {
         let (below_rad_s, above_rad_s) =
             ((usual_rad_s / BEYOND).max(least_rad_s), (usual_rad_s * BEYOND).min(most_rad_s));
+        let is_near = |rad_s: &f64| (1.0 / NEAR..=NEAR).contains(&(rad_s / usual_rad_s));
         if below_rad_s < slowest_rad_s {
             speeds_rad_s.insert(0, below_rad_s);
         } else if above_rad_s > fastest_rad_s {
             speeds_rad_s.push(above_rad_s);
+        } else if !given.iter().any(is_near) {
+            speeds_rad_s.push(usual_rad_s);
+            speeds_rad_s.sort_by(f64::total_cmp);
         }
     }
     speeds_rad_s

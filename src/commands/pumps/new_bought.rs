@@ -73,7 +73,8 @@ fn catalogued(name: &str) -> Result<&'static BoughtHead, Failure> {
     bought_head(name).ok_or_else(|| {
         let nearest = nearest_heads(name).join(", ");
         let refused = Failure::refused(format!(
-            "no head of the catalogue is `{name}`; the nearest are {nearest}; `dose pumps list --catalogue` has all"
+            "no head of the catalogue is `{name}`; the nearest are {nearest}; `dose pumps list --catalogue` has all, \
+             and any other head is known by --ml-per-rev"
         ));
         refused.kind(ErrorKind::Usage).value(name).allowed(&nearest)
     })

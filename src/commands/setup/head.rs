@@ -103,7 +103,10 @@ fn named(answer: &str) -> Result<Named, String> {
         return Ok(Named::Head(HeadAnswer::Volume { ml_per_rev: volume }));
     }
     let nearest = pump_bench::heads::nearest_heads(answer).join(", ");
-    Err(format!("no head of the catalogue is `{answer}`; the nearest are {nearest}"))
+    Err(format!(
+        "no head of the catalogue is `{answer}`; the nearest are {nearest}; any other head is known by its mL per \
+         revolution, as 0.5mL"
+    ))
 }
 
 fn ask_bore(course: &mut Course) -> Asked<()> {

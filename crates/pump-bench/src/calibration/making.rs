@@ -47,8 +47,8 @@ impl Expected {
         Self { repeatability_at_ml, ..Self::new(table.repeatability_percent / 100.0, reading_ml) }
     }
 
-    /// Returns the repeatability of the pump file, with the standard uncertainty of readings that the finest digit among
-    /// `runs` shows: all come from one scale.
+    /// Returns the repeatability of the pump file, with the standard uncertainty of readings that the finest digit
+    /// among `runs` shows: all come from one scale.
     pub fn of_runs(file: &PumpFile, runs: &[CalibrationRun]) -> Self {
         let finest = |decimals: Option<usize>| decimals.map_or(0.0, |decimals| pow(10.0, -(decimals as f64)));
         let masses = runs.iter().filter_map(|run| match run.reading {

@@ -18,9 +18,9 @@ const MOST_ROLLERS: u32 = 12;
 /// McIntyre et al., whose gap of 3 mm takes two walls of 2 mm.
 const MOST_SQUEEZE: f64 = 0.5;
 
-/// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap or press the tube flat, a volume of a
-/// revolution for its bore, a number of rollers, a height for its tube on either side, and microsteps for a motor's
-/// driver.
+/// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap or press the tube
+/// flat, a volume of a revolution for its bore, a number of rollers, a height for its tube on either side, and
+/// microsteps for a motor's driver.
 ///
 /// ```
 /// let mut file = pump_bench::built_in("three-roller").unwrap();

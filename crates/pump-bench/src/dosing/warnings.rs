@@ -217,8 +217,8 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     Some(Notice::from(text).with_remedy(Remedy::Weigh))
 }
 
-/// Warns of a fluid much thicker or thinner than that of the calibration in use, or than the water of a head's published
-/// or modelled volume.
+/// Warns of a fluid much thicker or thinner than that of the calibration in use, or than the water of a head's
+/// published or modelled volume.
 pub(super) fn unweighed_fluid(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
     let weighed = applied.filter(|applied| applied.sureness().is_some());
     let text = match weighed.and_then(|applied| applied.calibration.as_ref()) {

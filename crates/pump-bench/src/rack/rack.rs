@@ -40,8 +40,8 @@ impl Rack {
         Ok(Self { name, members, steps, pace: Pace::Real, stop: StopRequest::default(), unattended: false })
     }
 
-    /// Returns the rack with the pace of its simulated motors, in place of real time. Motors that take no time keep step
-    /// with each other.
+    /// Returns the rack with the pace of its simulated motors, in place of real time. Motors that take no time keep
+    /// step with each other.
     #[must_use]
     pub fn paced(self, pace: Pace) -> Self {
         Self { pace, ..self }

@@ -40,8 +40,8 @@ impl Replaced {
         }
     }
 
-    /// Returns in words how `now` fills a tube unlike this fluid, of which `known` says what is known by it. `None` where
-    /// both fill it alike.
+    /// Returns in words how `now` fills a tube unlike this fluid, of which `known` says what is known by it. `None`
+    /// where both fill it alike.
     pub(super) fn fills_unlike(&self, now: &Self, known: &str) -> Option<String> {
         let of_them = format!("{known} {}, and this is {}", self.told(), now.told());
         let fills = "a thicker fluid fills the tube less, and nobody has weighed by how much";
