@@ -22,6 +22,7 @@ const PULSE: &str = r#"{
 fn bench(folder: &std::path::Path, factor: f64) -> Bench {
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
     let run = CalibrationRun {
+        digit: None,
         speed_rpm: 14.0,
         start_angle_deg: None,
         turned_deg: 720.0,

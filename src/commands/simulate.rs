@@ -12,6 +12,7 @@ use pump_bench::report::{ErrorKind, SimulationReport};
 use pump_bench::simulation::{AskedMethod, Method, ModelName, Simulation, choose_method, fastest_run};
 use pump_bench::units;
 use pump_ctl::plan::{Cruise, LimitedBy};
+use pump_model::units::rpm;
 use pump_model::{Pump, RollerCentric};
 
 use crate::advice;
@@ -75,7 +76,6 @@ impl SimulateArgs {
         }
         .check()?;
         let mut file = self.pump.file()?;
-        let calibration = state_dir.and_then(|folder| left_out(&file, &folder));
         self.fluid.change(&mut file)?;
         let pump = file.speed_dependent_pump().map_err(Failure::of)?;
         let (speed_rad_s, limit) = self.speed_rad_s(&file, &pump)?;
@@ -101,6 +101,7 @@ impl SimulateArgs {
         let steady = run.steady_state(&pump).map_err(Failure::of)?;
         let report = SimulationReport::new(&file, &pump, &run, roller_centric, frictions, &steady);
         let report = limit.map_or(report.clone(), |limit| report.limited_by(limit));
+        let calibration = state_dir.and_then(|folder| left_out(&file, &folder, speed_rad_s));
         let report =
             calibration.into_iter().fold(report, SimulationReport::with_warning).worded(advice::words);
         self.write_outputs(&run, &pump, &report)?;
@@ -171,10 +172,10 @@ impl SimulateArgs {
 }
 
 /// The warning that doses of this pump take a calibration on record, and the model of its file does not.
-fn left_out(file: &PumpFile, state_dir: &Path) -> Option<Notice> {
+fn left_out(file: &PumpFile, state_dir: &Path, speed_rad_s: f64) -> Option<Notice> {
     let bench = Bench::new(file.clone(), None, state_dir).ok()?;
     let Stored { version, calibration, .. } = bench.calibrations().active().ok()??;
-    let factor = calibration.displacement?.factor;
+    let factor = calibration.displacement?.factor_at(bench.model(), rpm(speed_rad_s)).ok()?;
     Some(Notice::from(format!(
         "this is the model of the pump file; doses take calibration {version} ({}), by which a revolution delivers \
          {factor:.4} times as much",

@@ -272,3 +272,17 @@ fn a_dose_that_no_scale_can_tell_of_names_the_doses_that_one_can() {
     let found = user.json(&["calibrate", "last", &format!("{grams:.2}g")]);
     assert!((number(&found["displacement"], "factor") - 1.0).abs() < 2e-3, "{found}");
 }
+
+#[test]
+fn the_next_dose_to_weigh_is_of_whole_pitches_as_doses_are_planned_now() {
+    let user = User::new();
+    assert_eq!(user.types(&["home", "--set", "0deg", "--tolerance", "20deg"]).code, 0);
+    user.json(&["7.1062mL"]);
+    // One pitch is so unsure that the calibration waits, and doses keep to the model.
+    let said = user.types(&["calibrate", "last", "7.5g"]).out;
+    assert!(said.contains("calibration 1 waits"), "{said}");
+    let volume = said.split("like this, of ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!(volume.starts_with("7.10"), "{said}");
+    user.json(&[format!("{volume}mL").as_str()]);
+    assert_eq!(user.json(&["calibrate", "last", "7.4g"])["runs"].as_array().unwrap().len(), 2);
+}

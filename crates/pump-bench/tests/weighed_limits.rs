@@ -27,6 +27,7 @@ fn file(max_outlet_kpa: f64) -> PumpFile {
 /// Has doses of `bench` use a calibration by runs of two revolutions at these speeds, `factor` times the model each.
 fn calibrate(bench: &Bench, speeds_rpm: &[f64], factor: f64) {
     let runs = speeds_rpm.iter().map(|speed_rpm| CalibrationRun {
+        digit: None,
         speed_rpm: *speed_rpm,
         start_angle_deg: None,
         turned_deg: 720.0,

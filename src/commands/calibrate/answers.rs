@@ -9,7 +9,7 @@ use pump_bench::Session;
 use pump_bench::calibration::{Reading, Weighing};
 use pump_bench::report::ErrorKind;
 use pump_bench::units;
-use pump_bench::units::Amount;
+use pump_bench::units::{Amount, StatedReading};
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -25,8 +25,8 @@ pub(super) struct Answers {
 
 /// An answer to a question for a reading.
 pub(super) enum Answer {
-    /// A reading.
-    Read(Reading),
+    /// A reading, and the step of its last digit in its unit.
+    Read(Reading, f64),
     /// Nothing usable was read: repeat the last run.
     Redo,
     /// Leave.
@@ -58,12 +58,14 @@ impl Answers {
             match self.line(session, interrupt)?.trim() {
                 "redo" => return Ok(Answer::Redo),
                 "quit" => return Ok(Answer::Quit),
-                text => match units::amount(text) {
-                    Ok(Amount::Mass(mass_g)) if mass_g > 0.0 => {
-                        return Ok(Answer::Read(Reading::MassG(mass_g)));
+                text => match units::stated_reading(text) {
+                    Ok(StatedReading { amount, resolution: Amount::Mass(digit) | Amount::Volume(digit) }) => {
+                        let reading = match amount {
+                            Amount::Mass(mass_g) => Reading::MassG(mass_g),
+                            Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
+                        };
+                        return Ok(Answer::Read(reading, digit));
                     }
-                    Ok(Amount::Volume(ml)) if ml > 0.0 => return Ok(Answer::Read(Reading::VolumeMl(ml))),
-                    Ok(_) => say(&format!("`{text}` is negative: write what arrived, without sign\n")),
                     Err(error) => say(&format!("{error}\n")),
                 },
             }

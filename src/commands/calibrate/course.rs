@@ -203,8 +203,8 @@ fn usual_rad_s(bench: &Bench) -> f64 {
 }
 
 /// The speeds that are given, with one more where they leave out the default rate, are far from it, or leave it no
-/// margin on one side: doses that name no rate would be refused once the runs show another factor. One speed is used at
-/// every speed, so it is enough. A rate that the device cannot have is left out.
+/// margin on one side. Doses that name no rate would be less sure, or refused once the runs show another factor. One
+/// speed is used at every speed, so it is enough. A rate that the device cannot have is left out.
 fn with_default_rate(bench: &Bench, (least_rad_s, most_rad_s): (f64, f64), given: &[f64]) -> Vec<f64> {
     let mut speeds_rad_s = given.to_vec();
     let fastest_rad_s = given.iter().copied().fold(0.0, f64::max);

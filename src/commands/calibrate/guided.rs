@@ -240,12 +240,13 @@ impl Guide<'_, '_> {
             let known = plan.start().is_known(self.bench.model().pitch_rad());
             loop {
                 let answer = self.scale.reading(title, &mut self.session, &self.interrupt)?;
-                let reading = match answer {
-                    Answer::Read(reading) => reading,
+                let (reading, digit) = match answer {
+                    Answer::Read(reading, digit) => (reading, digit),
                     Answer::Redo => break,
                     Answer::Quit => return Ok(None),
                 };
                 let run = CalibrationRun {
+                    digit: Some(digit),
                     speed_rpm,
                     start_angle_deg: known.then_some(degrees(plan.start().angle_rad())),
                     turned_deg: degrees(plan.steps() as f64 * plan.step_rad()),

@@ -65,7 +65,7 @@ impl Scale {
                         shown(mass_g, after.step_g)
                     )));
                 }
-                Ok(Answer::Read(Reading::MassG(mass_g)))
+                Ok(Answer::Read(Reading::MassG(mass_g), after.step_g))
             }
         }
     }

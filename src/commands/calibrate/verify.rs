@@ -155,7 +155,7 @@ impl VerifyArgs {
                 ));
             }
             match scale.reading(&title, session, &interrupt)? {
-                Answer::Read(reading) => {
+                Answer::Read(reading, _) => {
                     // The carry that a dose repays or leaves is no error of the pump.
                     let carried_ml = prepared.plan.planned_ml() - nominal_ml;
                     volumes_ml.push(volume_ml(reading, &weighing, degc)? - carried_ml);

@@ -36,7 +36,11 @@ fn settle(
         match policy {
             // Preparing the dose refuses it.
             UnfinishedPolicy::Ask => return Ok(told),
-            UnfinishedPolicy::Accept => told.push(accept(bench, session)?),
+            UnfinishedPolicy::Accept => told.push(accept(bench, session, "--unfinished accept")?),
+            // Its rest would go on until a limit, and nobody is there to stop it.
+            UnfinishedPolicy::Resume if is_endless(session) => {
+                told.push(accept(bench, session, "a run until stopped has no rest to resume")?);
+            }
             UnfinishedPolicy::Resume => {}
         }
     }
@@ -53,6 +57,11 @@ fn is_unfinished(session: &Session<'_>) -> bool {
     session.state().is_some_and(|state| state.unfinished.is_some())
 }
 
+/// True if the interrupted dose was a run until somebody stops it.
+fn is_endless(session: &Session<'_>) -> bool {
+    session.state().and_then(|state| state.unfinished).is_some_and(|unfinished| unfinished.is_endless())
+}
+
 /// Does as the pump file says if nobody is there and the angle was disturbed.
 pub(in crate::commands) fn find_angle(
     session: &mut Session<'_>,
@@ -66,8 +75,8 @@ pub(in crate::commands) fn find_angle(
     noted(session, found).map_err(Failure::from)
 }
 
-/// Accepts the interrupted dose. Returns what is to be told of it.
-fn accept(bench: &Bench, session: &mut Session<'_>) -> Result<Notice, Failure> {
+/// Accepts the interrupted dose, for this reason. Returns what is to be told of it.
+fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Notice, Failure> {
     let accepted = session.accept();
     let accepted = noted(session, accepted)?;
     let unasked = accepted.unasked.as_ref().map_or(String::new(), |error| {
@@ -86,7 +95,7 @@ fn accept(bench: &Bench, session: &mut Session<'_>) -> Result<Notice, Failure> {
         format!(", and {dropped_carry_ml:.4} mL of carry are dropped")
     };
     Ok(Notice::from(format!(
-        "an interrupted dose of {requested_ml} mL was accepted as it is (--unfinished accept): {delivered} were \
+        "an interrupted dose of {requested_ml} mL was accepted as it is ({reason}): {delivered} were \
          delivered{dropped}{unasked}"
     )))
 }

@@ -56,7 +56,7 @@ impl ListArgs {
             let nearest = nearest_heads(&words).join(", ");
             let refused = Failure::refused(format!(
                 "no head of the catalogue has the words `{words}`; the nearest are {nearest}; a head that is not in \
-                 it is known by its volume of a revolution, as `dose setup --ml-per-rev 0.5mL`"
+                 the catalogue is known by its volume of a revolution, as `dose setup --ml-per-rev 0.5mL`"
             ));
             return Err(refused.kind(ErrorKind::Usage).value(&words).allowed(&nearest));
         }

@@ -31,7 +31,7 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
             ask_port(course)?;
         }
         if course.answers.axis.is_none() {
-            meet(course);
+            meet(course)?;
         }
         lack_of_axis(course)?;
         if course.answers.axis.is_some() || ask_axis(course)? {
@@ -47,10 +47,22 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
 
 /// Asks the board at a port that nobody was asked for who it is, so that only axes are offered that it has. A board
 /// that does not answer is met later, before it moves.
-fn meet(course: &mut Course) {
-    let Some(port) = course.answers.port.clone().filter(|_| course.board.is_none()) else { return };
-    if !course.asker.is_silent() {
-        course.board = who_is_at(&port).ok();
+fn meet(course: &mut Course) -> Asked<()> {
+    let port = course.answers.port.clone().filter(|_| course.board.is_none() && !course.asker.is_silent());
+    let Some(port) = port else { return Ok(()) };
+    let found = who_is_at(&port);
+    if let Some(signal) = interrupt::signal() {
+        return Err(Failure::stopped(signal, false, "stopped by the user").into());
+    }
+    match found {
+        Ok(board) => {
+            course.board = Some(board.clone());
+            take_driver(course, &board)
+        }
+        Err(why) => {
+            tell_person(&format!("  {why}"));
+            Ok(())
+        }
     }
 }
 

@@ -26,8 +26,8 @@ pub(super) fn write(course: &mut Course) -> Asked<()> {
         board::ask(course)?;
         place::ask(course)?;
         course.answers.check()?;
-        course.end_correction()?;
         let (file, text) = course.pump_file()?;
+        course.end_correction()?;
         if is_written(course, &text) {
             return Ok(());
         }

@@ -120,7 +120,7 @@ fn a_thick_fluid_in_a_pump_that_nobody_weighed_is_warned_of() {
         let report = user.json(&[&["25mL", "--dry-run"], arguments].concat());
         report["warnings"]
             .to_string()
-            .contains("the volume of a revolution is that of water at 25 °C, and this is")
+            .contains("published volumes of a revolution are those of water at 25 °C, and this is")
     };
     assert!(warned(&["--fluid", "glycerol 50%"]));
     assert!(!warned(&[]) && !warned(&["--fluid", "ethanol"]) && !warned(&["--temperature", "60degC"]));

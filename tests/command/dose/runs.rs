@@ -283,3 +283,31 @@ fn a_timed_dose_of_a_simulated_motor_stops_where_it_is() {
     assert!((turned_s - number(&report, "measured_motion_s")).abs() < 0.05, "{report}");
     assert!(turned_s < 5.0 && number(&report, "delivered_ml") < 20.0, "{report}");
 }
+
+#[test]
+fn a_run_that_is_stopped_from_an_unsure_angle_says_what_was_delivered() {
+    let user = User::new();
+    assert_eq!(user.types(&["home", "--set", "30deg", "--tolerance", "5deg"]).code, 0);
+    let child = begun(&user, &["run", "--rate", "10mL/s"]);
+    sleep(Duration::from_millis(500));
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let volume: f64 =
+        said.split("three-roller: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(volume > 0.1 && volume < 200.0, "{said}");
+}
+
+#[test]
+fn nobody_resumes_a_run_that_had_no_end() {
+    let user = User::new();
+    let mut child = begun(&user, &["run", "--rate", "10mL/s"]);
+    sleep(Duration::from_millis(300));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let next = user.types(&["5mL", "--unfinished", "resume"]);
+    assert_eq!(next.code, 0, "{}", next.err);
+    let told = next.out + &next.err;
+    assert!(told.contains("a run until stopped has no rest to resume"), "{told}");
+    assert_eq!(user.json(&["status"])["unfinished"], Value::Null);
+}

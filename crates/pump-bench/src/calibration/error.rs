@@ -109,9 +109,9 @@ pub enum CalibrationError {
         /// Volumes of whole pitches below and above, in mL.
         nearest_ml: [f64; 2],
     },
-    /// Masses of another fluid are among the runs of the calibration in use.
+    /// The calibration in use was weighed with another fluid.
     #[error(
-        "calibration {version} was weighed with {weighed}, and this dose with {now}: a mass is another volume of each"
+        "calibration {version} was weighed with {weighed}, and this dose with {now}; a calibration is of one fluid"
     )]
     WeighedWith {
         /// Number of the calibration.

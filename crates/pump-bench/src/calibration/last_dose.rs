@@ -64,6 +64,7 @@ impl CalibrationRun {
         }
         let is_stated = dose.start().is_stated();
         let run = Self {
+            digit: None,
             speed_rpm: rpm(dose.speed_rad_s),
             start_angle_deg: is_stated.then_some(degrees(dose.start_angle_rad)),
             turned_deg,
@@ -89,8 +90,7 @@ impl CalibrationRun {
     /// # Errors
     ///
     /// [`CalibrationError::WeighedOtherwise`] if the calibration in use has other runs than doses weighed like this
-    /// one, and `earlier` does not name them. [`CalibrationError::WeighedWith`] if masses of another fluid are among
-    /// its runs: they are other volumes.
+    /// one, and `earlier` does not name them. [`CalibrationError::WeighedWith`] if it was weighed with another fluid.
     pub fn beside(
         self,
         active: Option<&Stored>,
@@ -106,8 +106,7 @@ impl CalibrationRun {
         }
         let kept = calibration.runs.iter().filter(|run| !run.is_of_dose(&self));
         let mut runs: Vec<Self> = kept.map(|run| run.clone().at_degc(calibration.temperature_degc)).collect();
-        let has_masses = runs.iter().any(|run| matches!(run.reading, Reading::MassG(_)));
-        if has_masses && !calibration.fluid.eq_ignore_ascii_case(fluid) {
+        if !calibration.fluid.eq_ignore_ascii_case(fluid) {
             let (weighed, now) = (calibration.fluid.clone(), fluid.to_owned());
             return Err(CalibrationError::WeighedWith { version: *version, weighed, now });
         }
@@ -171,7 +170,7 @@ impl WeighedDose {
         };
         let pump = file.model()?;
         let run = CalibrationRun::of_last_dose(last, &pump, reading, weighing.temperature_degc);
-        let run = run.map_err(|error| error.by_calibration(active, last, &pump))?;
+        let run = run.map_err(|error| error.by_calibration(weighing.in_use, last, &pump))?;
         let start = last.filter(|_| run.start_angle_deg.is_some()).map(|dose| dose.start());
         let angle_ml = start.map_or(0.0, |start| angle_ml(&pump, start, radians(run.turned_deg)));
         let density = match reading {
@@ -193,9 +192,9 @@ impl WeighedDose {
 
 impl CalibrationError {
     /// Returns the error with the volumes of whole pitches by the calibration that doses use.
-    fn by_calibration(self, active: Option<&Stored>, last: Option<LastDose>, pump: &Pump) -> Self {
+    fn by_calibration(self, in_use: Option<&Stored>, last: Option<LastDose>, pump: &Pump) -> Self {
         let Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml } = self else { return self };
-        let found = active.and_then(|stored| stored.calibration.displacement.as_ref());
+        let found = in_use.and_then(|stored| stored.calibration.displacement.as_ref());
         let rpm = last.map_or(0.0, |dose| rpm(dose.speed_rad_s));
         let factor = found.and_then(|found| found.factor_at(pump, rpm).ok()).unwrap_or(1.0);
         let nearest_ml = nearest_ml.map(|volume_ml| factor * volume_ml);
@@ -210,5 +209,7 @@ pub(crate) struct LastWeighing<'a> {
     /// Temperature of the fluid, in °C. `None` takes the pump file's.
     pub(crate) temperature_degc: Option<f64>,
     pub(crate) earlier: Earlier,
+    /// Calibration that doses use. `None` while one waits.
+    pub(crate) in_use: Option<&'a Stored>,
     pub(crate) expected: &'a Expected,
 }

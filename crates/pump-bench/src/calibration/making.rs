@@ -26,10 +26,16 @@ pub enum Fit {
 
 words!(Fit { Best = "best", Line = "line", Factor = "factor", Law = "speed-law" });
 
-/// Returns the decimals of a reading, nine at most: those of its shortest text, so without zeros at its end.
-fn decimals_shown(reading: f64) -> usize {
-    let text = format!("{reading:.9}");
-    text.trim_end_matches('0').split_once('.').map_or(0, |(_, decimals)| decimals.len())
+/// Returns the step of a reading's last digit, in its unit. Of a reading that nobody wrote down as text it is that of
+/// its shortest text, nine decimals at most: zeros at the end are lost.
+fn digit_of(run: &CalibrationRun) -> f64 {
+    let (Reading::MassG(value) | Reading::VolumeMl(value)) = run.reading;
+    let shortest = || {
+        let text = format!("{value:.9}");
+        let decimals = text.trim_end_matches('0').split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        pow(10.0, -(decimals as f64))
+    };
+    run.digit.unwrap_or_else(shortest)
 }
 
 /// Returns the runs with their mean speed in place of their own.
@@ -50,24 +56,25 @@ impl Expected {
     /// Returns the repeatability of the pump file, with the standard uncertainty of readings that the finest digit
     /// among `runs` shows: all come from one scale.
     pub fn of_runs(file: &PumpFile, runs: &[CalibrationRun]) -> Self {
-        let finest = |decimals: Option<usize>| decimals.map_or(0.0, |decimals| pow(10.0, -(decimals as f64)));
-        let masses = runs.iter().filter_map(|run| match run.reading {
-            Reading::MassG(mass_g) => Some(decimals_shown(mass_g)),
-            Reading::VolumeMl(_) => None,
-        });
-        let volumes = runs.iter().filter_map(|run| match run.reading {
-            Reading::MassG(_) => None,
-            Reading::VolumeMl(volume_ml) => Some(decimals_shown(volume_ml)),
-        });
-        let of_mass_ml = Amount::Mass(finest(masses.max())).volume_ml(file.fluid.density_kg_m3);
-        let step_ml = f64::max(of_mass_ml, finest(volumes.max()));
-        Self::of(file, step_ml * sqrt(2.0 / 12.0))
+        let finest = |is_mass: bool| {
+            let of_kind = runs.iter().filter(|run| matches!(run.reading, Reading::MassG(_)) == is_mass);
+            let finest = of_kind.map(digit_of).fold(f64::INFINITY, f64::min);
+            if finest.is_finite() { finest } else { 0.0 }
+        };
+        let of_mass_ml = Amount::Mass(finest(true)).volume_ml(file.fluid.density_kg_m3);
+        Self::of_digit(file, f64::max(of_mass_ml, finest(false)))
     }
 
     /// Returns the repeatability of the pump file, with the standard uncertainty of two readings, empty and full, that
     /// are rounded to the last digit. Each is unsure by a step over the square root of 12 (GUM, F.2.2.1).
     pub fn of_digits(file: &PumpFile, reading: &StatedReading) -> Self {
-        Self::of(file, reading.resolution.volume_ml(file.fluid.density_kg_m3) * sqrt(2.0 / 12.0))
+        Self::of_digit(file, reading.resolution.volume_ml(file.fluid.density_kg_m3))
+    }
+
+    /// Returns the repeatability of the pump file, with the standard uncertainty of two readings in steps of a volume
+    /// in mL.
+    fn of_digit(file: &PumpFile, digit_ml: f64) -> Self {
+        Self::of(file, digit_ml * sqrt(2.0 / 12.0))
     }
 }
 

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::Table;
 
 use super::{CalibrationError, Weighing};
+use crate::units::last_digit;
 
 /// A turn within this part of whole pitches delivers the same volume from any angle, within twice this part:
 /// the largest flow is at most twice the mean.
@@ -50,6 +51,9 @@ pub struct CalibrationRun {
     pub turned_deg: f64,
     /// Reading of scale or vessel, without sign.
     pub reading: Reading,
+    /// Step of the reading's last digit, in its unit; `None` if nobody wrote the reading down as text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub digit: Option<f64>,
     /// Temperature of the fluid, in °C; `None` takes the pump file's.
     pub temperature_degc: Option<f64>,
     /// Time of the run, as it was written down.
@@ -178,10 +182,12 @@ pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<CalibrationRun>
                 .into());
         }
         let (name, value, is_mass) = row.one_of([("mass_g", true), ("volume_ml", false)])?;
+        let digit = row.text(name).map(last_digit);
         if value <= 0.0 {
             return Err(row.error(format!("{name} is {value}; allowed: more than 0")).into());
         }
         runs.push(CalibrationRun {
+            digit,
             speed_rpm: row.positive("speed_rpm")?,
             start_angle_deg: row.number("start_angle_deg")?,
             turned_deg,
@@ -196,6 +202,7 @@ pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<CalibrationRun>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibration::Expected;
 
     #[test]
     fn a_table_may_say_angles_turns_or_steps_and_grams_or_millilitres() {
@@ -213,6 +220,19 @@ mod tests {
         assert_eq!((runs[0].start_angle_deg, runs[1].start_angle_deg), (Some(10.0), None));
         assert_eq!(runs[0].time.as_deref(), Some("9:30"));
         assert_eq!(runs[2].time, None);
+        let steps: Vec<_> = runs.iter().map(|run| run.digit.unwrap()).collect();
+        assert!(steps.iter().all(|step| (step - 0.1).abs() < 1e-12), "{steps:?}");
+    }
+
+    #[test]
+    fn zeros_at_the_end_of_a_reading_are_digits() {
+        let of = |mass: &str| {
+            let text = format!("speed_rpm,revolutions,mass_g\n60,3,{mass}\n60,3,{mass}\n60,3,{mass}\n");
+            let file = crate::built_in("three-roller").unwrap();
+            Expected::of_runs(&file, &runs_of_csv(&text, 12_800.0).unwrap()).reading_ml
+        };
+        assert!((of("64.00") / of("64.01") - 1.0).abs() < 1e-12);
+        assert!((of("64") / of("64.00") - 100.0).abs() < 1e-9);
     }
 
     #[test]
@@ -244,6 +264,7 @@ mod tests {
     fn the_phase_cancels_over_whole_pitches_and_counts_elsewhere() {
         let pump = Pump::three_roller();
         let run = |start_angle_deg, turned_deg| CalibrationRun {
+            digit: None,
             speed_rpm: 60.0,
             start_angle_deg,
             turned_deg,

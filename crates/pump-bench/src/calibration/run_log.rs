@@ -219,6 +219,7 @@ mod tests {
 
     fn run(speed_rpm: f64, mass_g: f64) -> CalibrationRun {
         CalibrationRun {
+            digit: None,
             speed_rpm,
             start_angle_deg: Some(12.5),
             turned_deg: 1080.0,

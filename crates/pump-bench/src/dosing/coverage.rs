@@ -151,6 +151,7 @@ fn calibrate(file: &PumpFile, plant: &Plant, case: &Case, dice: &mut Dice) -> St
             plant.delivers_ml(0.3, radians(turned_deg), speed_rpm, dice) + case.nozzle.keeps_ml(dice);
         let reading = Reading::VolumeMl(volume_ml);
         runs.push(CalibrationRun {
+            digit: None,
             speed_rpm,
             start_angle_deg: None,
             turned_deg,
@@ -365,6 +366,7 @@ fn the_interval_covers_93_percent_at_least_of_doses_by_a_speed_law_that_was_fitt
             kappa * turned_ml * (1.0 + repeatability * dice.normal())
         };
         let run = |speed_rpm: f64, volume_ml: f64| CalibrationRun {
+            digit: None,
             speed_rpm,
             start_angle_deg: None,
             turned_deg: 720.0,

@@ -226,9 +226,11 @@ pub(super) fn unweighed_fluid(file: &PumpFile, applied: Option<&Applied>) -> Opt
             let known = format!("calibration {version} was weighed with");
             file.fluid.fills_unlike(fluid, *temperature_degc, &known)?
         }
-        // Of a fluid whose viscosity nobody states nothing is said.
+        // Nothing can be said of a fluid whose viscosity nobody states.
         None if file.fluid.fluid().is_err() => return None,
-        None => file.fluid.fills_unlike(WATER.0, WATER.1, "the volume of a revolution is that of")?,
+        None => {
+            file.fluid.fills_unlike(WATER.0, WATER.1, "published volumes of a revolution are those of")?
+        }
     };
     Some(Notice::from(format!("{text}; the dose's \u{b1} does not contain that")).with_remedy(Remedy::Weigh))
 }

@@ -158,10 +158,11 @@ impl FluidTable {
         self.replaced.as_ref()?.warning(&self.as_it_flows(), are_given)
     }
 
-    /// Returns in words how this fluid fills a tube unlike the one of a name and a temperature in °C, of which `known`
-    /// says what is known by it. `None` where both fill it alike.
+    /// Returns in words how this fluid fills a tube unlike the one of a name and a temperature in °C, with which
+    /// `known_by` ends. `None` where both fill it alike.
     pub(crate) fn fills_unlike(&self, name: &str, degc: f64, known_by: &str) -> Option<String> {
-        let is_own = self.name.eq_ignore_ascii_case(name);
+        let is_own = self.name.eq_ignore_ascii_case(name)
+            && (degc - self.temperature_degc).abs() <= SAME_TEMPERATURE_DEGC;
         let known = || Some(known(name, degc)?.ok()?.viscosity_mpa_s);
         let viscosity_mpa_s = self.viscosity_mpa_s.filter(|_| is_own).or_else(known);
         Replaced::new(name, degc, viscosity_mpa_s).fills_unlike(&self.as_it_flows(), known_by)

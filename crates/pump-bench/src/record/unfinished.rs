@@ -27,6 +27,11 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
+    /// Returns true for a run that goes on until somebody stops it.
+    pub fn is_endless(&self) -> bool {
+        self.intent.terms.until_stopped
+    }
+
     /// Returns true if a device that counted `moved` steps since the start stayed within the announced
     /// bounds.
     pub(crate) fn holds(&self, moved: i64) -> bool {

@@ -10,7 +10,9 @@ use serde_json::json;
 use self::next_weighing::NextWeighing;
 use super::status::UnfinishedCalibration;
 use crate::bench::Bench;
-use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored, default_rate_uncovered};
+use crate::calibration::{
+    AgainstSpeed, Calibration, CalibrationError, Displacement, Stored, default_rate_uncovered,
+};
 use crate::displacement::SpeedDependentPump;
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{short, two_digits};
@@ -29,7 +31,7 @@ pub fn calibration_json(bench: &Bench, stored: &Stored) -> Result<String, Calibr
     let mut report = json!(stored);
     report["used"] = json!(bench.would_use(&stored.calibration).unwrap_or(true));
     report["warnings"] = json!(warnings);
-    if let Some(next) = NextWeighing::of(bench.model(), stored)? {
+    if let Some(next) = NextWeighing::of(bench.model(), stored, in_use(bench).as_ref())? {
         report["next_weighing"] = json!(next);
     }
     Ok(format!("{report}\n"))
@@ -55,7 +57,7 @@ pub fn calibration_text(
     let (file, base) = (bench.file(), bench.model());
     let mut text = heading(bench, stored, found);
     text += &factors(base, stored, found)?;
-    let next = NextWeighing::of(base, stored)?;
+    let next = NextWeighing::of(base, stored, in_use(bench).as_ref())?;
     text += &next.map_or(String::new(), |next| next.text(found, words));
     text += &scatter(file, found).unwrap_or_default();
     for warning in warnings(file, base, found)? {
@@ -66,6 +68,11 @@ pub fn calibration_text(
         _ => range(base, found, is_kept, words)?,
     };
     Ok(text)
+}
+
+/// The calibration by which the next dose is planned: none while this one waits, or where none can be read.
+fn in_use(bench: &Bench) -> Option<Calibration> {
+    bench.calibrations().active().ok().flatten().map(|stored| stored.calibration)
 }
 
 /// Lists every calibration, a line each; the one in use is marked. A guided calibration that is unfinished comes last.
@@ -232,8 +239,8 @@ fn slip(found: &Displacement) -> Option<String> {
         format!(
             "the weighed doses scatter by {} %, and {} % were expected: one of them is hardly right, by its reading, a \
              tare, a drop or air in the line; weigh anew before you rely on it",
-            two_digits(100.0 * scatter / found.factor),
-            two_digits(100.0 * prior.standard / found.factor)
+            two_digits(100.0 * scatter),
+            two_digits(100.0 * prior.standard)
         )
     })
 }

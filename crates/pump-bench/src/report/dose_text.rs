@@ -65,7 +65,7 @@ impl DoseReport {
         let is_sure = self.phase.is_stated() || self.by_weight.is_some();
         let volume_ml = match self.delivered_ml {
             Some(delivered_ml) if is_sure => delivered_ml,
-            _ if is_sure || self.is_endless() => self.planned_ml,
+            _ if is_sure || self.delivered_ml.is_none() && self.is_endless() => self.planned_ml,
             _ => 0.5 * (self.volume_least_ml + self.volume_most_ml),
         };
         let verb = match (self.delivered_ml, self.purpose) {

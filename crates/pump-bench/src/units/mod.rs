@@ -27,5 +27,6 @@ pub use quantity::{
 };
 pub use rate::rate;
 pub use stated_angle::{StatedAngle, stated_angle, tolerance_rad};
+pub(crate) use stated_reading::last_digit;
 pub use stated_reading::{StatedReading, stated_reading};
 pub use tube_size::{TubeSize, tube_size};

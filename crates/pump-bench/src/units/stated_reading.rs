@@ -45,7 +45,7 @@ pub fn stated_reading(text: &str) -> Result<StatedReading, QuantityError> {
 }
 
 /// Returns the step of the last digit of a number: 0.01 for `1.25`, 100 for `1.2e3`.
-fn last_digit(number: &str) -> f64 {
+pub(crate) fn last_digit(number: &str) -> f64 {
     let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, fraction)| fraction.len());
     let exponent: i32 = exponent.parse().unwrap_or(0);

@@ -202,6 +202,7 @@ impl Run {
             self.bench.use_calibration(None)
         } else {
             let run = CalibrationRun {
+                digit: None,
                 speed_rpm: 60.0,
                 start_angle_deg: None,
                 turned_deg: 720.0,

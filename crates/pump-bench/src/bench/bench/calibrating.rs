@@ -95,13 +95,15 @@ impl Bench {
         expected: &Expected,
     ) -> Result<WeighedDose, DoseError> {
         let calibrations = self.calibrations();
-        let active = match calibrations.active()? {
+        let in_use = calibrations.active()?;
+        let active = match in_use.clone() {
             None => calibrations.waiting(self.tube()?)?,
             active => active,
         };
         let last = self.story()?.state.and_then(|state| state.last);
         let expected = self.with_drop(expected)?;
-        let weighing = LastWeighing { reading, temperature_degc, earlier, expected: &expected };
+        let weighing =
+            LastWeighing { reading, temperature_degc, earlier, in_use: in_use.as_ref(), expected: &expected };
         Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
     }
 

@@ -14,6 +14,7 @@ pub(super) fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) ->
     for speed_rpm in speeds_rpm {
         let factor = 1.0 + slope_per_rpm * (speed_rpm - 50.0);
         runs.push(CalibrationRun {
+            digit: None,
             speed_rpm: *speed_rpm,
             start_angle_deg: Some(13.0),
             turned_deg: 800.0,

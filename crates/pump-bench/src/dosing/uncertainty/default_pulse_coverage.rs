@@ -215,6 +215,7 @@ fn weighed(case: &Case, file: &PumpFile, head: &Head<'_>, dice: &mut Dice) -> St
     let rounded = |ml: f64| (ml / DIGIT_ML).round() * DIGIT_ML;
     let tare_ml = 30.0 + dice.uniform();
     let runs = vec![CalibrationRun {
+        digit: None,
         speed_rpm: 20.0,
         start_angle_deg: stated_rad.map(degrees),
         turned_deg: degrees(turn_rad),

@@ -172,6 +172,7 @@ fn weighed_once(
     let drop_ml = drop_ml(file).unwrap() / 6_f64.sqrt();
     let expected = Expected::of_digits(file, &reading).with_drop_ml(drop_ml);
     let weighing = LastWeighing {
+        in_use: None,
         reading: &reading,
         temperature_degc: None,
         earlier: Earlier::Joined,

@@ -97,6 +97,7 @@ fn pump_file() -> PumpFile {
 /// Calibrates with one weighed run, which shows no scatter of its own, and with short doses.
 fn calibrated(file: &PumpFile, plant: &Plant<'_>, dice: &mut Dice) -> Calibration {
     let runs = vec![CalibrationRun {
+        digit: None,
         speed_rpm: 20.0,
         start_angle_deg: None,
         turned_deg: 1800.0,

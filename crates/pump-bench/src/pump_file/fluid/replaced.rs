@@ -40,11 +40,11 @@ impl Replaced {
         }
     }
 
-    /// Returns in words how `now` fills a tube unlike this fluid, of which `known` says what is known by it. `None`
+    /// Returns in words how `now` fills a tube unlike this fluid, with which `known` begins. `None`
     /// where both fill it alike.
     pub(super) fn fills_unlike(&self, now: &Self, known: &str) -> Option<String> {
         let of_them = format!("{known} {}, and this is {}", self.told(), now.told());
-        let fills = "a thicker fluid fills the tube less, and nobody has weighed by how much";
+        let fills = "of two fluids the thicker fills the tube less, and nobody has weighed by how much";
         match self.viscosity_mpa_s.zip(now.viscosity_mpa_s) {
             Some((own, other)) if own.max(other) <= THICK_MPA_S => None,
             Some((own, other)) if (1.0 / FILLS_ALIKE..=FILLS_ALIKE).contains(&(other / own)) => None,

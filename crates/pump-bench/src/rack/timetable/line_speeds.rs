@@ -49,11 +49,17 @@ impl LineSpeeds {
         let mut timetable = Timetable::of(rack.steps(), rack.members(), &timings)?;
         for _ in 0..MOST_ROUNDS {
             let slowed = speeds.slowed(rack, &timetable.begins_s, &timings);
-            if slowed.is_empty() {
+            let parted = speeds.parted(rack, &timetable.begins_s);
+            if slowed.is_empty() && parted.is_empty() {
                 return Ok((timetable, timings));
             }
-            let mut pumps: Vec<usize> = slowed.iter().map(|slowed| slowed.pump).collect();
+            let mut pumps: Vec<usize> =
+                slowed.iter().map(|slowed| slowed.pump).chain(parted.iter().map(|(pump, _)| *pump)).collect();
+            pumps.sort_unstable();
             pumps.dedup();
+            for (pump, part) in parted {
+                speeds.0[pump][part] = None;
+            }
             for Slowed { pump, part, speed_rad_s, .. } in slowed {
                 speeds.0[pump][part] = Some(speed_rad_s);
             }
@@ -81,6 +87,22 @@ impl LineSpeeds {
         requests
     }
 
+    /// Returns the parts with the speed of a line that meet no other part of a line any more.
+    fn parted(&self, rack: &Rack, begins_s: &[f64]) -> Vec<(usize, usize)> {
+        let members = rack.members();
+        let met = meetings(members, &appointments(rack, begins_s));
+        let is_met = |pump: usize, part: usize| {
+            met.iter().filter(|meeting| meeting.parts.contains(&(pump, part))).any(|meeting| {
+                let others = meeting.parts.iter().filter(|(other, _)| *other != pump);
+                others.into_iter().any(|(other, _)| is_one_line(&members[*other].bench, &members[pump].bench))
+            })
+        };
+        let slowed = self.0.iter().enumerate().flat_map(|(pump, parts)| {
+            parts.iter().enumerate().filter(|(_, speed)| speed.is_some()).map(move |(part, _)| (pump, part))
+        });
+        slowed.filter(|(pump, part)| !is_met(*pump, *part)).collect()
+    }
+
     /// Returns the parts that are not planned at the speeds of their lines, in the order of the pumps.
     fn slowed(&self, rack: &Rack, begins_s: &[f64], timings: &[Vec<Timing>]) -> Vec<Slowed> {
         let members = rack.members();
@@ -88,9 +110,13 @@ impl LineSpeeds {
         for meeting in meetings(members, &appointments(rack, begins_s)) {
             let timing = |(pump, part): (usize, usize)| timings[pump][part];
             // The slowest pump keeps its own speed, and sets the time.
-            let own = meeting.parts.iter().copied().filter(|(pump, part)| self.0[*pump][*part].is_none());
-            let leader = own.max_by(|one, two| timing(*one).at_peak_s.total_cmp(&timing(*two).at_peak_s));
-            let Some(leader) = leader else { continue };
+            let slowest = |parts: &mut dyn Iterator<Item = (usize, usize)>| {
+                parts.max_by(|one, two| timing(*one).at_peak_s.total_cmp(&timing(*two).at_peak_s))
+            };
+            let all = || meeting.parts.iter().copied();
+            let own = slowest(&mut all().filter(|(pump, part)| self.0[*pump][*part].is_none()));
+            // Parts that other lines have slowed may meet here: the slowest of them sets the time.
+            let Some(leader) = own.or_else(|| slowest(&mut all())) else { continue };
             let time_s = timing(leader).at_peak_s;
             for (pump, part) in meeting.parts {
                 let Timing { turn_rad, at_peak_s, .. } = timings[pump][part];

@@ -5,7 +5,7 @@ use pump_model::Pump;
 use pump_model::identification::widening;
 use serde::Serialize;
 
-use crate::calibration::{CalibrationError, Displacement, ScatterPrior, Source, Stored};
+use crate::calibration::{Calibration, CalibrationError, Displacement, ScatterPrior, Source, Stored};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{significant, two_digits};
 
@@ -50,12 +50,17 @@ impl Sure {
 }
 
 impl NextWeighing {
-    /// Returns the certainty by weighed doses. `None` of a calibration by other runs.
+    /// Returns the certainty by weighed doses. `None` of a calibration by other runs. The next dose is planned by the
+    /// calibration `in_use`, which need not be this one.
     ///
     /// # Errors
     ///
     /// A displacement that cannot be had of this pump.
-    pub(super) fn of(base: &Pump, stored: &Stored) -> Result<Option<Self>, CalibrationError> {
+    pub(super) fn of(
+        base: &Pump,
+        stored: &Stored,
+        in_use: Option<&Calibration>,
+    ) -> Result<Option<Self>, CalibrationError> {
         let calibration = &stored.calibration;
         let (Some(found), Some(run)) = (&calibration.displacement, calibration.runs.last()) else {
             return Ok(None);
@@ -84,7 +89,11 @@ impl NextWeighing {
         let percent = |standard: f64| 200.0 * standard / found.factor;
         let is_anywhere = run.start_angle_deg.is_none();
         let whole_pitches_ml = match is_anywhere {
-            true => Some(run.model_ml(base, calibration.runs.len())? * found.factor_at(base, run.speed_rpm)?),
+            true => {
+                let planned = in_use.and_then(|in_use| in_use.displacement.as_ref());
+                let factor = planned.map_or(Ok(1.0), |planned| planned.factor_at(base, run.speed_rpm))?;
+                Some(factor * run.model_ml(base, calibration.runs.len())?)
+            }
             false => None,
         };
         Ok(Some(Self {

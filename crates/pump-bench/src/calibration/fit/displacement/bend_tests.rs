@@ -15,6 +15,7 @@ fn best(speeds_rpm: &[f64], mut factor: impl FnMut(f64) -> f64) -> Displacement 
         .iter()
         .flat_map(|rpm| [*rpm; 3])
         .map(|speed_rpm| CalibrationRun {
+            digit: None,
             speed_rpm,
             start_angle_deg: None,
             turned_deg: 720.0,

@@ -10,6 +10,7 @@ const EXPECTED: Expected = Expected::new(0.0047, 0.0);
 
 fn run(speed_rpm: f64, volume_ml: f64) -> CalibrationRun {
     CalibrationRun {
+        digit: None,
         speed_rpm,
         start_angle_deg: None,
         turned_deg: 720.0,
