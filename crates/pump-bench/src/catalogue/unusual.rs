@@ -192,10 +192,10 @@ mod tests {
             file.rollers.offset_mm = Some(offset_mm);
             unusual(&file).iter().map(ToString::to_string).collect::<Vec<_>>()
         };
-        // Two walls of 2 mm in a gap of 3 mm, of 1.9 mm and of 2.1 mm.
+        // Two walls of 2 mm in a gap of 3 mm, of 1.8 mm and of 2.2 mm.
         assert!(squeezed(40.0).is_empty());
-        let said = squeezed(41.1);
-        assert!(said.len() == 1 && said[0].contains("into a gap of 1.9 mm, by 52 % of"), "{said:?}");
-        assert!(squeezed(40.9).is_empty());
+        let said = squeezed(41.2);
+        assert!(said.len() == 1 && said[0].contains("into a gap of 1.8 mm, by 55 % of"), "{said:?}");
+        assert!(squeezed(40.8).is_empty());
     }
 }
