@@ -37,7 +37,7 @@ fn settle(
             // Preparing the dose refuses it.
             UnfinishedPolicy::Ask => return Ok(told),
             UnfinishedPolicy::Accept => told.push(accept(bench, session, "--unfinished accept")?),
-            // Its rest would go on until a limit, and nobody is there to stop it.
+            // The rest would go on until a limit, and nobody is there to stop it.
             UnfinishedPolicy::Resume if is_endless(session) => {
                 told.push(accept(bench, session, "a run until stopped has no rest to resume")?);
             }

@@ -15,7 +15,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt as _;
 use cortex_m_semihosting::debug;
 
-/// What RTIC asks of a device crate. This board has none, and its own interrupts are not used.
+/// Device crate as RTIC asks for it. This board has none, and its own interrupts are not used.
 mod device {
     /// Bits of a priority (`__NVIC_PRIO_BITS` of the AN386).
     pub const NVIC_PRIO_BITS: u8 = 3;
