@@ -135,6 +135,11 @@ impl DosingOptions {
         files.into_iter().map(bench).collect()
     }
 
+    /// True if a motion may begin whose rate nobody has typed.
+    pub(crate) fn moves_at_any_rate(&self) -> bool {
+        !self.dry_run && !self.cruise.is_given()
+    }
+
     /// True if simulated motors are told to take no time.
     pub(crate) fn is_fast(&self) -> bool {
         self.bench.motor.pace == Some(Pace::Fast)

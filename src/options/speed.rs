@@ -35,6 +35,13 @@ pub(crate) struct CruiseOptions {
     within: Option<f64>,
 }
 
+impl CruiseOptions {
+    /// True if a rate, a speed or a time is typed.
+    pub(crate) fn is_given(&self) -> bool {
+        self.within.is_some() || !matches!(self.speed.cruise(), Ok(None))
+    }
+}
+
 /// The direction of the motion.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Amount and speed")]

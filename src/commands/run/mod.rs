@@ -73,6 +73,12 @@ impl RunArgs {
                 "{name} is the file of a run with an end; give the run one with --for or --volume"
             )));
         }
+        if self.options.moves_at_any_rate() {
+            return Err(Failure::refused(
+                "a run that goes on until it is stopped needs its rate: add --rate 10mL/min or --speed 30rpm, give it \
+                 an end with --for or --volume, or name a rack",
+            ));
+        }
         if self.options.is_fast() {
             return Err(Failure::refused(
                 "--pace fast takes no time, and a run until it is stopped ends by time; give it an end with --for or \

@@ -55,7 +55,10 @@ fn a_rack_is_refused_with_one_message_and_nothing_moves() {
             "--pump two-roller and the rack mix.toml both name pumps",
         ),
         (&["run", "none.toml"], "cannot read the rack none.toml"),
-        (&["run", "--pace", "fast"], "--pace fast takes no time, and a run until it is stopped ends by time"),
+        (
+            &["run", "--rate", "2mL/s", "--pace", "fast"],
+            "--pace fast takes no time, and a run until it is stopped ends by time",
+        ),
     ] {
         let refused = user.is_refused(words);
         assert!(refused.contains(told), "{words:?}: {refused}");
