@@ -283,6 +283,8 @@ fn the_next_dose_to_weigh_is_of_whole_pitches_as_doses_are_planned_now() {
     assert!(said.contains("calibration 1 waits"), "{said}");
     let volume = said.split("like this, of ").nth(1).unwrap().split(' ').next().unwrap();
     assert!(volume.starts_with("7.10"), "{said}");
+    // Doses on record are told apart by their second.
+    std::thread::sleep(std::time::Duration::from_millis(1100));
     user.json(&[format!("{volume}mL").as_str()]);
     assert_eq!(user.json(&["calibrate", "last", "7.4g"])["runs"].as_array().unwrap().len(), 2);
 }

@@ -133,7 +133,7 @@ pub enum CalibrationError {
     },
     /// A reading cannot be right.
     #[error(
-        "run {run} gave {measured_ml:.4} mL where the model gives {model_ml:.4} mL; allowed: {:.4} to {:.4} mL. More \
+        "run {run} gave {measured_ml:.4} mL where the model gives {model_ml:.4} mL; allowed: {:.4} to {:.4} mL; more \
          than twice or less than half is a mistake in a unit, a tare, an angle, a reading or the motor's steps per \
          revolution; look at them, and write the reading again",
         0.5 * model_ml,
