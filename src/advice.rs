@@ -68,6 +68,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::WeighAlone => {
             "calibrate by the reading alone with --anew, or name the fluid that was weighed with --fluid"
         }
+        Remedy::NameWeighedFluid => "name the fluid that was weighed with --fluid",
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
         Remedy::FindAngle => "`dose home` finds it",
         Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",

@@ -229,6 +229,41 @@ fn masses_of_two_fluids_are_never_read_as_one() {
 }
 
 #[test]
+fn a_dose_is_weighed_as_the_fluid_that_it_was_made_with() {
+    let user = User::new();
+    let glycerol = ["--fluid", "glycerol 60%", "--temperature", "22degC"];
+    user.json(&[&["213mL"], &glycerol[..]].concat());
+    let weighed = user.types(&["calibrate", "last", "245.5g"]);
+    assert!(
+        weighed.err.contains("the dose was glycerol 60% at 22 °C, and its reading is taken as that"),
+        "{}",
+        weighed.err
+    );
+    assert!(
+        weighed.out.contains("1 run at") && weighed.out.contains("glycerol 60% at 22 °C"),
+        "{}",
+        weighed.out
+    );
+    let list = user.json(&["calibrate", "list"]);
+    // 60 % of glycerol has 1.153 g/mL at 22 °C (Cheng 2008), and 245.5 g of it are 213 mL.
+    let factor = number(&list["calibrations"][0]["displacement"], "factor");
+    assert!((factor - 1.0).abs() < 3e-3, "{list}");
+    assert!(user.types(&["calibrate", "list"]).out.contains("1 run of glycerol 60% at"));
+    // A person who knows better says so, and hears what is on record.
+    let corrected = user.types(&["calibrate", "last", "213.0g", "--fluid", "water", "--anew"]);
+    assert!(
+        corrected.err.contains(
+            "the dose was made as glycerol 60% at 22 °C, and its reading is taken as water at 22 °C"
+        ),
+        "{}",
+        corrected.err
+    );
+    let log = user.types(&["log", "--format", "json"]).out;
+    let dose: serde_json::Value = serde_json::from_str(log.lines().next().unwrap()).unwrap();
+    assert_eq!((&dose["fluid"], number(&dose, "temperature_degc")), (&"glycerol 60%".into(), 22.0));
+}
+
+#[test]
 fn a_second_reading_of_a_dose_says_that_it_takes_the_place_of_the_first() {
     let user = User::new();
     user.json(&["213mL"]);

@@ -3,6 +3,8 @@
 use clap::Args;
 use pump_bench::Bench;
 use pump_bench::calibration::{Earlier, Expected, Stored};
+use pump_bench::pump_file::PumpFile;
+use pump_bench::record::DosedFluid;
 use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units::{Amount, StatedReading, stated_reading};
 
@@ -52,17 +54,16 @@ pub(super) struct LastArgs {
 impl LastArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
         self.options.check()?;
-        let mut file = self.record.pump.file()?;
-        self.fluid.change(&mut file)?;
-        let bench = self.record.bench_of(file, Some(&self.port))?;
+        let bench = self.record.bench_of(self.record.pump.file()?, Some(&self.port))?;
         let _held = bench.folder().lock()?;
+        let file = self.file(&bench)?;
         let reading = self.reading(&bench)?;
         let expected = if self.options.has_scale() {
-            self.options.expected(&bench)
+            self.options.expected(&file)
         } else {
-            Expected::of_digits(bench.file(), &reading)
+            Expected::of_digits(&file, &reading)
         };
-        let weighed = bench.weigh_last_dose(&reading, self.fluid.temperature, self.earlier(), &expected)?;
+        let weighed = bench.weigh_last_dose(&file, &reading, self.earlier(), &expected)?;
         if let Some(replaced) = weighed.replaced {
             say(&format!("this reading takes the place of {replaced} of the same dose\n"));
         }
@@ -75,6 +76,24 @@ impl LastArgs {
             bench.keep_weighing(calibration)?
         };
         self.report(&bench, &stored)
+    }
+
+    /// The pump file with the fluid that was weighed: that of the dose, unless the options name another. A difference
+    /// to the pump file or the record is said.
+    fn file(&self, bench: &Bench) -> Result<PumpFile, Failure> {
+        let (name, degc) = self.fluid.named();
+        let file = bench.file_of_last_dose(name.as_deref(), degc)?;
+        let dosed = bench.last_dose()?.and_then(|dose| dose.fluid);
+        let fluid = &file.fluid;
+        if let Some(dosed) = dosed {
+            let weighed = DosedFluid::of(fluid);
+            if !dosed.is_of(fluid) {
+                say(&format!("the dose was made as {dosed}, and its reading is taken as {weighed}\n"));
+            } else if !dosed.is_of(&bench.file().fluid) {
+                say(&format!("the dose was {dosed}, and its reading is taken as that\n"));
+            }
+        }
+        Ok(file)
     }
 
     /// The reading that was typed, or that of the balance once it stands still. The balance was tared with the empty

@@ -42,7 +42,7 @@ impl PhaseArgs {
         let doses = in_table(&self.from, doses)?;
         let _held = bench.folder().lock()?;
         let before = bench.calibrations().active()?.map(|active| active.calibration);
-        let expected = self.reading.expected(&bench);
+        let expected = self.reading.expected(bench.file());
         let (mut calibration, found) =
             Calibration::of_short_doses(bench.file(), doses, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone().or(calibration.tube);

@@ -6,6 +6,7 @@ use clap::Args;
 use pump_bench::Bench;
 use pump_bench::calibration::{Calibration, CalibrationError, CalibrationRun, Expected, Stored};
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
+use pump_bench::pump_file::PumpFile;
 use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount, StatedReading};
 use pump_model::Shown;
@@ -64,7 +65,7 @@ impl ReadingOptions {
         runs: &[CalibrationRun],
     ) -> Expected {
         if self.has_scale() {
-            return self.expected(bench);
+            return self.expected(bench.file());
         }
         let Some(digit_g) = digit_g else { return Expected::of_runs(bench.file(), runs) };
         say(&format!(
@@ -76,9 +77,8 @@ impl ReadingOptions {
         Expected::of_digits(bench.file(), &reading)
     }
 
-    /// The scatter that is expected of the readings of a bench.
-    pub(super) fn expected(&self, bench: &Bench) -> Expected {
-        let file = bench.file();
+    /// The scatter that is expected of the readings of the fluid of a pump file.
+    pub(super) fn expected(&self, file: &PumpFile) -> Expected {
         // The buoyancy of a difference between readings is nothing beside its uncertainty.
         let reading_ml = self.scale.map_or(0.0, |scale| scale.volume_ml(file.fluid.density_kg_m3));
         Expected::of(file, reading_ml)

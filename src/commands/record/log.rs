@@ -125,7 +125,7 @@ impl<'a> Listing<'a> {
         let (pump, driver) = (self.bench.file().pump.id.as_str(), self.bench.drive_id());
         match self.format {
             LogFormat::Text => {
-                writeln!(to, "{}", shown(&log_text(entry, went_back)))
+                writeln!(to, "{}", shown(&log_text(&self.bench.file().fluid, entry, went_back)))
             }
             LogFormat::Csv => writeln!(to, "{}", log_csv(pump, driver, entry, went_back)),
             LogFormat::Json => writeln!(to, "{}", log_json(pump, driver, entry, went_back)),

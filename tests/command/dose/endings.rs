@@ -42,7 +42,7 @@ fn signal(child: &Child, name: &str) {
 }
 
 #[test]
-fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_and_its_retraction() {
+fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_its_retraction_and_its_fluid() {
     let user = User::new();
     let options = [
         "--rate",
@@ -53,6 +53,8 @@ fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_and_its_retraction() {
         "low-flow",
         "--retract",
         "2990mL",
+        "--fluid",
+        "ethanol",
     ];
     let child = begun_with(&user, &options);
     signal(&child, "INT");
@@ -62,6 +64,9 @@ fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_and_its_retraction() {
     assert!((number(&rest, "retraction_ml") - 2990.0).abs() < 0.01, "{rest}");
     assert_eq!(rest["finish"], "low-flow");
     assert!(!rest["limits_not_checked"].as_array().unwrap().contains(&"discharge_pressure".into()), "{rest}");
+    let log = user.types(&["log"]).out;
+    // The stopped part, the rest and the retraction.
+    assert_eq!(log.matches("ethanol at 25 °C").count(), 3, "{log}");
 }
 
 #[test]

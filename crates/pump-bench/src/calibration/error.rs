@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::files::TableError;
 use crate::numbers::significant;
+use crate::pump_file::FluidError;
 
 /// A calibration that cannot be made or used. The message says what is wrong and what to do.
 #[derive(Debug, Error)]
@@ -121,6 +122,17 @@ pub enum CalibrationError {
         /// Name of the fluid of the dose.
         now: String,
     },
+    /// The last dose was of a fluid of which nothing is known by now.
+    #[error("the last dose was of {dosed}, and {source}")]
+    DosedWith {
+        /// Name and temperature of the fluid.
+        dosed: String,
+        /// Error of the fluid.
+        source: FluidError,
+    },
+    /// The fluid that a person states is not known.
+    #[error(transparent)]
+    Fluid(FluidError),
     /// The calibration in use was weighed otherwise, and one dose does not replace it without a word.
     #[error(
         "calibration {version}, in use, rests on {runs} runs; one dose does not replace it unless that is asked for"

@@ -42,7 +42,7 @@ pub enum Earlier {
 }
 
 impl CalibrationRun {
-    /// Returns the last dose as a weighed run. `None` in place of the temperature takes the pump file's.
+    /// Returns the last dose as a weighed run of a fluid at this temperature, in °C.
     ///
     /// # Errors
     ///
@@ -53,7 +53,7 @@ impl CalibrationRun {
         last: Option<LastDose>,
         pump: &Pump,
         reading: Reading,
-        temperature_degc: Option<f64>,
+        temperature_degc: f64,
     ) -> Result<Self, CalibrationError> {
         let dose = last.filter(|dose| dose.speed_rad_s > 0.0 && dose.turned_rad != 0.0);
         let dose = dose.ok_or(CalibrationError::NoLastDose)?;
@@ -69,7 +69,7 @@ impl CalibrationRun {
             start_angle_deg: is_stated.then_some(degrees(dose.start_angle_rad)),
             turned_deg,
             reading,
-            temperature_degc,
+            temperature_degc: Some(temperature_degc),
             time: Some(of_unix(dose.unix_s)),
         };
         match run.model_ml(pump, 1) {
@@ -153,7 +153,7 @@ pub struct WeighedDose {
 }
 
 impl WeighedDose {
-    /// Fits a factor to the last dose of the pump of `file`, and to the runs of `active` that are joined.
+    /// Fits a factor to the last dose of the pump and the fluid of `file`, and to the runs of `active` that are joined.
     ///
     /// # Errors
     ///
@@ -169,7 +169,7 @@ impl WeighedDose {
             Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
         };
         let pump = file.model()?;
-        let run = CalibrationRun::of_last_dose(last, &pump, reading, weighing.temperature_degc);
+        let run = CalibrationRun::of_last_dose(last, &pump, reading, file.fluid.temperature_degc);
         let run = run.map_err(|error| error.by_calibration(weighing.in_use, last, &pump))?;
         let start = last.filter(|_| run.start_angle_deg.is_some()).map(|dose| dose.start());
         let angle_ml = start.map_or(0.0, |start| angle_ml(&pump, start, radians(run.turned_deg)));
@@ -206,8 +206,6 @@ impl CalibrationError {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LastWeighing<'a> {
     pub(crate) reading: &'a StatedReading,
-    /// Temperature of the fluid, in °C. `None` takes the pump file's.
-    pub(crate) temperature_degc: Option<f64>,
     pub(crate) earlier: Earlier,
     /// Calibration that doses use. `None` while one waits.
     pub(crate) in_use: Option<&'a Stored>,

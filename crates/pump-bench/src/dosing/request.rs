@@ -8,7 +8,7 @@ use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
 pub use run_bound::RunBound;
 pub use run_end::RunEnd;
 
-use crate::record::{Asked, DoseTerms, Purpose};
+use crate::record::{DoseTerms, Purpose, ShortText};
 
 /// Request for a dose.
 ///
@@ -30,7 +30,7 @@ pub struct DoseRequest {
     /// Event that ends the motion.
     pub end: RunEnd,
     /// Volume as it was typed, for the report and the log. `None` if a program gives a number.
-    pub asked: Option<Asked>,
+    pub asked: Option<ShortText>,
     /// Cruise of the dose. `None` takes the pump file's default rate.
     pub cruise: Option<Cruise>,
     /// True if the speed follows the rollers' angle for a smooth flow.
@@ -89,7 +89,7 @@ impl DoseRequest {
     /// Returns the request with its volume as it was typed, for the report and the log.
     #[must_use]
     pub fn with_asked(self, asked: &str) -> Self {
-        Self { asked: Some(Asked::new(asked)), ..self }
+        Self { asked: Some(ShortText::new(asked)), ..self }
     }
 
     /// Returns the request with a cruise. `None` takes the pump file's default rate.

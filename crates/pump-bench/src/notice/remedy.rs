@@ -64,6 +64,8 @@ pub enum Remedy {
     JoinOrBeginAnew,
     /// Calibrate by the reading alone, or say the fluid of the earlier ones.
     WeighAlone,
+    /// Name the fluid that was weighed.
+    NameWeighedFluid,
     /// Find the angle of the rollers.
     FindAngle,
     /// Find the angle of the rollers, or say it.
@@ -211,6 +213,7 @@ impl Remedy {
         Self::DoseFromKnownAngle,
         Self::JoinOrBeginAnew,
         Self::WeighAlone,
+        Self::NameWeighedFluid,
         Self::FindAngle,
         Self::FindOrSayAngle,
         Self::ThenFindAngle,

@@ -3,7 +3,7 @@
 use pump_ctl::plan::Phase;
 use serde::{Deserialize, Serialize};
 
-use super::{DoseByWeight, Intent, Purpose, Unfinished};
+use super::{DoseByWeight, DosedFluid, Intent, Purpose, Unfinished};
 
 /// Turn of the rollers for the last dose, from the end of the dose before. A scale can weigh it.
 ///
@@ -31,6 +31,9 @@ pub struct LastDose {
     /// Half width of the range around the retraction's angle that holds the true one, in rad.
     #[serde(default)]
     pub(crate) retracted_half_width_rad: f64,
+    /// Fluid of the dose. `None` in a record of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<DosedFluid>,
     /// Weighing of the dose. `None` if no balance ended it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_weight: Option<DoseByWeight>,
@@ -70,6 +73,7 @@ impl LastDose {
                     turned_half_width_rad: 0.0,
                     retracted_rad: 0.0,
                     retracted_half_width_rad: 0.0,
+                    fluid: intent.told.and_then(|told| told.fluid),
                     by_weight: None,
                 };
                 let begun = match before {

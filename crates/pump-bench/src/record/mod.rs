@@ -4,6 +4,7 @@ mod account;
 mod after_stop;
 mod backup;
 mod dose_by_weight;
+mod dosed_fluid;
 mod folder;
 mod intent;
 mod journal;
@@ -21,6 +22,7 @@ pub(crate) use account::Account;
 pub use after_stop::AfterStop;
 pub use backup::{BackedUp, BackupError, Position, Restored, backup, restore};
 pub use dose_by_weight::DoseByWeight;
+pub use dosed_fluid::DosedFluid;
 pub(crate) use folder::BOARDS;
 pub use folder::{Folder, FolderError, Lock, default_state_dir, is_of_record};
 pub use intent::Intent;
@@ -28,7 +30,7 @@ pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};
 pub use journal::{JournalError, Storage, Story};
 pub use last_dose::LastDose;
 pub use log::{
-    Asked, Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp,
+    Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, ShortText, Stamp,
     SystemClock, moment,
 };
 pub(crate) use log::{Log, LogTail, Told, pending};

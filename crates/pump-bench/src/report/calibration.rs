@@ -102,7 +102,8 @@ fn listed(stored: &Stored, active: Option<u32>) -> String {
             None => format!("times {:.4}", found.factor),
             Some(law) => law.to_string(),
         };
-        format!("{} at {}, {factor}", counted(calibration.runs.len()), speeds(found))
+        let runs = counted(calibration.runs.len());
+        format!("{runs} of {} at {}, {factor}", calibration.fluid, speeds(found))
     });
     let mut text = format!("{mark} {version:>3}  {}  {what}", calibration.date);
     // Writing to a String cannot fail.

@@ -29,7 +29,7 @@ use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
 use crate::numbers::microlitres;
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
-use crate::record::{Asked, Purpose, Stamp};
+use crate::record::{Purpose, ShortText, Stamp};
 
 /// The report of a dose that was planned or made (`schema` `dose/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,7 +50,7 @@ pub struct DoseReport {
     /// Time at which the dose began, RFC 3339 with the offset of the local clock; null on a dry run.
     pub time: Option<Stamp>,
     /// Volume as it was typed; null if a program gave a number.
-    pub asked: Option<Asked>,
+    pub asked: Option<ShortText>,
     /// Volume that was asked for, mL.
     pub requested_ml: f64,
     /// Carry of earlier doses, mL, positive toward the outlet.

@@ -131,7 +131,8 @@ impl Person {
         let shown_g = rounded(tare_g + arrived_ml / Z_ML_G) - rounded(tare_g);
         let reading = stated_reading(&format!("{shown_g:.2}g")).unwrap();
         let expected = Expected::of_digits(self.bench.file(), &reading);
-        let weighed = self.bench.weigh_last_dose(&reading, None, Earlier::Joined, &expected).unwrap();
+        let file = self.bench.file_of_last_dose(None, None).unwrap();
+        let weighed = self.bench.weigh_last_dose(&file, &reading, Earlier::Joined, &expected).unwrap();
         self.bench.keep_calibration(weighed.calibration).unwrap();
     }
 }

@@ -48,7 +48,7 @@ fn a_retraction_counts_for_the_next_dose_that_repays_it() {
 fn what_nobody_can_weigh_is_no_last_dose() {
     let lab = Lab::new();
     let pump = lab.bench.model();
-    let run = |lab: &Lab| CalibrationRun::of_last_dose(last(lab), pump, Reading::MassG(5.0), None);
+    let run = |lab: &Lab| CalibrationRun::of_last_dose(last(lab), pump, Reading::MassG(5.0), 25.0);
     assert!(matches!(run(&lab), Err(CalibrationError::NoLastDose)));
     lab.dose(DoseRequest::dose(5.0));
     assert!(run(&lab).is_ok());
@@ -68,11 +68,11 @@ fn from_an_unknown_angle_only_whole_pitches_are_weighed() {
     lab.home(None);
     let reading = Reading::MassG(5.0);
     lab.dose(DoseRequest::dose(5.0));
-    let run = CalibrationRun::of_last_dose(last(&lab), lab.bench.model(), reading, None);
+    let run = CalibrationRun::of_last_dose(last(&lab), lab.bench.model(), reading, 25.0);
     assert!(matches!(run, Err(CalibrationError::LastDoseFromUnknownAngle { .. })), "{run:?}");
     lab.home(None);
     lab.dose(DoseRequest::dose(2.0 * lab.bench.model().revolution_ml()));
-    let run = CalibrationRun::of_last_dose(last(&lab), lab.bench.model(), reading, None).unwrap();
+    let run = CalibrationRun::of_last_dose(last(&lab), lab.bench.model(), reading, 25.0).unwrap();
     assert_eq!(run.start_angle_deg, None);
 }
 
@@ -82,7 +82,8 @@ fn readings_are_joined_and_the_same_dose_counts_once() {
     let weigh = |text: &str, earlier| {
         let reading = stated_reading(text).unwrap();
         let expected = Expected::of_digits(lab.bench.file(), &reading);
-        let found = lab.bench.weigh_last_dose(&reading, None, earlier, &expected).unwrap();
+        let file = lab.bench.file_of_last_dose(None, None).unwrap();
+        let found = lab.bench.weigh_last_dose(&file, &reading, earlier, &expected).unwrap();
         lab.bench.keep_calibration(found.calibration).unwrap().calibration
     };
     lab.dose(DoseRequest::dose(10.0));

@@ -316,6 +316,8 @@ class LoggedDose(Record):
     motion_s: float | None
     rack: str | None
     clock_went_back: bool
+    fluid: str | None
+    temperature_degc: float | None
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,8 @@ use crate::python::errors::{self, value};
 #[pyclass(frozen, name = "_Bench", module = "pumpmodel._pumpmodel")]
 pub(crate) struct Bench {
     pub(super) bench: Arc<DoseBench>,
+    /// Name and temperature (°C) of the fluid, as the caller named it.
+    pub(super) fluid: (Option<String>, Option<f64>),
     pub(super) worker: Worker,
 }
 
@@ -82,7 +84,7 @@ impl Bench {
         let bench = bench.at_port(port).configuring(configure).accepting_settings(accept_settings);
         let bench = bench.confirming_pump(confirm_pump);
         let (worker, bench) = Worker::new(bench)?;
-        Ok(Self { bench, worker })
+        Ok(Self { bench, fluid: (fluid.map(str::to_owned), degc), worker })
     }
 
     /// Pump, with the changes made when the bench was opened.

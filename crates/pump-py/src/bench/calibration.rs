@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
 use crate::argument::{Argument, speed};
-use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of};
+use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of, scale_of};
 use crate::python::advice;
 use crate::python::errors::{self, value};
 
@@ -105,18 +105,21 @@ impl Bench {
             (false, false) => Earlier::Joined,
         };
         let reading = stated_reading(reading).map_err(value)?;
-        let file = self.bench.file();
-        let expected = match scale {
-            Some(_) => Expected::of(file, reading_ml(scale, file)?),
-            None => Expected::of_digits(file, &reading),
-        };
+        let scale = scale.map(scale_of).transpose()?;
+        let (name, degc) = self.fluid.clone();
         let stored = self.worker.call(
             py,
             None,
             |stored: &Stored| format!("calibration {} is kept", stored.version),
             move |held, _| {
                 held.session()?;
-                let mut weighed = held.bench.weigh_last_dose(&reading, None, earlier, &expected)?.calibration;
+                let file = held.bench.file_of_last_dose(name.as_deref(), degc)?;
+                let expected = match scale {
+                    Some(scale) => Expected::of(&file, scale.volume_ml(file.fluid.density_kg_m3)),
+                    None => Expected::of_digits(&file, &reading),
+                };
+                let mut weighed =
+                    held.bench.weigh_last_dose(&file, &reading, earlier, &expected)?.calibration;
                 weighed.tube = tube.or(weighed.tube);
                 weighed.note = note;
                 held.bench.keep_weighing(weighed)

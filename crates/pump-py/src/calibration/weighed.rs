@@ -9,17 +9,21 @@ use pyo3::prelude::*;
 use crate::argument::{text, word};
 use crate::python::errors::value;
 
-/// Reads the standard uncertainty of a reading, mL; 0 if it is not given.
-pub(crate) fn reading_ml(scale: Option<&Bound<'_, PyAny>>, file: &PumpFile) -> PyResult<f64> {
-    let Some(scale) = scale else { return Ok(0.0) };
+/// Reads the standard uncertainty of a reading.
+pub(crate) fn scale_of(scale: &Bound<'_, PyAny>) -> PyResult<Amount> {
     let amount = units::amount(text("scale", "0.01g", scale)?).map_err(value)?;
-    let reading_ml = amount.volume_ml(file.fluid.density_kg_m3);
-    if reading_ml < 0.0 {
+    if matches!(amount, Amount::Mass(part) | Amount::Volume(part) if part < 0.0) {
         return Err(value(
             "scale is negative; allowed: the standard uncertainty of a reading, 0 or more, as \"0.01g\"",
         ));
     }
-    Ok(reading_ml)
+    Ok(amount)
+}
+
+/// Reads the standard uncertainty of a reading of the file's fluid, mL; 0 if it is not given.
+pub(crate) fn reading_ml(scale: Option<&Bound<'_, PyAny>>, file: &PumpFile) -> PyResult<f64> {
+    let amount = scale.map(scale_of).transpose()?;
+    Ok(amount.map_or(0.0, |amount| amount.volume_ml(file.fluid.density_kg_m3)))
 }
 
 /// Returns the scatter that is expected of runs: with the standard uncertainty that `scale` states for a reading, or

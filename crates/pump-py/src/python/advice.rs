@@ -113,8 +113,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "make one of these and weigh it, or say the angle before the next with bench.home_set()"
         }
         Remedy::WeighAlone => {
-            "calibrate by the reading alone with anew=True, or name the fluid that was weighed with fluid="
+            "calibrate by the reading alone with anew=True, or name the fluid that was weighed with fluid= of pm.Bench"
         }
+        Remedy::NameWeighedFluid => "name the fluid that was weighed with fluid= of pm.Bench",
         Remedy::JoinOrBeginAnew => {
             "join the reading to these runs with add=True, or calibrate by the reading alone with anew=True"
         }

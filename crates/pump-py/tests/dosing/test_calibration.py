@@ -179,3 +179,15 @@ def test_the_weight_of_the_last_dose_calibrates_the_next(tmp_path: Path) -> None
         bench.calibrate_last("10.00mL", anew=True)
         with pytest.raises(ValueError, match="exclude each other"):
             bench.calibrate_last("10.00mL", add=True, anew=True)
+
+
+def test_a_dose_is_weighed_as_the_fluid_that_it_was_made_with(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path, fluid="glycerol 60%", temperature="22degC") as bench:
+        bench.dose("213mL")
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        found = bench.calibrate_last("245.5g")
+        assert (found.fluid, found.temperature_degc) == ("glycerol 60%", 22.0)
+        assert bench.log()[0].fluid == "glycerol 60%"
+    with pm.Bench.open("three-roller", state_dir=tmp_path, fluid="ethanol") as bench:
+        found = bench.calibrate_last("168.0g", anew=True)
+        assert (found.fluid, found.temperature_degc) == ("ethanol", 22.0)

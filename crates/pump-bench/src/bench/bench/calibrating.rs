@@ -7,6 +7,8 @@ use crate::calibration::{
     Calibration, CalibrationError, Earlier, Expected, LastWeighing, Stored, WeighedDose,
 };
 use crate::dosing::{DoseError, drop_ml};
+use crate::pump_file::PumpFile;
+use crate::record::{DosedFluid, LastDose};
 use crate::units::StatedReading;
 
 impl Bench {
@@ -78,7 +80,7 @@ impl Bench {
 
     /// Returns the calibration that the weight of the last dose gives. [`Self::keep_weighing`] keeps it.
     ///
-    /// `None` in place of the temperature takes the pump file's.
+    /// `file` is that of [`Self::file_of_last_dose`].
     ///
     /// # Errors
     ///
@@ -89,8 +91,8 @@ impl Bench {
     /// [`CalibrationRun::beside`]: crate::calibration::CalibrationRun::beside
     pub fn weigh_last_dose(
         &self,
+        file: &PumpFile,
         reading: &StatedReading,
-        temperature_degc: Option<f64>,
         earlier: Earlier,
         expected: &Expected,
     ) -> Result<WeighedDose, DoseError> {
@@ -100,11 +102,42 @@ impl Bench {
             None => calibrations.waiting(self.tube()?)?,
             active => active,
         };
-        let last = self.story()?.state.and_then(|state| state.last);
+        let last = self.last_dose()?;
         let expected = self.with_drop(expected)?;
-        let weighing =
-            LastWeighing { reading, temperature_degc, earlier, in_use: in_use.as_ref(), expected: &expected };
-        Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
+        let weighing = LastWeighing { reading, earlier, in_use: in_use.as_ref(), expected: &expected };
+        Ok(WeighedDose::of(file, last, active.as_ref(), &weighing)?)
+    }
+
+    /// Returns the last dose, if there is one to weigh.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] where the record cannot be read.
+    pub fn last_dose(&self) -> Result<Option<LastDose>, DoseError> {
+        Ok(self.story()?.state.and_then(|state| state.last))
+    }
+
+    /// Returns the pump file with the fluid of the last dose, as it is on record. A name and a temperature, in °C, that
+    /// a person states win. A dose of an early version, whose fluid is not on record, was of the pump file's.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] where the record cannot be read. [`DoseError::Calibration`] with
+    /// [`CalibrationError::DosedWith`] for a fluid on record of which nothing is known by now, and
+    /// [`CalibrationError::Fluid`] for one that a person states.
+    pub fn file_of_last_dose(
+        &self,
+        name: Option<&str>,
+        temperature_degc: Option<f64>,
+    ) -> Result<PumpFile, DoseError> {
+        let own = &self.file().fluid;
+        let dosed = self.last_dose()?.and_then(|dose| dose.fluid).unwrap_or(DosedFluid::of(own));
+        let is_stated = name.is_some() || temperature_degc.is_some();
+        let fluid = dosed.table(own, name, temperature_degc).map_err(|source| match is_stated {
+            true => CalibrationError::Fluid(source),
+            false => CalibrationError::DosedWith { dosed: dosed.to_string(), source },
+        })?;
+        Ok(PumpFile { fluid, ..self.file().clone() })
     }
 
     /// Returns what is expected of a weighed dose or run with the drop at the nozzle: a dose has the same share.

@@ -11,7 +11,7 @@ use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared, TubeLife};
 use crate::drives::DriveError;
 use crate::notice::Notice;
 use crate::pump_file::PumpFile;
-use crate::record::{Asked, PumpState, Wear};
+use crate::record::{PumpState, ShortText, Wear};
 
 /// Rows between two looks whether the user asked to stop.
 const ROWS_A_LOOK: usize = 64;
@@ -23,7 +23,7 @@ pub struct PreparedProfile {
     /// Plan of the volume at the flow at which most of it passes, with the predictions of the flow over time.
     pub whole: Prepared,
     /// Name of the profile.
-    pub(crate) name: Asked,
+    pub(crate) name: ShortText,
     knots: Vec<FlowKnot>,
     pace: FlowPace,
     motor: Motor,

@@ -9,7 +9,7 @@ use crate::bench::{DeliveredByWeight, PreparedByWeight};
 use crate::dosing::{Swept, weighed_shares};
 use crate::notice::with_sources;
 use crate::record::{
-    Asked, Clock, Intent, LogEnd, LogEntry, PumpState, Purpose, Stamp, Told, Unfinished, Why,
+    Clock, DosedFluid, Intent, LogEnd, LogEntry, PumpState, Purpose, ShortText, Stamp, Told, Unfinished, Why,
 };
 
 impl Session<'_> {
@@ -20,7 +20,7 @@ impl Session<'_> {
 
     /// Has the log name the rack of which this pump's motions are a part.
     pub(crate) fn name_rack(&mut self, rack: &str) {
-        self.log.rack = Some(Asked::new(rack));
+        self.log.rack = Some(ShortText::new(rack));
     }
 
     /// Returns the part of an intent that only the log needs. `None` for a turn to a mark.
@@ -35,7 +35,19 @@ impl Session<'_> {
                 .and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
             earlier_ml: if motion.terms.by_weight { self.earlier_ml() } else { 0.0 },
             rack: self.log.rack,
+            fluid: Some(self.fluid_of(motion)),
         })
+    }
+
+    /// Returns the fluid of a motion. The rest of a dose and its retraction have that of the dose.
+    fn fluid_of(&self, motion: &RecordedMotion<'_>) -> DosedFluid {
+        let stands = self.stands();
+        let recorded = match motion.purpose {
+            Purpose::Retract => stands.last.and_then(|dose| dose.fluid),
+            _ if motion.whole.is_some() => stands.unfinished.and_then(|dose| dose.intent.told?.fluid),
+            _ => None,
+        };
+        recorded.unwrap_or(DosedFluid::of(&self.bench.file().fluid))
     }
 
     /// Returns the volume of the unfinished dose by weight, in mL, that the log has from earlier commands.

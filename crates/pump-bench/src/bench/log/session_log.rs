@@ -2,7 +2,8 @@
 
 use crate::notice::Notice;
 use crate::record::{
-    Asked, Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, Story, SystemClock, Unfinished, pending,
+    Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, ShortText, Story, SystemClock, Unfinished,
+    pending,
 };
 
 /// Log that a session keeps.
@@ -14,7 +15,7 @@ pub(in crate::bench) struct SessionLog {
     /// Clock that gives doses their times.
     pub(in crate::bench) clock: Box<dyn Clock>,
     /// Rack of which the motions are a part. `None` for a pump by itself.
-    pub(in crate::bench) rack: Option<Asked>,
+    pub(in crate::bench) rack: Option<ShortText>,
     /// Number of the last dose that is on record.
     pub(in crate::bench) doses: u64,
     /// Dose that has ended and is not on record yet.

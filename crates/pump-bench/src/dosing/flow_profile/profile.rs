@@ -4,7 +4,7 @@ use pump_ctl::plan::{FlowError, FlowRow};
 
 use super::error::ProfileError;
 use crate::files::Table;
-use crate::record::Asked;
+use crate::record::ShortText;
 
 /// Most rows of a profile: eleven days of a row a second.
 const MOST_ROWS: usize = 1_000_000;
@@ -20,7 +20,7 @@ const MOST_ROWS: usize = 1_000_000;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowProfile {
-    name: Asked,
+    name: ShortText,
     rows: Vec<FlowRow>,
 }
 
@@ -62,7 +62,7 @@ impl FlowProfile {
         if rows.len() > MOST_ROWS {
             return Err(ProfileError::TooLong { rows: rows.len(), most: MOST_ROWS });
         }
-        Ok(Self { name: Asked::new(name), rows })
+        Ok(Self { name: ShortText::new(name), rows })
     }
 
     /// Returns the profile that runs the other way.
@@ -77,7 +77,7 @@ impl FlowProfile {
         self.name.as_str()
     }
 
-    pub(crate) fn asked(&self) -> Asked {
+    pub(crate) fn asked(&self) -> ShortText {
         self.name
     }
 

@@ -167,17 +167,13 @@ fn weighed_once(
         turned_half_width_rad: 0.0,
         retracted_rad: 0.0,
         retracted_half_width_rad: 0.0,
+        fluid: None,
         by_weight: None,
     };
     let drop_ml = drop_ml(file).unwrap() / 6_f64.sqrt();
     let expected = Expected::of_digits(file, &reading).with_drop_ml(drop_ml);
-    let weighing = LastWeighing {
-        in_use: None,
-        reading: &reading,
-        temperature_degc: None,
-        earlier: Earlier::Joined,
-        expected: &expected,
-    };
+    let weighing =
+        LastWeighing { in_use: None, reading: &reading, earlier: Earlier::Joined, expected: &expected };
     Some(WeighedDose::of(file, Some(last), active, &weighing))
 }
 

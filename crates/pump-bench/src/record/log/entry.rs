@@ -3,8 +3,8 @@
 use pump_model::Pump;
 use serde::{Deserialize, Serialize};
 
-use super::{Asked, LogEnd, Stamp};
-use crate::record::{Purpose, Unfinished};
+use super::{LogEnd, Stamp};
+use crate::record::{DosedFluid, Purpose, ShortText, Unfinished};
 
 /// One dose in the log: a motion that delivers, or all stretches that one command makes of a dose by weight.
 ///
@@ -20,7 +20,7 @@ pub struct LogEntry {
     /// Purpose of the dose.
     pub purpose: Purpose,
     /// Volume as it was typed. `None` if a program gave a number.
-    pub asked: Option<Asked>,
+    pub asked: Option<ShortText>,
     /// Volume that was asked for, in mL. Negative in reverse.
     pub requested_ml: f64,
     /// True for a run until it is stopped. `requested_ml` is then the most that it may have delivered.
@@ -43,7 +43,7 @@ pub struct LogEntry {
     pub cause: Option<String>,
     /// Rack of which the dose was a part. `None` for a pump by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rack: Option<Asked>,
+    pub rack: Option<ShortText>,
     /// True if the dose is the rest of one that was stopped or cut off.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub resumed: bool,
@@ -51,6 +51,9 @@ pub struct LogEntry {
     pub tube: u32,
     /// Number of the calibration that the dose used. `None` without one.
     pub calibration: Option<u32>,
+    /// Fluid that was pumped. `None` in an entry of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<DosedFluid>,
     /// Motor steps made, negative in reverse. `None` where nobody knows.
     pub steps: Option<i64>,
     /// Time that the motion took, in s. `None` where nobody knows.
@@ -92,8 +95,35 @@ impl LogEntry {
             resumed: if intent.terms.by_weight { earlier_ml != 0.0 } else { intent.whole.is_some() },
             tube,
             calibration: told.and_then(|told| told.calibration),
+            fluid: told.and_then(|told| told.fluid),
             steps: is_exact.then_some(made_least * intent.steps.signum()),
             motion_s: None,
+        }
+    }
+
+    /// Returns a dose of 1 mL at a time, for tests.
+    #[cfg(test)]
+    pub(crate) fn example(number: u64, unix_s: u64) -> Self {
+        Self {
+            number,
+            time: Stamp::new(unix_s, 0),
+            purpose: Purpose::Dose,
+            asked: None,
+            requested_ml: 1.0,
+            until_stopped: false,
+            delivered_ml: 1.0,
+            delivered_range_ml: None,
+            expanded_uncertainty_ml: Some(0.1),
+            carry_ml: 0.0,
+            end: LogEnd::Done,
+            cause: None,
+            rack: None,
+            resumed: false,
+            tube: 1,
+            calibration: None,
+            fluid: None,
+            steps: Some(1000),
+            motion_s: Some(1.0),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! The log of a pump: one line a dose, with its time, for people. The journal is the record; the log follows from it.
 
-mod asked;
 mod clock;
 mod clock_watch;
 mod ended;
@@ -8,10 +7,10 @@ mod entry;
 mod file;
 mod moment;
 mod pending;
+mod short_text;
 mod stamp;
 mod told;
 
-pub use asked::Asked;
 pub use clock::{Clock, SystemClock};
 pub use clock_watch::{ClockJump, ClockWatch};
 pub use ended::LogEnd;
@@ -20,5 +19,6 @@ pub(crate) use file::{Log, LogTail};
 pub use file::{LogError, LogLine};
 pub use moment::{MomentError, moment};
 pub(crate) use pending::pending;
+pub use short_text::ShortText;
 pub use stamp::Stamp;
 pub(crate) use told::Told;

@@ -83,31 +83,11 @@ mod tests {
     use pump_model::Pump;
 
     use super::super::file::{Log, LogTail};
-    use super::super::{LogEnd, Stamp};
     use super::*;
-    use crate::record::{Intent, Journal, PhaseSource, PumpState, Purpose, Why};
+    use crate::record::{Intent, Journal, PhaseSource, PumpState, Why};
 
     fn dose(number: u64) -> LogEntry {
-        LogEntry {
-            number,
-            time: Stamp::new(1_000 * number, 0),
-            purpose: Purpose::Dose,
-            asked: None,
-            requested_ml: 1.0,
-            until_stopped: false,
-            delivered_ml: 1.0,
-            delivered_range_ml: None,
-            expanded_uncertainty_ml: Some(0.1),
-            carry_ml: 0.0,
-            end: LogEnd::Done,
-            cause: None,
-            rack: None,
-            resumed: false,
-            tube: 1,
-            calibration: None,
-            steps: Some(1000),
-            motion_s: Some(1.0),
-        }
+        LogEntry::example(number, 1_000 * number)
     }
 
     fn fresh() -> PumpState {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Asked;
+use crate::record::{DosedFluid, ShortText};
 
 /// Part of an intent that only the log needs. A dose that is cut off is logged by it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ pub(crate) struct Told {
     pub(crate) utc_offset_s: i32,
     /// Volume as it was typed. `None` if a program gave a number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) asked: Option<Asked>,
+    pub(crate) asked: Option<ShortText>,
     /// Expanded uncertainty (k = 2) of the planned volume, in mL. `None` for a retraction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) expanded_uncertainty_ml: Option<f64>,
@@ -26,7 +26,10 @@ pub(crate) struct Told {
     pub(crate) earlier_ml: f64,
     /// Rack of which the motion is a part. `None` for a pump by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) rack: Option<Asked>,
+    pub(crate) rack: Option<ShortText>,
+    /// Fluid that is pumped. `None` in an entry of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) fluid: Option<DosedFluid>,
 }
 
 fn is_zero(value: &f64) -> bool {

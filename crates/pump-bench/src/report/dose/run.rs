@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::bench::{Delivered, PreparedProfile};
 use crate::dosing::{Prepared, RunEnd};
 use crate::numbers::significant;
-use crate::record::{Asked, Purpose};
+use crate::record::{Purpose, ShortText};
 
 /// A run of continuous flow, or a prime or purge for a time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -29,7 +29,7 @@ pub struct RunReport {
 #[non_exhaustive]
 pub struct ProfileReport {
     /// Name of the profile, as the file's.
-    pub name: Asked,
+    pub name: ShortText,
     /// Volume of the profile at the rollers, mL.
     pub volume_ml: f64,
     /// Time of the profile from its first row to its last, s.

@@ -180,6 +180,7 @@ impl Explain for CalibrationError {
             Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, .. } => {
                 facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
             }
+            Self::DosedWith { source, .. } | Self::Fluid(source) => source.facts(),
             Self::WeighedWith { weighed, now, .. } => facts.value(now).allowed(weighed),
             Self::WeighedOtherwise { version, .. } => facts.value(format!("calibration {version}")),
             Self::Implausible { measured_ml, model_ml, .. } => facts

@@ -169,6 +169,7 @@ impl CalibrationError {
             Self::LastDoseFromUnknownAngle { .. } => vec![Remedy::DoseFromKnownAngle],
             Self::WeighedOtherwise { .. } => vec![Remedy::JoinOrBeginAnew],
             Self::WeighedWith { .. } => vec![Remedy::WeighAlone],
+            Self::DosedWith { .. } => vec![Remedy::NameWeighedFluid],
             Self::File { .. }
             | Self::Table(_)
             | Self::TooFew { .. }
@@ -179,6 +180,7 @@ impl CalibrationError {
             | Self::NoSuchVersion { .. }
             | Self::NoLaw { .. }
             | Self::Undetermined { .. }
+            | Self::Fluid(_)
             | Self::Model(_) => Vec::new(),
         }
     }

@@ -3,16 +3,17 @@
 use serde::Serialize;
 
 use crate::numbers::{microlitres, significant};
-use crate::record::{Asked, LogEnd, LogEntry, Purpose, Stamp};
+use crate::pump_file::FluidTable;
+use crate::record::{LogEnd, LogEntry, Purpose, ShortText, Stamp};
 
 /// Header of the table of which [`log_csv`] writes the rows.
 pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
     delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack,\
-    clock_went_back,pump,driver";
+    clock_went_back,fluid,temperature_degc,pump,driver";
 
 /// Words a dose for people, in one line without its end. `went_back` is true if its time is before that of the dose
-/// before it.
-pub fn log_text(entry: &LogEntry, went_back: bool) -> String {
+/// before it. The fluid is said where it is not `own`, the pump file's.
+pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
     let asked = match &entry.asked {
         Some(asked) => asked.as_str().to_owned(),
         None if entry.until_stopped => "until stopped".to_owned(),
@@ -40,8 +41,11 @@ pub fn log_text(entry: &LogEntry, went_back: bool) -> String {
         Some(version) => format!("calibration {version}"),
         None => "no calibration".to_owned(),
     };
+    let other = entry.fluid.filter(|fluid| !fluid.is_of(own));
+    let fluid = other.map_or(String::new(), |fluid| format!(", {fluid}"));
     format!(
-        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}{rack}; {end}{rest}{clock}",
+        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}{fluid}{rack}; \
+         {end}{rest}{clock}",
         entry.number,
         entry.time,
         entry.purpose,
@@ -80,6 +84,8 @@ pub fn log_csv(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> S
         number(entry.motion_s),
         quoted(entry.rack.as_ref().map_or("", |rack| rack.as_str())),
         went_back.to_string(),
+        quoted(entry.fluid.as_ref().map_or("", |fluid| fluid.name.as_str())),
+        number(entry.fluid.map(|fluid| fluid.temperature_degc)),
         quoted(pump),
         quoted(driver),
     ]
@@ -102,6 +108,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> 
         driver,
         end: entry.end,
         expanded_uncertainty_ml: entry.expanded_uncertainty_ml,
+        fluid: entry.fluid.map(|fluid| fluid.name),
         motion_s: entry.motion_s,
         number: entry.number,
         pump,
@@ -111,6 +118,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> 
         resumed: entry.resumed,
         schema: "log/1",
         steps: entry.steps,
+        temperature_degc: entry.fluid.map(|fluid| fluid.temperature_degc),
         time: entry.time,
         tube: entry.tube,
     };
@@ -120,7 +128,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> 
 /// Dose as an object of JSON. It is written without a map between, for the logs of years.
 #[derive(Serialize)]
 struct Object<'a> {
-    asked: &'a Option<Asked>,
+    asked: &'a Option<ShortText>,
     calibration: Option<u32>,
     carry_ml: f64,
     cause: Option<&'a str>,
@@ -131,15 +139,17 @@ struct Object<'a> {
     driver: &'a str,
     end: LogEnd,
     expanded_uncertainty_ml: Option<f64>,
+    fluid: Option<ShortText>,
     motion_s: Option<f64>,
     number: u64,
     pump: &'a str,
     purpose: Purpose,
-    rack: &'a Option<Asked>,
+    rack: &'a Option<ShortText>,
     requested_ml: Option<f64>,
     resumed: bool,
     schema: &'static str,
     steps: Option<i64>,
+    temperature_degc: Option<f64>,
     time: Stamp,
     tube: u32,
 }
@@ -156,27 +166,33 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::DosedFluid;
+
+    fn own() -> FluidTable {
+        crate::built_in("three-roller").unwrap().fluid
+    }
+
+    /// Returns the line of a dose of a pump for `own`.
+    fn line(entry: &LogEntry) -> String {
+        log_text(&own(), entry, false)
+    }
 
     fn entry() -> LogEntry {
         LogEntry {
-            number: 7,
             time: Stamp::new(1_795_400_100, 3600),
-            purpose: Purpose::Dose,
-            asked: Some(Asked::new("25 mL")),
+            asked: Some(ShortText::new("25 mL")),
             requested_ml: 25.0,
-            until_stopped: false,
             delivered_ml: 25.0004,
-            delivered_range_ml: None,
             expanded_uncertainty_ml: Some(0.125),
             carry_ml: -0.0004,
             end: LogEnd::Fault,
             cause: Some("the board said \"no\", then nothing".to_owned()),
-            rack: None,
-            resumed: false,
             tube: 2,
             calibration: Some(3),
             steps: Some(27_284),
             motion_s: None,
+            fluid: Some(DosedFluid::of(&own())),
+            ..LogEntry::example(7, 0)
         }
     }
 
@@ -185,13 +201,13 @@ mod tests {
         assert_eq!(
             log_csv("tank", "grbl", &entry(), false),
             "7,2026-11-23T03:15:00+01:00,dose,25 mL,25,25.0004,,,0.125,-0.0004,fault,\"the board said \"\"no\"\", then \
-             nothing\",false,2,3,27284,,,false,tank,grbl"
+             nothing\",false,2,3,27284,,,false,water,25,tank,grbl"
         );
-        assert_eq!(LOG_CSV_HEADER.split(',').count(), 21);
+        assert_eq!(LOG_CSV_HEADER.split(',').count(), 23);
         let endless = LogEntry { cause: None, until_stopped: true, ..entry() };
         let row = log_csv("tank", "grbl", &endless, true);
         let cells: Vec<&str> = row.split(',').collect();
-        assert_eq!((cells.len(), cells[4], cells[18]), (21, "", "true"), "{row}");
+        assert_eq!((cells.len(), cells[4], cells[18]), (23, "", "true"), "{row}");
         let object: serde_json::Value =
             serde_json::from_str(&log_json("tank", "grbl", &endless, true)).unwrap();
         assert!(object["requested_ml"].is_null() && object["clock_went_back"] == true, "{object}");
@@ -199,22 +215,30 @@ mod tests {
 
     #[test]
     fn a_line_says_who_stopped_the_dose() {
-        let line = log_text(&entry(), false);
-        assert!(line.contains("25.0004 ± 0.12 mL") && line.contains("tube 2, calibration 3"), "{line}");
-        assert!(line.ends_with("ended by a fault (the board said \"no\", then nothing)"), "{line}");
+        let fault = line(&entry());
+        assert!(fault.contains("25.0004 ± 0.12 mL") && fault.contains("tube 2, calibration 3;"), "{fault}");
+        assert!(fault.ends_with("ended by a fault (the board said \"no\", then nothing)"), "{fault}");
         let stopped = LogEntry {
             end: LogEnd::Stopped,
             cause: Some("SIGTERM".to_owned()),
-            rack: Some(Asked::new("mix")),
+            rack: Some(ShortText::new("mix")),
             ..entry()
         };
-        assert!(log_text(&stopped, false).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
+        assert!(line(&stopped).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
-        assert!(log_text(&cut, false).contains("1.0000 to 2.0000 mL"), "{}", log_text(&cut, false));
-        assert!(
-            log_text(&LogEntry { resumed: true, ..cut }, false)
-                .ends_with("the process ended, the rest of a dose")
-        );
+        assert!(line(&cut).contains("1.0000 to 2.0000 mL"), "{}", line(&cut));
+        let rest = LogEntry { resumed: true, ..cut };
+        assert!(line(&rest).ends_with("the process ended, the rest of a dose"));
+    }
+
+    #[test]
+    fn a_line_names_the_fluid_where_it_is_not_the_pump_files() {
+        let glycerol = own().changed_to(Some("glycerol 60%"), Some(22.0)).unwrap();
+        let fluid = Some(DosedFluid::of(&glycerol));
+        let other = line(&LogEntry { fluid, ..entry() });
+        assert!(other.contains("calibration 3, glycerol 60% at 22 °C; "), "{other}");
+        assert!(!line(&entry()).contains("water"));
+        assert!(!line(&LogEntry { fluid: None, ..entry() }).contains("°C"));
     }
 }

@@ -90,40 +90,16 @@ impl LeftOut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{LogEnd, Purpose};
 
     const DAY_S: u64 = 86_400;
     const NOW_S: u64 = 1_795_400_100;
-
-    fn dose(number: u64, unix_s: u64) -> LogEntry {
-        LogEntry {
-            number,
-            time: Stamp::new(unix_s, 0),
-            purpose: Purpose::Dose,
-            asked: None,
-            requested_ml: 1.0,
-            until_stopped: false,
-            delivered_ml: 1.0,
-            delivered_range_ml: None,
-            expanded_uncertainty_ml: None,
-            carry_ml: 0.0,
-            end: LogEnd::Done,
-            cause: None,
-            rack: None,
-            resumed: false,
-            tube: 1,
-            calibration: None,
-            steps: None,
-            motion_s: None,
-        }
-    }
 
     /// Returns the numbers of the doses within the last two days, and those left out.
     fn last_two_days(times_s: &[u64]) -> (Vec<u64>, Option<LeftOut>) {
         let mut span = LogSpan::new(NOW_S - 2 * DAY_S, u64::MAX, NOW_S);
         let mut within = Vec::new();
         for (number, unix_s) in (1..).zip(times_s) {
-            if span.look(&dose(number, *unix_s)).is_within {
+            if span.look(&LogEntry::example(number, *unix_s)).is_within {
                 within.push(number);
             }
         }

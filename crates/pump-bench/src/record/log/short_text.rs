@@ -1,4 +1,4 @@
-//! The volume of a dose, as it was typed.
+//! A short text of a record: a volume as it was typed, or a name.
 
 use std::fmt;
 use std::str;
@@ -11,26 +11,26 @@ const MOST: usize = 40;
 /// Mark at the end of a text that was cut.
 const CUT: &str = "…";
 
-/// Volume of a dose, as it was typed: `25 mL`. A text of more than 40 bytes is cut, and ends with `…`.
+/// Short text of a record, as a volume that was typed: `25 mL`. A text of more than 40 bytes is cut, and ends with `…`.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Asked {
+pub struct ShortText {
     bytes: [u8; MOST],
     length: u8,
 }
 
-impl Asked {
+impl ShortText {
     /// Keeps a text.
     pub fn new(text: &str) -> Self {
-        let mut asked = Self { bytes: [0; MOST], length: 0 };
+        let mut kept = Self { bytes: [0; MOST], length: 0 };
         if text.len() <= MOST {
-            asked.push(text);
-            return asked;
+            kept.push(text);
+            return kept;
         }
         let fits = |end: &usize| *end <= MOST - CUT.len() && text.is_char_boundary(*end);
         let end = (0..text.len()).rev().find(fits).unwrap_or(0);
-        asked.push(&text[..end]);
-        asked.push(CUT);
-        asked
+        kept.push(&text[..end]);
+        kept.push(CUT);
+        kept
     }
 
     /// Returns the text.
@@ -47,19 +47,19 @@ impl Asked {
     }
 }
 
-impl fmt::Debug for Asked {
+impl fmt::Debug for ShortText {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(self.as_str(), to)
     }
 }
 
-impl Serialize for Asked {
+impl Serialize for ShortText {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_str(self.as_str())
     }
 }
 
-impl<'de> Deserialize<'de> for Asked {
+impl<'de> Deserialize<'de> for ShortText {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         Ok(Self::new(&String::deserialize(from)?))
     }
@@ -72,12 +72,12 @@ mod tests {
     #[test]
     fn a_text_comes_back_and_a_long_one_is_cut_between_letters() {
         for text in ["", "25 mL", "1e3 µL", &"x".repeat(40)] {
-            assert_eq!(Asked::new(text).as_str(), text);
+            assert_eq!(ShortText::new(text).as_str(), text);
         }
-        assert_eq!(Asked::new(&"x".repeat(41)).as_str(), "x".repeat(37) + "…");
+        assert_eq!(ShortText::new(&"x".repeat(41)).as_str(), "x".repeat(37) + "…");
         // Each µ has two bytes, and 37 bytes end within one.
-        let cut = Asked::new(&"µ".repeat(30));
+        let cut = ShortText::new(&"µ".repeat(30));
         assert_eq!(cut.as_str(), "µ".repeat(18) + "…");
-        assert_eq!(serde_json::from_str::<Asked>(&serde_json::to_string(&cut).unwrap()).unwrap(), cut);
+        assert_eq!(serde_json::from_str::<ShortText>(&serde_json::to_string(&cut).unwrap()).unwrap(), cut);
     }
 }
