@@ -66,7 +66,7 @@ fn the_file_is_checked_shown_and_written_as_rust() {
         "of the bore's pitch; as drawings of heads vary",
         "0.5000 mL per revolution, 0.1250 mL per pitch of 90.00°",
         "inlet     not given: its pressures and its settling are not known",
-        "unsure    18.5 % of the volume, 5.2 % of it at a speed; a dose scatters by 0.47 % (standard uncertainties)",
+        "unsure    18.5 % of the volume, 8.7 % of it at a speed; a dose scatters by 0.47 % (standard uncertainties)",
     ] {
         assert!(check.contains(said), "{said}: {check}");
     }

@@ -37,7 +37,7 @@ fn a_drawing_becomes_a_pump_that_doses_and_says_that_it_is_estimated() {
         "20.9547 mL per revolution",
         "nozzle    in air unless [outlet] end says otherwise; a drop from 10 mm has 140 µL",
         "C 0.0455 mL/kPa, L 0.00420 kPa s²/mL, estimated from its hose, R at 8.7 mL/s",
-        "unsure    13.1 % of the volume, 5.2 % of it at a speed, and 0.13 mL of a roller",
+        "unsure    13.1 % of the volume, 8.7 % of it at a speed, and 0.13 mL of a roller",
     ] {
         assert!(check.contains(text), "{text}: {check}");
     }

@@ -153,15 +153,16 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>,
     Ok((report.balance_g.filter(|_| bench.is_simulated()), before))
 }
 
-/// The volume whose turn is the same from wherever the rollers stand, if nobody knows that: whole pitches.
+/// The volume whose turn is the same from wherever the rollers stand, if nobody knows that: whole pitches. A dose that is
+/// made again turns by as many pitches, whatever the first weighing has shown.
 fn exact_ml(bench: &Bench, volume_ml: f64) -> Result<f64, Failure> {
     if bench.stands()?.phase().is_known(bench.model().pitch_rad()) {
         return Ok(volume_ml);
     }
     let active = bench.calibrations().active()?;
     let factor = active.and_then(|stored| stored.calibration.displacement).map_or(1.0, |found| found.factor);
-    let pitch_ml = factor * bench.model().outlet_curve().pitch_ml();
-    let whole_ml = (volume_ml / pitch_ml).round().max(1.0) * pitch_ml;
+    let pitch_ml = bench.model().outlet_curve().pitch_ml();
+    let whole_ml = (volume_ml / pitch_ml).round().max(1.0) * factor * pitch_ml;
     let is_whole = (whole_ml / volume_ml - 1.0).abs() < 1e-9;
     Ok(if is_whole { volume_ml } else { whole_ml })
 }
@@ -193,8 +194,9 @@ fn keep(
 ) -> Result<(), Failure> {
     let bench = course.bench()?;
     let held = bench.folder().lock()?;
-    let expected = Expected::of_digits(bench.file(), reading);
-    let weighed = bench.weigh_last_dose(reading, temperature_degc, Earlier::Joined, &expected)?;
+    let file = bench.file_of_last_dose(None, temperature_degc)?;
+    let expected = Expected::of_digits(&file, reading);
+    let weighed = bench.weigh_last_dose(&file, reading, Earlier::Joined, &expected)?;
     let stored: Stored = bench.keep_weighing(weighed.calibration)?;
     drop(held);
     course.tell(&calibration_text(&bench, &stored, true, advice::words)?)?;

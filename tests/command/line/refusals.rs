@@ -136,9 +136,9 @@ fn the_example_pump_file_is_the_built_in_pump_under_another_name_weighed_by_nobo
     assert_eq!(example.pump.id, "my-pump");
     example.pump.id.clone_from(&built_in.pump.id);
     example.pump.name.clone_from(&built_in.pump.name);
-    // sqrt((20² + 10²)/3) and 9.02/sqrt(3).
+    // sqrt((20² + 10²)/3) and 15/sqrt(3).
     let unsure = &mut example.uncertainty;
-    assert_eq!((unsure.model_percent, unsure.speed_percent), (13.0, Some(5.2)));
+    assert_eq!((unsure.model_percent, unsure.speed_percent), (13.0, Some(8.7)));
     (unsure.model_percent, unsure.speed_percent) = (built_in.uncertainty.model_percent, None);
     // What stands in a file is its owner's word.
     assert_eq!((example.motor.confirmed, built_in.motor.confirmed), (None, Some(false)));

@@ -9,7 +9,7 @@ use crate::catalogue::built_in;
 use crate::notice::{Remedy, Wording};
 use crate::pump_file::{
     AmbientTable, BackplateTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable,
-    unweighed,
+    Unweighed,
 };
 
 /// Temperature of the fluid, in °C. A drawing does not tell it.
@@ -165,7 +165,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
             "# For a pump that nobody has weighed; {surer}.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
              # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), and a bore known to 0.1 mm.\n\
-             # Speed: McIntyre et al. found the model 9.02 % off at one speed; rectangular.\n\
+             # Speed: limits by the bore of the same table, 5 to 15 %; rectangular.\n\
              # Roller volume: 2.1 %, by which two figures of McIntyre et al. differ, and the residuals of\n\
              # the fit.\n\
              # Repeatability: as McIntyre et al. measured over ten revolutions."
@@ -175,7 +175,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
              # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), the drawing against measured\n\
              # volumes (1.4 %), and a bore known to 0.1 mm.\n\
-             # Speed: McIntyre et al. found the model 9.02 % off at one speed; rectangular.\n\
+             # Speed: limits by the bore of the same table, 5 to 15 %; rectangular.\n\
              # Roller volume: 5.8 %, by which the drawing differed from the measured volume.\n\
              # Repeatability: as McIntyre et al. measured over ten revolutions."
         }
@@ -187,7 +187,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
 ///
 /// The model's uncertainty combines three shares:
 ///
-/// - The first is that between pumps and tubes of one kind, see [`unweighed::model_percent`]. The 2.4 % of McIntyre
+/// - The first is that between pumps and tubes of one kind, see [`Unweighed`]. The 2.4 % of McIntyre
 ///   et al. are those of one pump, measured by its makers.
 /// - The second is 1.4 %, the largest difference between volumes from the drawing and volumes measured over
 ///   ten revolutions. It counts as a standard uncertainty, since one pump alone was compared.
@@ -198,11 +198,12 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
 fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable) -> UncertaintyTable {
     const DRAWING_PERCENT: f64 = 1.4;
     const ROLLER: f64 = 0.058;
-    let shares = [between_percent(geometry), DRAWING_PERCENT, bore_percent(geometry)];
+    let unweighed = unweighed(geometry);
+    let shares = [unweighed.model_percent, DRAWING_PERCENT, bore_percent(geometry)];
     let model_percent = sqrt(shares.iter().map(|share| share * share).sum());
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
-        speed_percent: Some(two_digits(unweighed::speed_percent())),
+        speed_percent: Some(two_digits(unweighed.speed_percent)),
         roller_volume_ml: Some(two_digits(ROLLER * roller_ml)),
         ..measured.clone()
     }
@@ -220,20 +221,21 @@ pub(super) fn measured_uncertainty(
     measured: &UncertaintyTable,
 ) -> UncertaintyTable {
     const ROLLER: f64 = 0.021;
-    let shares = [between_percent(geometry), bore_percent(geometry)];
+    let unweighed = unweighed(geometry);
+    let shares = [unweighed.model_percent, bore_percent(geometry)];
     let model_percent = sqrt(shares.iter().map(|share| share * share).sum());
     let figures_ml = ROLLER * roller_ml;
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
-        speed_percent: Some(two_digits(unweighed::speed_percent())),
+        speed_percent: Some(two_digits(unweighed.speed_percent)),
         roller_volume_ml: Some(two_digits(sqrt(figures_ml * figures_ml + rms_ml * rms_ml))),
         ..measured.clone()
     }
 }
 
-/// Returns the uncertainty of the volume in percent between pumps and tubes of one kind.
-fn between_percent(geometry: &Geometry) -> f64 {
-    unweighed::model_percent(2.0 * geometry.bore_radius_mm)
+/// Returns the uncertainty of pumps and tubes of one kind that nobody has weighed.
+fn unweighed(geometry: &Geometry) -> Unweighed {
+    Unweighed::of_bore(Some(2.0 * geometry.bore_radius_mm))
 }
 
 /// Returns the uncertainty of the volume in percent that comes from the bore. A caliper gives the bore of a
@@ -301,9 +303,9 @@ mod tests {
         };
         let file = measured.pump_file().unwrap();
         assert!((file.model().unwrap().revolution_ml() - 21.3185).abs() < 1e-4);
-        // sqrt((20² + 10²)/3 + 1.155²); sqrt((0.021 x 2.1055)² + 0.0074²); 9.02/sqrt(3)
+        // sqrt((20² + 10²)/3 + 1.155²); sqrt((0.021 x 2.1055)² + 0.0074²); 15/sqrt(3)
         assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, Some(0.045)));
-        assert_eq!(file.uncertainty.speed_percent, Some(5.2));
+        assert_eq!(file.uncertainty.speed_percent, Some(8.7));
         assert!(!file.is_estimated());
         let text = measured.toml_of(&measured.pump_file().unwrap(), |_| "weigh it");
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), file);

@@ -35,4 +35,4 @@ pub use motor::MotorTable;
 pub use pump::PumpTable;
 pub use speed_law::SpeedLawTable;
 pub use uncertainty::UncertaintyTable;
-pub(crate) use uncertainty::unweighed;
+pub(crate) use uncertainty::Unweighed;

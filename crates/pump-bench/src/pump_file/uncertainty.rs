@@ -1,10 +1,11 @@
 //! `[uncertainty]`: how far to trust the model of the pump.
 
-pub(crate) mod unweighed;
+mod unweighed;
 
 use serde::{Deserialize, Serialize};
 
 use super::range::{WrongValue, within, within_if_given};
+pub(crate) use unweighed::Unweighed;
 
 /// The table `[uncertainty]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,11 +39,11 @@ impl UncertaintyTable {
     /// Repeated doses are taken to scatter as McIntyre et al. measured: 1 mL of 212.5 mL, the largest standard
     /// deviation of ten revolutions under 160 r/min. The 2.4 % of their model is of their pump, and no share of this.
     pub(crate) fn of_bought(bore_mm: Option<f64>) -> Self {
-        let model_percent = bore_mm.map_or(unweighed::widest_percent(), unweighed::model_percent);
+        let unweighed = Unweighed::of_bore(bore_mm);
         let tenths = |percent: f64| libm::floor(10.0 * percent + 0.5) / 10.0;
         Self {
-            model_percent: tenths(model_percent),
-            speed_percent: Some(tenths(unweighed::speed_percent())),
+            model_percent: tenths(unweighed.model_percent),
+            speed_percent: Some(tenths(unweighed.speed_percent)),
             repeatability_percent: 0.47,
             repeatability_at_ml: None,
             roller_volume_ml: None,
@@ -61,7 +62,7 @@ impl UncertaintyTable {
             wrong.hint("the paper's pump reaches 2.4, a pump that nobody weighed 6 to 19")
         })?;
         within_if_given("[uncertainty] speed_percent", self.speed_percent, 0.0..=100.0)
-            .map_err(|wrong| wrong.hint("a pump that nobody weighed has 5.2"))?;
+            .map_err(|wrong| wrong.hint("a pump that nobody weighed has 2.9 to 8.7"))?;
         within("[uncertainty] repeatability_percent", self.repeatability_percent, 0.0..=100.0)
             .map_err(|wrong| wrong.hint("the paper's pump reaches 0.47"))?;
         within_if_given("[uncertainty] repeatability_at_ml", self.repeatability_at_ml, 1e-3..=1e6)
