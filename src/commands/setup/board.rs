@@ -26,9 +26,10 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
     if course.answers.driver == Some(DriverName::Sim) {
         return Ok(());
     }
+    let mut full = None;
     loop {
         if course.answers.port.is_none() {
-            ask_port(course)?;
+            ask_port(course, full.as_deref())?;
         }
         if course.answers.axis.is_none() {
             meet(course)?;
@@ -39,7 +40,7 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
         }
         // Each axis of this board turns another pump.
         let mut answers = course.answers.clone();
-        answers.port = None;
+        full = answers.port.take();
         course.take(answers)?;
         course.board = None;
     }
@@ -82,7 +83,8 @@ fn ask_driver(course: &mut Course) -> Asked<()> {
     course.settle(&question, read, |answers, driver| answers.driver = Some(driver))
 }
 
-fn ask_port(course: &mut Course) -> Asked<()> {
+/// Asks the port. That of a board all of whose axes turn other pumps is not suggested.
+fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
     let is_silent = course.asker.is_silent();
     let found = if is_silent { Vec::new() } else { search()? };
     let of_last = course.suggested(|last| Some(last.port.as_ref()?.display().to_string()), None);
@@ -91,11 +93,12 @@ fn ask_port(course: &mut Course) -> Asked<()> {
         ([(port, _)], _) | (_, [(port, _)]) => Some(Usual::new(port.display().to_string())),
         _ => None,
     };
+    let is_free = |usual: &Usual| full.is_none_or(|full| Path::new(&usual.answer) != full);
     let is_there = |usual: &Usual| found.iter().any(|(port, _)| Path::new(&usual.answer) == port);
     let question = Question {
         text: "Port of the board",
         option: "--port /dev/ttyUSB0",
-        usual: of_last.clone().filter(is_there).or(only).or(of_last),
+        usual: of_last.clone().filter(is_there).or(only).or(of_last).filter(is_free),
         help: "the device that appears when you plug the board's cable in, as /dev/ttyUSB0",
     };
     let mut board = None;

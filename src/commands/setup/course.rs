@@ -190,7 +190,7 @@ impl Course {
         for note in notes {
             let text = note.text().to_owned();
             if !self.warned.contains(&text) {
-                warn(&[self.runnable.complete(&note.clone().worded(advice::words))]);
+                warn(&[self.runnable.complete(&note.clone().worded(self.runnable.words()))]);
                 self.warned.push(text);
             }
         }

@@ -7,7 +7,6 @@ use pump_bench::setup::Outlook;
 use super::asker::Asked;
 use super::course::{Course, heading};
 use super::written::rounded;
-use crate::advice;
 
 /// Most steps that are said.
 const MOST_STEPS: usize = 3;
@@ -27,7 +26,7 @@ pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
     for step in outlook.steps.iter().take(MOST_STEPS) {
         let best = 100.0 * step.at_best_ml / outlook.volume_ml;
         let source = step.source.replace('_', " ");
-        let _ = writeln!(text, "  ± {best:.1} %  ({source}) {}", step.notice.worded(advice::words));
+        let _ = writeln!(text, "  ± {best:.1} %  ({source}) {}", step.notice.worded(course.runnable.words()));
     }
     let _ = writeln!(
         text,

@@ -1,5 +1,9 @@
 //! The commands that a setup tells: they run as they are printed, for this pump.
 
+use pump_bench::notice::{Remedy, Wording};
+
+use crate::advice;
+
 /// Words that the commands of a setup need so that they mean this pump and its balance.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Runnable {
@@ -13,12 +17,23 @@ pub(super) struct Runnable {
 const WEIGHING: [&str; 3] = ["dose setup", "dose calibrate run", "dose calibrate verify"];
 
 impl Runnable {
+    /// The words of remedies in a setup. A dose of the setup is exact from any angle, and a balance need not be tared
+    /// for it.
+    pub(super) fn words(&self) -> Wording {
+        match self.scale.is_empty() {
+            true => |remedy| match remedy {
+                Remedy::WeighOneMore => "`dose setup` makes it and asks for its weight",
+                other => advice::words(other),
+            },
+            false => |remedy| match remedy {
+                Remedy::WeighOneMore => "`dose setup` makes it and weighs it",
+                other => advice::words(other),
+            },
+        }
+    }
+
     /// Completes the commands of a text, which stand between back quotes.
     pub(super) fn complete(&self, text: &str) -> String {
-        // A dose of the setup is exact from any angle, and a balance need not be tared for it.
-        let weighs = if self.scale.is_empty() { "asks for its weight" } else { "weighs it" };
-        let again = format!("`dose setup {}` makes it and {weighs}", self.pump);
-        let text = text.replace("make the dose again, then say `dose calibrate last` and its weight", &again);
         let quoted = text.split('`').enumerate();
         let parts = quoted.map(|(at, part)| if at % 2 == 1 { self.command(part) } else { part.to_owned() });
         parts.collect::<Vec<_>>().join("`")
@@ -29,6 +44,9 @@ impl Runnable {
         let Self { scale, pump } = self;
         let words = command.split_whitespace().collect::<Vec<_>>().join(" ");
         let Some(rest) = words.strip_prefix("dose ") else { return command.to_owned() };
+        if rest == "setup" {
+            return self.command(&format!("dose setup {pump}"));
+        }
         let weighs = WEIGHING.iter().any(|known| words.starts_with(known));
         let scale = if weighs && !words.contains("--weight") { scale.as_str() } else { "" };
         let names = if rest.starts_with("setup ") || words.contains("--pump") || rest.starts_with("pumps ") {
@@ -51,16 +69,15 @@ mod tests {
 
     #[test]
     fn a_command_names_the_pump_and_its_balance() {
-        let text =
-            "make the dose again, then say `dose calibrate last` and its weight; `--use` has doses use it";
+        let told = |scale: &str| {
+            let runnable = runnable(scale);
+            runnable
+                .complete(&format!("{}; `--use` has doses use it", runnable.words()(Remedy::WeighOneMore)))
+        };
+        assert_eq!(told(""), "`dose setup acid` makes it and asks for its weight; `--use` has doses use it");
         assert_eq!(
-            runnable("").complete(text),
-            "`dose setup acid` makes it and asks for its weight; `--use` has doses use it"
-        );
-        assert_eq!(
-            runnable("--scale-port /dev/ttyUSB1").complete(text),
-            "`dose setup acid --scale-port /dev/ttyUSB1` makes it and weighs it; `--use` has doses use \
-             it"
+            told("--scale-port /dev/ttyUSB1"),
+            "`dose setup acid --scale-port /dev/ttyUSB1` makes it and weighs it; `--use` has doses use it"
         );
         let known = "`acid` is set up: `dose 5mL --pump acid` doses, `dose setup acid` weighs again";
         assert_eq!(runnable("").complete(known), known);

@@ -10,7 +10,6 @@ use super::asker::{Asked, Question, Usual};
 use super::course::{Course, heading, quieten, tell_person};
 use super::options::AnswerOptions;
 use super::written::rounded;
-use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::options::balance::{BalanceOptions, read_still};
@@ -153,8 +152,8 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>,
     Ok((report.balance_g.filter(|_| bench.is_simulated()), before))
 }
 
-/// The volume whose turn is the same from wherever the rollers stand, if nobody knows that: whole pitches. A dose that is
-/// made again turns by as many pitches, whatever the first weighing has shown.
+/// The volume whose turn is the same from wherever the rollers stand, if nobody knows that: whole pitches. A dose that
+/// is made again turns by as many pitches, whatever the first weighing has shown.
 fn exact_ml(bench: &Bench, volume_ml: f64) -> Result<f64, Failure> {
     if bench.stands()?.phase().is_known(bench.model().pitch_rad()) {
         return Ok(volume_ml);
@@ -199,7 +198,7 @@ fn keep(
     let weighed = bench.weigh_last_dose(&file, reading, Earlier::Joined, &expected)?;
     let stored: Stored = bench.keep_weighing(weighed.calibration)?;
     drop(held);
-    course.tell(&calibration_text(&bench, &stored, true, advice::words)?)?;
+    course.tell(&calibration_text(&bench, &stored, true, course.runnable.words())?)?;
     course.answers.done.dosed = false;
     course.answers.done.weighed += u32::from(is_new);
     course.keep()

@@ -105,7 +105,7 @@ fn a_pump_that_nobody_weighed_says_so_once_until_it_is_calibrated() {
     assert!(report["warnings"].to_string().contains("`dose calibrate run`"), "{report}");
     let volume_ml = number(&report, "planned_ml");
     assert!((share_ml(&report, "model") / volume_ml - 0.13).abs() < 1e-9, "{report}");
-    assert!((share_ml(&report, "speed") / volume_ml - 0.052).abs() < 1e-9, "{report}");
+    assert!((share_ml(&report, "speed") / volume_ml - 0.087).abs() < 1e-9, "{report}");
     // A copy that keeps the figures of the paper's makers.
     let copy = own.replace("model_percent = 13.0", "model_percent = 2.4").replace("speed_percent", "# speed");
     fs::write(user.path("copy.toml"), copy).unwrap();

@@ -21,9 +21,9 @@ pub(super) enum Halt {
     Late,
 }
 
-/// Times of a motion and of the disk meanwhile.
+/// Begin of a motion, and the times that the disk took meanwhile.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pace {
+pub(super) struct DiskTimes {
     /// Instant of the first leave.
     pub(super) began: Option<Instant>,
     /// Longest time that the disk took for an announcement.
@@ -47,7 +47,7 @@ pub(super) struct AnnouncedSteps<'a> {
     pausing: bool,
     /// True if the motor may pause for the disk.
     may_pause: bool,
-    pub(super) pace: Pace,
+    pub(super) disk_times: DiskTimes,
     /// Reason for which no step has leave any more.
     pub(super) halt: Option<Halt>,
 }
@@ -63,7 +63,7 @@ impl<'a> AnnouncedSteps<'a> {
             left: 0,
             pausing: false,
             may_pause,
-            pace: Pace::default(),
+            disk_times: DiskTimes::default(),
             halt: None,
         }
     }
@@ -87,7 +87,7 @@ impl<'a> AnnouncedSteps<'a> {
             self.pausing = false;
         }
         if self.left > 0 {
-            self.pace.began.get_or_insert_with(Instant::now);
+            self.disk_times.began.get_or_insert_with(Instant::now);
         }
         Leave::Go
     }
@@ -109,11 +109,11 @@ impl<'a> AnnouncedSteps<'a> {
             Some(Ok(took)) => {
                 self.end = stretch.end;
                 self.asked = None;
-                self.pace.slowest = self.pace.slowest.max(took);
+                self.disk_times.slowest = self.disk_times.slowest.max(took);
             }
             Some(Err(error)) => self.halt = Some(Halt::Unwritten(error)),
             None if since.elapsed() > LONGEST => {
-                self.pace.slowest = since.elapsed();
+                self.disk_times.slowest = since.elapsed();
                 self.halt = Some(Halt::Late);
             }
             None => {}
@@ -125,10 +125,10 @@ impl<'a> AnnouncedSteps<'a> {
         let pauses = self.stretches.real && self.left > 0 && self.left <= made + self.stretches.stop;
         if pauses && !self.pausing {
             self.pausing = true;
-            self.pace.pauses = self.pace.pauses.saturating_add(1);
+            self.disk_times.pauses = self.disk_times.pauses.saturating_add(1);
             if !self.may_pause {
                 let since = self.asked.map_or(Duration::ZERO, |(_, since)| since.elapsed());
-                self.pace.slowest = self.pace.slowest.max(since);
+                self.disk_times.slowest = self.disk_times.slowest.max(since);
                 self.halt = Some(Halt::Late);
                 return Leave::Stop;
             }

@@ -115,7 +115,7 @@ impl Session<'_> {
             warnings: Vec::new(),
         };
         if delivered.completed {
-            let late = lateness::warning(prepared, moved.measured_s, moved.pace, self.journal.path());
+            let late = lateness::warning(prepared, moved.measured_s, moved.disk_times, self.journal.path());
             self.notes.extend(late);
         }
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {

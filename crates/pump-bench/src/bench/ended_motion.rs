@@ -5,7 +5,7 @@ use std::time::Instant;
 use pump_model::Pump;
 use pump_model::units::degrees;
 
-use super::announced_steps::{Halt, Pace};
+use super::announced_steps::{DiskTimes, Halt};
 use super::device::Device;
 use super::recorded_motion::{Moved, RecordedMotion};
 use super::session::Session;
@@ -29,7 +29,7 @@ pub(super) struct EndedMotion {
     pub(super) beyond: Option<u64>,
     /// Time that the motion took, in s.
     pub(super) measured_s: f64,
-    pub(super) pace: Pace,
+    pub(super) disk_times: DiskTimes,
     /// Reason of the journal to end the motion.
     pub(super) halt: Option<Halt>,
     /// State before the motion.
@@ -46,7 +46,7 @@ impl<'a> Session<'a> {
         ended: EndedMotion,
         watch: &mut Watch<'_>,
     ) -> Result<Moved, DoseError> {
-        let EndedMotion { made, beyond, measured_s, pace, halt, before, intent } = ended;
+        let EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent } = ended;
         let plan = motion.plan;
         let whole = made == plan.steps().unsigned_abs();
         // A run until it is stopped is complete once somebody stopped it.
@@ -55,7 +55,7 @@ impl<'a> Session<'a> {
         let is_ended = is_complete || (halt.is_none() && motion.terms.profile);
         let after =
             after_steps(before, self.log.clock.now().unix_s, &intent, made, is_ended, self.bench.model());
-        let state = self.with_device(&mut device, after, Some(pace.pauses));
+        let state = self.with_device(&mut device, after, Some(disk_times.pauses));
         let why = match &halt {
             Some(_) => Why::Fault,
             None if whole || is_complete || beyond.is_some() => Why::Done,
@@ -93,7 +93,7 @@ impl<'a> Session<'a> {
             }
         };
         if let Some(halt) = halt {
-            return Err(self.of_journal(halt, volume_ml, &pace, motion));
+            return Err(self.of_journal(halt, volume_ml, &disk_times, motion));
         }
         rested.map_err(|source| DoseError::NotRecorded {
             delivered_ml: volume_ml,
@@ -101,7 +101,7 @@ impl<'a> Session<'a> {
             source,
         })?;
         let began = Stamp::new(intent.unix_s, intent.told.map_or(0, |told| told.utc_offset_s));
-        Ok(Moved { made, began, beyond, volume_ml, measured_s, pace })
+        Ok(Moved { made, began, beyond, volume_ml, measured_s, disk_times })
     }
 
     /// Returns the error of a motion that the journal has ended after `delivered_ml`.
@@ -109,14 +109,14 @@ impl<'a> Session<'a> {
         &self,
         halt: Halt,
         delivered_ml: f64,
-        pace: &Pace,
+        disk_times: &DiskTimes,
         motion: &RecordedMotion<'_>,
     ) -> DoseError {
         match halt {
             Halt::Unwritten(source) => DoseError::NotJournalled { delivered_ml, source },
             Halt::Late => DoseError::SlowDisk {
                 delivered_ml,
-                took_s: pace.slowest.as_secs_f64(),
+                took_s: disk_times.slowest.as_secs_f64(),
                 journal: self.journal.path().to_owned(),
                 must_not_pause: !motion.may_pause,
             },

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use pump_ctl::plan::{Cruise, PressureLimits};
 
-use super::announced_steps::Pace;
+use super::announced_steps::DiskTimes;
 use crate::dosing::{DoseRequest, Prepared};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
@@ -23,17 +23,23 @@ pub(super) fn is_critical(request: &DoseRequest) -> bool {
 }
 
 /// Returns the warning of a whole dose that paused or took `measured_s`, more than its plan.
-pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal: &Path) -> Option<Notice> {
+pub(super) fn warning(
+    prepared: &Prepared,
+    measured_s: f64,
+    disk_times: DiskTimes,
+    journal: &Path,
+) -> Option<Notice> {
     let planned_s = prepared.plan.profile().duration_s();
     let is_late = measured_s - planned_s > RESOLUTION_S.max(PART * planned_s);
-    if !is_late && pace.pauses == 0 {
+    if !is_late && disk_times.pauses == 0 {
         return None;
     }
     let [took, plan, slowest] =
-        [measured_s, planned_s, pace.slowest.as_secs_f64()].map(|time_s| significant(time_s, 3));
+        [measured_s, planned_s, disk_times.slowest.as_secs_f64()].map(|time_s| significant(time_s, 3));
     let mut text = format!("the motion took {took} s, and {plan} s by its plan: ");
-    if pace.pauses > 0 {
-        let times = if pace.pauses == 1 { "once".to_owned() } else { format!("{} times", pace.pauses) };
+    if disk_times.pauses > 0 {
+        let times =
+            if disk_times.pauses == 1 { "once".to_owned() } else { format!("{} times", disk_times.pauses) };
         text += &format!(
             "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}",
             journal.display()
@@ -48,5 +54,5 @@ pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal:
             &format!("; the {} s that the dose was to be done within were not kept", significant(time_s, 4));
     }
     let notice = Notice::from(text);
-    Some(if pace.pauses > 0 { notice.with_remedy(Remedy::FasterDisk) } else { notice })
+    Some(if disk_times.pauses > 0 { notice.with_remedy(Remedy::FasterDisk) } else { notice })
 }

@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 use pump_ctl::plan::{Plan, PlannedMotion};
 use pump_model::Pump;
 
-use super::announced_steps::{AnnouncedSteps, Halt, Pace};
+use super::announced_steps::{AnnouncedSteps, DiskTimes, Halt};
 use super::device::Device;
 use crate::displacement::Correction;
 use crate::dosing::{DoseError, Prepared};
 use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
 use crate::notice::with_sources;
-use crate::pump_file::Pace as SimPace;
+use crate::pump_file::Pace;
 use crate::record::Purpose;
 use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
@@ -69,7 +69,7 @@ pub(super) struct Moved {
     pub(super) volume_ml: f64,
     /// Time that the motion took, in s.
     pub(super) measured_s: f64,
-    pub(super) pace: Pace,
+    pub(super) disk_times: DiskTimes,
 }
 
 /// End of a motion by the drive, with the times and the error of the journal meanwhile.
@@ -78,15 +78,15 @@ struct Driven {
     /// True if the drive was not asked to move.
     is_refused: bool,
     measured_s: f64,
-    pace: Pace,
+    disk_times: DiskTimes,
     halt: Option<Halt>,
 }
 
 impl Driven {
     /// Returns the end of a motion that was refused before the drive was asked to move.
     fn refused(error: DriveError) -> Self {
-        let (ended, pace) = (Err(DriveFault::at(0, error)), Pace::default());
-        Self { ended, is_refused: true, measured_s: 0.0, pace, halt: None }
+        let (ended, disk_times) = (Err(DriveFault::at(0, error)), DiskTimes::default());
+        Self { ended, is_refused: true, measured_s: 0.0, disk_times, halt: None }
     }
 }
 
@@ -120,7 +120,7 @@ impl<'a> Session<'a> {
         let intent = self.announce(motion, &before)?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
         let keeps_time = self.bench.is_simulated()
-            && (motion.terms.until_stopped || self.bench.drive().pace == Some(SimPace::Real));
+            && (motion.terms.until_stopped || self.bench.drive().pace == Some(Pace::Real));
         let real_time = RealTime::of(motion.plan, keeps_time);
         let told = self.before_motion.take().map_or(ControlFlow::Continue(()), BeforeMotion::tell);
         let driven = self.journal.announcing(|announcer| {
@@ -133,7 +133,7 @@ impl<'a> Session<'a> {
                 Err(error) => Driven::refused(error),
             }
         });
-        let Driven { ended, is_refused, measured_s, pace, halt } = match driven {
+        let Driven { ended, is_refused, measured_s, disk_times, halt } = match driven {
             Ok(driven) => driven,
             // Nothing has moved.
             Err(error) => {
@@ -146,7 +146,7 @@ impl<'a> Session<'a> {
         device.holds_since = Instant::now();
         match ended {
             Ok(IndexSearch { made, beyond }) => {
-                let after = EndedMotion { made, beyond, measured_s, pace, halt, before, intent };
+                let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
             }
             // Nothing has moved.
@@ -156,7 +156,7 @@ impl<'a> Session<'a> {
                 Err(DoseError::Connection(fault.error))
             }
             // The device is met anew before it moves again.
-            Err(fault) => Err(self.record_fault(device, &before, intent, fault, pace.pauses)),
+            Err(fault) => Err(self.record_fault(device, &before, intent, fault, disk_times.pauses)),
         }
     }
 
@@ -249,8 +249,8 @@ fn drive(
         PlannedMotion::Dose(plan) => drive.run(plan, &mut gate).map(made_all),
         PlannedMotion::Flow(flow) => drive.run_flow(flow, &mut gate).map(made_all),
     };
-    let AnnouncedSteps { pace, halt, .. } = announced;
-    let took_s = pace.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+    let AnnouncedSteps { disk_times, halt, .. } = announced;
+    let took_s = disk_times.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
     let measured_s = real_time.took_s().or(drive.simulated_s()).unwrap_or(took_s);
-    Driven { ended, is_refused: false, measured_s, pace, halt }
+    Driven { ended, is_refused: false, measured_s, disk_times, halt }
 }
