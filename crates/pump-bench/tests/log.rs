@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use pump_bench::record::{Clock, LogEnd, LogEntry, LogLine, Purpose, Stamp, Storage};
+use pump_bench::report::{AcceptedReport, Status};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session, built_in};
 use pump_ctl::plan::Phase;
 
@@ -186,6 +187,35 @@ fn a_dose_whose_process_ended_is_logged_once_with_its_bounds() {
         assert!((0.0..=5.01).contains(&least_ml) && least_ml <= most_ml && most_ml <= 5.01, "{cut:?}");
         assert!(cut.expanded_uncertainty_ml.unwrap() >= 0.5 * (most_ml - least_ml), "{cut:?}");
     }
+}
+
+#[test]
+fn accept_status_log_and_safety_tell_one_volume_of_a_dose_that_was_cut_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(&folder);
+    let journal = bench.folder().path().join("journal.jsonl");
+    {
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::within(0.5, 0.1))).unwrap();
+        dose(&mut session, 10.0);
+    }
+    let text = fs::read_to_string(&journal).unwrap();
+    let lines: Vec<&str> = text.split_inclusive('\n').collect();
+    fs::write(&journal, lines[..lines.len() - 1].concat()).unwrap();
+    fs::remove_file(bench.folder().path().join("log.jsonl")).unwrap();
+    let unfinished = Status::of(&bench).unwrap().unfinished.unwrap();
+    let range_ml = (unfinished.delivered_least_ml, unfinished.delivered_most_ml);
+    assert!(unfinished.steps_made_least < unfinished.steps_made_most);
+    assert!(range_ml.1 - range_ml.0 > 0.3, "the angle makes the volume unsure: {range_ml:?}");
+    let accepted = bench.session().unwrap().accept().unwrap();
+    let report = AcceptedReport::new(&bench, &accepted, Vec::new());
+    assert_eq!((report.delivered_least_ml, report.delivered_most_ml), range_ml);
+    let found = doses(&bench);
+    assert_eq!((found.len(), found[0].end), (1, LogEnd::CutOff));
+    assert_eq!(found[0].delivered_range_ml, Some(range_ml));
+    assert!((range_ml.0..range_ml.1).contains(&found[0].delivered_ml), "{:?}", found[0]);
+    let safety = Status::of(&bench).unwrap().safety;
+    assert_eq!((safety.day_ml, safety.received_ml), (range_ml.1, range_ml.1));
 }
 
 #[test]

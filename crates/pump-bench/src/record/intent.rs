@@ -4,7 +4,7 @@ use pump_ctl::plan::{FlowMotion, Phase, Plan, Turned};
 use pump_model::Pump;
 use serde::{Deserialize, Serialize};
 
-use super::{Account, DoseTerms, Purpose, Told, Whole};
+use super::{Account, DeliveredRange, DoseTerms, Purpose, Told, Whole};
 use crate::displacement::Correction;
 
 /// Plan of a motion, as the journal announces it before the rotor turns.
@@ -93,6 +93,13 @@ impl Intent {
     pub(crate) fn booked_ml(&self, pump: &Pump, least: i64, most: i64) -> f64 {
         let of = |turned| self.account(turned).middle_ml(pump);
         of(self.turned_after(least, most)) - of(self.turned_before())
+    }
+
+    /// Returns the volume of `least` to `most` net steps, over the angles from which they may have been made.
+    pub(crate) fn delivered(&self, pump: &Pump, least: i64, most: i64) -> DeliveredRange {
+        let alone = self.turned_by(Turned::at(self.start()), least, most);
+        let (least_ml, most_ml) = self.account(alone).range_ml(pump);
+        DeliveredRange { least_ml, middle_ml: self.booked_ml(pump, least, most), most_ml }
     }
 
     /// Returns the turn of the earlier doses.

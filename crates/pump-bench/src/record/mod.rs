@@ -3,6 +3,7 @@
 mod account;
 mod after_stop;
 mod backup;
+mod delivered_range;
 mod dose_by_weight;
 mod dosed_fluid;
 mod folder;
@@ -21,6 +22,7 @@ mod whole;
 pub(crate) use account::Account;
 pub use after_stop::AfterStop;
 pub use backup::{BackedUp, BackupError, Position, Restored, backup, restore};
+pub(crate) use delivered_range::DeliveredRange;
 pub use dose_by_weight::DoseByWeight;
 pub use dosed_fluid::DosedFluid;
 pub(crate) use folder::BOARDS;

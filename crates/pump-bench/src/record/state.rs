@@ -117,8 +117,7 @@ impl PumpState {
     /// pumped. A retraction leaves the vessel, and the next dose that repays it counts.
     fn safety_after(&self, made: &Unfinished, lasted_s: f64, pump: &Pump) -> SafetyAccount {
         let intent = &made.intent;
-        let [least_ml, most_ml] =
-            [made.made_least, made.made_most].map(|steps| intent.delivered_ml(pump, steps));
+        let (least_ml, most_ml) = made.counted_ml(pump);
         let pumped_ml = least_ml.abs().max(most_ml.abs());
         let day_ml = if intent.purpose == Purpose::Retract { 0.0 } else { pumped_ml };
         // A line that is pumped back may draw air.

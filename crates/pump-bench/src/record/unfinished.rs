@@ -5,7 +5,7 @@ use pump_model::Pump;
 use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
-use super::{Intent, Whole};
+use super::{DeliveredRange, Intent, Whole};
 use crate::displacement::Correction;
 
 /// Dose that was begun and not finished.
@@ -44,12 +44,26 @@ impl Unfinished {
         Phase::within(0.5 * (least + most), self.intent.half_width_rad + 0.5 * (most - least).abs())
     }
 
+    /// Returns the volume that the dose has delivered, the motions before the last one included.
+    pub(crate) fn delivered(&self, pump: &Pump) -> DeliveredRange {
+        let whole = self.whole(pump);
+        let (least_ml, most_ml) = self.intent.account(whole.turned).range_ml(pump);
+        DeliveredRange {
+            least_ml: whole.least_ml + least_ml,
+            middle_ml: whole.booked_ml,
+            most_ml: whole.most_ml + most_ml,
+        }
+    }
+
+    /// Returns the volume that the last motion of this dose has delivered.
+    pub(crate) fn motion_delivered(&self, pump: &Pump) -> DeliveredRange {
+        self.intent.delivered(pump, self.made_least, self.made_most)
+    }
+
     /// Returns the smallest and largest volume that the dose may have delivered, in mL, the motions before
     /// the last one included. Both are negative in reverse.
     pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
-        let whole = self.whole(pump);
-        let (least_ml, most_ml) = self.intent.account(whole.turned).range_ml(pump);
-        (whole.least_ml + least_ml, whole.most_ml + most_ml)
+        self.delivered(pump).range_ml()
     }
 
     /// Returns the volume that this dose is booked with so far, in mL, the motions before the last one
@@ -63,10 +77,19 @@ impl Unfinished {
         self.intent.booked_ml(pump, self.made_least, self.made_most)
     }
 
+    /// Returns the smallest and largest volume of the last motion that safety limits count, in mL: what it is booked
+    /// with, or where nobody knows its steps, all that it may have delivered.
+    pub(super) fn counted_ml(&self, pump: &Pump) -> (f64, f64) {
+        if self.made_least == self.made_most {
+            let booked_ml = self.motion_booked_ml(pump);
+            return (booked_ml, booked_ml);
+        }
+        self.motion_delivered(pump).range_ml()
+    }
+
     /// Returns the largest error of the volume that this dose is booked with so far, in mL.
     pub(super) fn unsure_ml(&self, pump: &Pump) -> f64 {
-        let ((least_ml, most_ml), booked_ml) = (self.delivered_ml(pump), self.booked_ml(pump));
-        (booked_ml - least_ml).max(most_ml - booked_ml)
+        self.delivered(pump).half_width_ml()
     }
 
     /// Returns this dose as the whole of which a further motion makes the rest.

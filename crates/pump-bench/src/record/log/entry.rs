@@ -32,7 +32,7 @@ pub struct LogEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delivered_range_ml: Option<(f64, f64)>,
     /// Expanded uncertainty (k = 2) of the delivered volume, in mL. `None` for a retraction. A dose that was cut off
-    /// has that of the whole plan, with half of the range of the volume added.
+    /// has that of the whole plan, with half of the volume of the steps that nobody counted added.
     pub expanded_uncertainty_ml: Option<f64>,
     /// Carry to the next dose, in mL. Positive toward the outlet.
     pub carry_ml: f64,
@@ -69,14 +69,14 @@ impl LogEntry {
         let is_exact = made_least == made_most;
         let earlier_ml = told.map_or(0.0, |told| told.earlier_ml);
         // The stretches that one command makes of a dose by weight are one entry.
-        let (delivered_ml, (least_ml, most_ml)) = if intent.terms.by_weight {
-            let (least_ml, most_ml) = part.delivered_ml(pump);
-            (part.booked_ml(pump) - earlier_ml, (least_ml - earlier_ml, most_ml - earlier_ml))
+        let delivered = if intent.terms.by_weight {
+            part.delivered(pump).less(earlier_ml)
         } else {
-            let booked_ml = |made| intent.booked_ml(pump, made, made);
-            (part.motion_booked_ml(pump), (booked_ml(made_least), booked_ml(made_most)))
+            part.motion_delivered(pump)
         };
-        let half_ml = 0.5 * (most_ml - least_ml).abs();
+        // The plan's uncertainty has the angle's share. The steps that nobody counted are added.
+        let [fewest_ml, most_steps_ml] = [made_least, made_most].map(|made| intent.delivered_ml(pump, made));
+        let half_ml = 0.5 * (most_steps_ml - fewest_ml).abs();
         let uncertainty_ml = told.and_then(|told| told.expanded_uncertainty_ml);
         Self {
             number: told.map_or(number, |told| told.number),
@@ -85,8 +85,8 @@ impl LogEntry {
             asked: told.and_then(|told| told.asked),
             requested_ml: intent.requested_ml,
             until_stopped: intent.terms.until_stopped,
-            delivered_ml,
-            delivered_range_ml: (!is_exact).then_some((least_ml.min(most_ml), least_ml.max(most_ml))),
+            delivered_ml: delivered.middle_ml,
+            delivered_range_ml: (!is_exact).then_some(delivered.range_ml()),
             expanded_uncertainty_ml: uncertainty_ml.map(|ml| if is_exact { ml } else { ml + half_ml }),
             carry_ml: 0.0,
             end,
