@@ -63,12 +63,26 @@ fn the_interval_of_a_later_dose_from_an_unknown_angle_holds_its_range() {
     let report = user.json(&["1mL", "--dry-run"]);
     let (least, most) = (number(&report, "volume_least_ml"), number(&report, "volume_most_ml"));
     let unsure = number(&report, "expanded_uncertainty_ml");
-    let middle = 0.5 * (least + most);
-    assert!((middle - number(&report, "planned_ml")).abs() > 0.1, "{report}");
-    assert!(middle - unsure < least && middle + unsure > most, "{report}");
+    let planned = number(&report, "planned_ml");
+    assert!((0.5 * (least + most) - planned).abs() > 0.1, "{report}");
+    assert!(planned - unsure <= least && planned + unsure >= most, "{report}");
     let text = user.types(&["1mL", "--dry-run"]).out;
-    assert!(text.contains(&format!(": {middle:.2} mL \u{b1} {unsure:.2} mL planned")), "{text}");
+    assert!(text.contains(&format!(": {planned:.2} mL \u{b1} {unsure:.2} mL planned")), "{text}");
     assert!(!text.contains("nearest to 1 mL: 0.000"), "{text}");
+}
+
+#[test]
+fn report_and_log_tell_one_volume_with_one_interval_of_a_dose_from_an_unknown_angle() {
+    let user = turned_by_hand();
+    user.json(&["25mL"]);
+    let planned = user.json(&["1mL", "--dry-run"]);
+    let text = user.types(&["1mL"]).out;
+    let log = user.types(&["log", "--format", "json"]).out;
+    let logged: serde_json::Value = serde_json::from_str(log.lines().last().unwrap()).unwrap();
+    let [ml, unsure_ml] = ["delivered_ml", "expanded_uncertainty_ml"].map(|key| number(&logged, key));
+    assert!((ml - number(&planned, "planned_ml")).abs() < 1e-12, "{logged} {planned}");
+    assert!((unsure_ml - number(&planned, "expanded_uncertainty_ml")).abs() < 1e-12, "{logged} {planned}");
+    assert!(text.contains(&format!(": {ml:.2} mL \u{b1} {unsure_ml:.2} mL delivered (")), "{text}");
 }
 
 #[test]

@@ -37,6 +37,10 @@ pub struct Delivered {
     pub retracted_ml: f64,
     /// True if the whole retraction was made.
     pub sucked_back: bool,
+    /// Carry on record afterwards, in mL. An unfinished dose leaves the carry of before it.
+    pub carry_ml: f64,
+    /// Half width of the range around that carry that holds the true carry, in mL.
+    pub carry_half_width_ml: f64,
     /// Time that the motion of the dose took, in s. A simulated motion takes the time of its plan.
     pub measured_s: f64,
     /// Bound at which a run until it was stopped ended by itself. `None` otherwise.
@@ -109,6 +113,8 @@ impl Session<'_> {
             unfinished: self.stands().unfinished.is_some(),
             retracted_ml: 0.0,
             sucked_back: prepared.retraction.is_none(),
+            carry_ml: self.stands().carry_ml,
+            carry_half_width_ml: self.stands().carry_within_ml(self.bench.model()),
             measured_s: moved.measured_s,
             ran_out: None,
             stand: None,
@@ -181,6 +187,8 @@ impl Session<'_> {
         delivered.sucked_back = back.made == plan.steps().unsigned_abs();
         delivered.end_angle_rad = plan.angle_after(back.made);
         delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
+        delivered.carry_ml = self.stands().carry_ml;
+        delivered.carry_half_width_ml = self.stands().carry_within_ml(self.bench.model());
         Ok(())
     }
 }

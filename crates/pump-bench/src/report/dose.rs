@@ -64,6 +64,9 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// Volume that the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
+    /// Volume of the steps that were made, or that are planned, as the log books it, mL.
+    #[serde(skip)]
+    pub booked_ml: f64,
     /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, or that is planned on a
     /// dry run, g, at the pump file's temperature of the fluid; null if the density is not known there.
     pub balance_g: Option<f64>,
@@ -227,6 +230,7 @@ impl DoseReport {
             volume_least_ml: part.range_ml.0,
             volume_most_ml: part.range_ml.1,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
+            booked_ml: part.volume_ml,
             balance_g: Weighing::of(file)
                 .reading_g(delivered.map_or(plan.planned_ml(), |delivered| delivered.volume_ml)),
             volume_basis: basis(file, applied),
@@ -245,7 +249,8 @@ impl DoseReport {
             retraction_completed: prepared.retraction.as_ref().and(delivered).map(|end| end.sucked_back),
             finish: plan.finish(),
             carry_ml: carry_ml(prepared, delivered),
-            carry_half_width_ml: prepared.carry_within_ml(whole.end_rad),
+            carry_half_width_ml: delivered
+                .map_or(prepared.carry_within_ml(whole.end_rad), |delivered| delivered.carry_half_width_ml),
             cruise_speed_rpm: rpm(plan.profile().cruise_rad_s()),
             peak_speed_rpm: rpm(plan.profile().peak_rad_s()),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
@@ -357,7 +362,8 @@ impl DoseReport {
             let before_turned_ml = prepared.begun.map_or(0.0, |begun| begun.turned_ml);
             let turned_ml = delivered.before_ml + delivered.turned_ml - before_turned_ml;
             let (volume_least_ml, volume_most_ml) = (turned_ml, turned_ml);
-            return Self { volume_least_ml, volume_most_ml, delivered_ml: Some(turned_ml), ..part };
+            let (booked_ml, delivered_ml) = (turned_ml, Some(turned_ml));
+            return Self { volume_least_ml, volume_most_ml, delivered_ml, booked_ml, ..part };
         }
         let (file, volume_ml) = (bench.file(), delivered.volume_ml);
         let reading_ml = difference_g * prepared.z_ml_g;
@@ -368,6 +374,7 @@ impl DoseReport {
             volume_least_ml: volume_ml,
             volume_most_ml: volume_ml,
             delivered_ml: Some(volume_ml),
+            booked_ml: volume_ml,
             balance_g: Some(delivered.mass_g),
             volume_basis: VolumeBasis::Weighed,
             expanded_uncertainty_ml,

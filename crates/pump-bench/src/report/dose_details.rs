@@ -183,7 +183,7 @@ impl DoseReport {
 
     /// Each share of the uncertainty in percent of the volume.
     fn budget(&self) -> String {
-        let volume_ml = self.budgeted_ml().abs();
+        let volume_ml = self.booked_ml.abs();
         if volume_ml == 0.0 {
             return "none: nothing was delivered".to_owned();
         }
@@ -201,15 +201,6 @@ impl DoseReport {
             self.uncertainty_budget.iter().map(|share| share.standard_ml * share.standard_ml).sum();
         let factor = significant(self.expanded_uncertainty_ml / sqrt(variance), 3);
         format!("k = {factor}, {}; standard, % of volume: {}", self.basis(), shares.join(", "))
-    }
-
-    /// The model volume that the budget is of, mL: that of the plan, or of the part that was made.
-    fn budgeted_ml(&self) -> f64 {
-        match self.delivered_ml {
-            Some(delivered_ml) if self.is_part() && self.phase.is_stated() => delivered_ml,
-            Some(_) if self.is_part() => 0.5 * (self.volume_least_ml + self.volume_most_ml),
-            _ => self.planned_ml,
-        }
     }
 
     /// The basis of the volume, with the factor of the calibration or of the speed law.

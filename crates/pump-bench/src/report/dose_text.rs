@@ -58,16 +58,11 @@ impl DoseReport {
         self.run.is_some_and(|run| run.is_endless())
     }
 
-    /// The volume that was delivered or planned, and its uncertainty. Of an angle that is not known, the volume in the
-    /// middle of all stands there. A simulated vessel knows more than the plan, and does not tell. The plan is of the
-    /// sum of all doses since the angle was last sure, so its volume may stand elsewhere.
+    /// The volume that was delivered or planned, and its uncertainty. Of an angle that is not known it is the volume
+    /// that the log books: a simulated vessel knows more, and does not tell.
     fn volume(&self) -> String {
         let is_sure = self.phase.is_stated() || self.by_weight.is_some();
-        let volume_ml = match self.delivered_ml {
-            Some(delivered_ml) if is_sure => delivered_ml,
-            _ if is_sure || self.delivered_ml.is_none() && self.is_endless() => self.planned_ml,
-            _ => 0.5 * (self.volume_least_ml + self.volume_most_ml),
-        };
+        let volume_ml = self.delivered_ml.filter(|_| is_sure).unwrap_or(self.booked_ml);
         let verb = match (self.delivered_ml, self.purpose) {
             (None, _) if self.is_endless() => "at most (dry run, nothing recorded)",
             (None, _) => "planned (dry run, nothing recorded)",

@@ -37,6 +37,12 @@ fn a_stop_stops_all_and_each_rest_is_made_afterwards() {
         let base_s = report.pumps[1].doses[0].dose.measured_motion_s.unwrap();
         assert!((dose.measured_motion_s.unwrap() - base_s).abs() < 0.05, "{}: {dose:?}", row.name);
         assert!(row.unfinished && row.steps_completed == 0, "{}", row.name);
+        // The report tells what is on record, and not what was planned.
+        let state = desk.state(&row.name).unwrap();
+        let logged = last_logged(&rack, PUMPS.iter().position(|(name, _)| *name == row.name).unwrap());
+        assert_eq!((row.carry_ml, dose.carry_ml), (Some(state.carry_ml), logged.carry_ml), "{}", row.name);
+        let turned_deg = dose.end_angle_deg - state.angle_rad.to_degrees();
+        assert!((turned_deg / 360.0 - (turned_deg / 360.0).round()).abs() < 1e-9, "{}: {dose:?}", row.name);
         let asked_ml = dose.requested_ml;
         let bench = desk.bench(&row.name);
         let mut session = bench.session().unwrap();
@@ -45,6 +51,11 @@ fn a_stop_stops_all_and_each_rest_is_made_afterwards() {
         assert!((row.delivered_ml + made.volume_ml - asked_ml).abs() < 0.002, "{}", row.name);
     }
     assert_eq!(report.pumps[2].doses.len(), 1, "the second step was not begun");
+    let ended_s =
+        report.pumps.iter().map(|row| row.doses[0].dose.measured_motion_s.unwrap()).fold(0.0, f64::max);
+    assert_eq!(report.ended_s, Some(ended_s));
+    let times = format!("2 steps in {ended_s:.3} of {:.3} s, stopped", report.planned_s);
+    assert!(report.text().contains(&times), "{}", report.text());
 }
 
 #[test]

@@ -83,6 +83,7 @@ class RackReport(Record):
     fault: str | None
     steps: int
     planned_s: float
+    ended_s: float | None
     pumps: tuple[RackPump, ...]
     total: RackTotal
 

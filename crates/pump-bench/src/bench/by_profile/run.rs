@@ -59,6 +59,8 @@ impl Session<'_> {
             unfinished: self.stands().unfinished.is_some(),
             retracted_ml: 0.0,
             sucked_back: true,
+            carry_ml: self.stands().carry_ml,
+            carry_half_width_ml: self.stands().carry_within_ml(self.bench.model()),
             measured_s: moved.measured_s,
             ran_out: None,
             stand: None,

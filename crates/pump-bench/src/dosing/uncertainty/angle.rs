@@ -71,10 +71,13 @@ impl AngleErrors {
         if self.is_stated { [standard_ml, 0.0] } else { [0.0, standard_ml] }
     }
 
-    /// Returns the root of the mean square error, in mL.
+    /// Returns the root of the mean square error, in mL. Of an angle that is not stated it is half of the largest error
+    /// at least: a dose that was planned for the sum with earlier ones may lie on one side of its own volumes.
     fn standard_ml(&self) -> f64 {
         let count = self.errors_ml.len().max(1) as f64;
-        sqrt(self.errors_ml.iter().fold(0.0, |sum, error_ml| sum + error_ml * error_ml) / count)
+        let mean_ml =
+            sqrt(self.errors_ml.iter().fold(0.0, |sum, error_ml| sum + error_ml * error_ml) / count);
+        if self.is_stated { mean_ml } else { mean_ml.max(0.5 * farthest_ml(&self.errors_ml)) }
     }
 
     /// Returns the expanded uncertainty, in mL, of a budget whose combined standard uncertainty is `all_ml`, if the
@@ -92,13 +95,18 @@ impl AngleErrors {
     }
 }
 
+/// Returns the largest of some errors either way, in mL.
+fn farthest_ml(errors_ml: &[f64]) -> f64 {
+    errors_ml.iter().fold(0.0_f64, |most, error_ml| most.max(error_ml.abs()))
+}
+
 /// Returns the expanded uncertainty, in mL, of errors together with independent normal ones whose standard uncertainty
 /// is `others_ml`.
 ///
 /// The distributions are propagated (JCGM 101:2008) instead of their variances: k = 2 would cover every dose where
 /// bounded errors dominate.
 fn expanded_ml(errors_ml: &[f64], others_ml: f64) -> f64 {
-    let farthest_ml = errors_ml.iter().fold(0.0_f64, |most, error_ml| most.max(error_ml.abs()));
+    let farthest_ml = farthest_ml(errors_ml);
     // The farthest error and two standard deviations cover enough from every angle.
     let (mut least_ml, mut most_ml) = (0.0, farthest_ml + 2.0 * others_ml);
     if farthest_ml == 0.0 {

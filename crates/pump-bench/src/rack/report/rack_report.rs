@@ -84,6 +84,8 @@ pub struct RackReport {
     pub steps: usize,
     /// Planned time from the begin to the last motor step, s.
     pub planned_s: f64,
+    /// Time from the begin to the last motor step that was made, s; null in a rehearsal, and if nothing moved.
+    pub ended_s: Option<f64>,
     /// Row of each pump.
     pub pumps: Vec<RackPumpReport>,
     /// Sum over the pumps.
@@ -108,6 +110,10 @@ impl RackReport {
             delivered_most_ml: sum(|row| row.delivered_most_ml),
             expanded_uncertainty_ml: sqrt(squares),
         };
+        let ends = pumps.iter().flat_map(|row| &row.doses);
+        let ends = ends.filter_map(|dose| Some(dose.begin_s + dose.dose.measured_motion_s?));
+        let ended_s =
+            ends.fold(None, |last: Option<f64>, end_s| Some(last.map_or(end_s, |last| last.max(end_s))));
         let times = pumps.iter().filter_map(|row| row.doses.first()?.dose.time);
         Self {
             schema: "rack/1",
@@ -119,6 +125,7 @@ impl RackReport {
             fault,
             steps: rack.steps().len(),
             planned_s,
+            ended_s,
             pumps,
             total,
         }

@@ -20,10 +20,12 @@ impl RackReport {
             (RackEnd::Fault, None) => "stopped by a fault".to_owned(),
         };
         let (pumps, steps) = (counted(self.pumps.len(), "pump"), counted(self.steps, "step"));
+        let made_s = self.ended_s.filter(|_| matches!(self.end, RackEnd::Stopped | RackEnd::Fault));
+        let time = made_s.map_or(String::new(), |ended_s| format!("{ended_s:.3} of "));
         let planned_s = self.planned_s;
         let began = self.time.map_or(String::new(), |time| format!(", began {time}"));
         format!(
-            "{}: {pumps}, {steps} in {planned_s:.3} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
+            "{}: {pumps}, {steps} in {time}{planned_s:.3} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
              {requested} mL asked\n",
             self.rack, "total"
         )

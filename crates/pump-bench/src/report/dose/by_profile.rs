@@ -28,6 +28,7 @@ impl DoseReport {
             requested_ml: flow.volume_ml(),
             volume_least_ml: part.range_ml.0,
             volume_most_ml: part.range_ml.1,
+            booked_ml: part.volume_ml,
             balance_g: Weighing::of(file).reading_g(volume_ml),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,

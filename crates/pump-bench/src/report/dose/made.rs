@@ -75,7 +75,7 @@ pub(in crate::report) fn made(prepared: &Prepared, delivered: Option<&Delivered>
     delivered.map_or(prepared.plan.steps().unsigned_abs(), |delivered| delivered.made)
 }
 
-/// The carry to the next dose, mL.
+/// The carry to the next dose, mL: the planned one on a dry run, or that on record.
 pub(in crate::report) fn carry_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> f64 {
-    delivered.map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml)
+    delivered.map_or(prepared.owes_ml(), |delivered| delivered.carry_ml)
 }
