@@ -215,6 +215,11 @@ fn a_reset_is_heard_once_by_an_axis_that_is_opened_anew_while_another_keeps_the_
     pair.board.pass(Duration::from_secs(1));
     assert_eq!(told_before.disturbed(), Some(Disturbance::Reset));
     drop(told_before);
+    // The disk was full: a reset that is told and not on record is told again.
+    let mut told_before = open(Axis::Y, "base");
+    assert_eq!(told_before.disturbed(), Some(Disturbance::Reset), "no record has it");
+    told_before.recorded();
+    drop(told_before);
     assert_eq!(open(Axis::Y, "base").disturbed(), None, "it was told before");
     assert_eq!(open(Axis::Y, "other").disturbed(), Some(Disturbance::Reset), "a record that was not told");
     assert_eq!(keeps.disturbed(), Some(Disturbance::Reset));

@@ -86,6 +86,9 @@ impl<'a> Session<'a> {
         self.device = Some(Device { drive, file, limits, holds_since: Instant::now() });
         let changed = met != self.stands() || (self.state.is_none() && met.count.is_some());
         let recorded = if changed { self.rest(Why::Met, met) } else { Ok(()) };
+        if let (false, true, Some(device)) = (changed, self.written, &mut self.device) {
+            device.drive.recorded();
+        }
         self.finished_by_device = begun.filter(|_| met.unfinished.is_none());
         Ok(recorded?)
     }
@@ -185,11 +188,13 @@ impl<'a> Session<'a> {
         }
         let mut notes = Vec::new();
         let met = self.meet(device.drive.as_mut(), &mut notes);
-        self.put_away(device.drive);
         self.notes.append(&mut notes);
-        if met != self.stands() {
-            self.rest(Why::Met, met)?;
+        let met_is_recorded = if met == self.stands() { Ok(()) } else { self.rest(Why::Met, met) };
+        if met_is_recorded.is_ok() {
+            device.drive.recorded();
         }
+        self.put_away(device.drive);
+        met_is_recorded?;
         checked.map_err(DoseError::Connection)?;
         let [planned_deg, stands_deg] = [plan.start().angle_rad(), met.angle_rad].map(degrees);
         Err(DoseError::Stale { planned_deg, stands_deg })

@@ -78,6 +78,9 @@ impl<'a> Session<'a> {
         if settled != state {
             rested = rested.and(self.rest(Why::Met, settled));
         }
+        if self.written {
+            device.drive.recorded();
+        }
         self.device = Some(device);
         let counted_ml = plan.delivered_ml(motion.model, made);
         let volume_ml = match read_ml {

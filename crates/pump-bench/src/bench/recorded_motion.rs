@@ -206,10 +206,12 @@ impl<'a> Session<'a> {
         if let (None, false, true, Some(part)) = (state.count, lost, is_delivery, &mut state.unfinished) {
             part.count_before = before.count;
         }
-        self.put_away(device.drive);
         self.log_fault(&intent, made_least, made_most, with_sources(&error));
         // If this fails, the journal's last stretch tells as much with wider bounds.
-        let _ = self.rest(Why::Fault, state);
+        if self.rest(Why::Fault, state).is_ok() {
+            device.drive.recorded();
+        }
+        self.put_away(device.drive);
         let (least_ml, most_ml) =
             Unfinished { intent, made_least, made_most, count_before: None }.delivered_ml(model);
         DoseError::Drive { error, least_ml, most_ml, unfinished: state.unfinished.is_some() }

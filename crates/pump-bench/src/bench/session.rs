@@ -393,6 +393,7 @@ impl<'a> Session<'a> {
         self.log.ended = dose.clone();
         self.journal.append(&Entry::Rest { unix_s: now_s, why, state, dose: dose.clone(), reason })?;
         self.written = true;
+        self.device.iter_mut().for_each(|device| device.drive.recorded());
         self.log.ended = None;
         self.log.doses = state.doses;
         let unlogged = dose.and_then(|dose| self.log.copy(&dose));

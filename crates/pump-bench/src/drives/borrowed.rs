@@ -37,6 +37,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::disturbed(self)
     }
 
+    fn recorded(&mut self) {
+        T::recorded(self);
+    }
+
     fn holds_at_rest(&self) -> bool {
         T::holds_at_rest(self)
     }

@@ -189,6 +189,9 @@ pub trait Drive: Debug + Send {
         None
     }
 
+    /// Says that the disturbances which [`Self::disturbed`] has told are on record. A disk may be full in between.
+    fn recorded(&mut self) {}
+
     /// Returns true if the motor holds wherever it rests, in the pauses of a motion too. Otherwise each rest after a
     /// motion counts as a disturbance, and [`Self::disturbed`] need not tell it.
     fn holds_at_rest(&self) -> bool {

@@ -76,6 +76,8 @@ pub struct Grbl {
     /// Count of the board at rest. `None` if the board has to be asked again.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
+    /// True while a disturbance that was told is not on record.
+    unrecorded: bool,
     /// Rests of the last motion before its end.
     rests: u32,
     notes: Vec<Notice>,
@@ -149,6 +151,7 @@ impl Grbl {
             most_steps_s: settings.most_steps_s(&scale)?,
             stands: Some(scale.count(scale.reported_mm(place))),
             disturbed: reset.then_some(Disturbance::Reset),
+            unrecorded: false,
             rests: 0,
             board: axis_board,
             resets,
@@ -324,7 +327,7 @@ fn overheard(board: &mut Board, wait: Duration, deaf: bool) -> Result<(), GrblEr
 
 impl Drop for Grbl {
     fn drop(&mut self) {
-        if self.disturbed.is_none() {
+        if self.disturbed.is_none() && !self.unrecorded {
             self.board.note_told(self.resets);
         }
     }
@@ -363,7 +366,13 @@ impl Drive for Grbl {
             board.resets()
         });
         self.note_resets(resets.unwrap_or(self.resets));
-        self.disturbed.take()
+        let told = self.disturbed.take();
+        self.unrecorded |= told.is_some();
+        told
+    }
+
+    fn recorded(&mut self) {
+        self.unrecorded = false;
     }
 
     fn holds_at_rest(&self) -> bool {
