@@ -3,3 +3,5 @@
 pub(crate) mod backup;
 pub(crate) mod log;
 pub(crate) mod status;
+
+pub(crate) use status::{rows_of_all, tell_rows};

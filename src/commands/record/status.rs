@@ -49,22 +49,9 @@ impl StatusArgs {
         }
     }
 
-    /// Tells a row of each pump. A pump that cannot be read has a row too, and hides none of the others.
+    /// Tells a row of each pump.
     fn tell_all(&self) -> Result<(), Failure> {
-        let config = self.record.pump.config()?;
-        if config.pumps().is_empty() {
-            return Err(Failure::refused(
-                "the configuration names no pumps; name them in [pumps] of the file that `dose config path` prints",
-            ));
-        }
-        let state_dir = self.record.folder()?;
-        let read = |name: &str| {
-            let file = config.pump(name).map_err(|error| error.told(advice::words))?;
-            let bench = Bench::new(file, self.record.driver(), &state_dir);
-            bench.and_then(|bench| Status::of(&bench)).map_err(|error| error.told(advice::words))
-        };
-        let rows = config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect();
-        self.tell_rows(rows)
+        self.tell_rows(&rows_of_all(&self.record)?)
     }
 
     /// Tells a row of each pump of a rack.
@@ -78,14 +65,53 @@ impl StatusArgs {
             let status = bench.and_then(|bench| Status::of(&bench));
             StatusRow::new(name, status.map_err(|error| error.told(advice::words)))
         };
-        self.tell_rows(rack.pump_names().zip(files).map(row).collect())
+        self.tell_rows(&rack.pump_names().zip(files).map(row).collect::<Vec<_>>())
     }
 
-    fn tell_rows(&self, rows: Vec<StatusRow>) -> Result<(), Failure> {
-        if self.format.json() {
-            return print_json(&rows.iter().map(|row| row.json() + "\n").collect::<String>());
-        }
-        let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-        tell(&rows.iter().map(|row| row.text(width) + "\n").collect::<String>())
+    fn tell_rows(&self, rows: &[StatusRow]) -> Result<(), Failure> {
+        tell_rows(rows, self.format.json(), StatusRow::text)
     }
+}
+
+/// The record of each pump that the configuration names. A pump that cannot be read has a row too, and hides none of
+/// the others.
+pub(crate) fn rows_of_all(record: &RecordOptions) -> Result<Vec<StatusRow>, Failure> {
+    let config = record.pump.config()?;
+    if config.pumps().is_empty() {
+        return Err(Failure::refused(
+            "the configuration names no pumps; name them in [pumps] of the file that `dose config path` prints",
+        ));
+    }
+    let state_dir = record.folder()?;
+    let read = |name: &str| {
+        let file = config.pump(name).map_err(|error| error.told(advice::words))?;
+        let bench = Bench::new(file, record.driver(), &state_dir);
+        bench.and_then(|bench| Status::of(&bench)).map_err(|error| error.told(advice::words))
+    };
+    Ok(config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect())
+}
+
+/// Tells rows, in words that are padded to a width, and then fails if a pump cannot be read.
+pub(crate) fn tell_rows(
+    rows: &[StatusRow],
+    json: bool,
+    text: impl Fn(&StatusRow, usize) -> String,
+) -> Result<(), Failure> {
+    if json {
+        print_json(&rows.iter().map(|row| row.json() + "\n").collect::<String>())?;
+    } else {
+        let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+        tell(&rows.iter().map(|row| text(row, width) + "\n").collect::<String>())?;
+    }
+    let unread: Vec<&str> =
+        rows.iter().filter(|row| row.error.is_some()).map(|row| row.name.as_str()).collect();
+    if unread.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::refused(format!(
+        "{} of {} pumps cannot be read: {}",
+        unread.len(),
+        rows.len(),
+        unread.join(", ")
+    )))
 }

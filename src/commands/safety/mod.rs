@@ -8,6 +8,7 @@ use pump_bench::report::Status;
 
 use self::clear::ClearArgs;
 use crate::advice;
+use crate::commands::record::{rows_of_all, tell_rows};
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::report::FormatOption;
@@ -22,6 +23,9 @@ pub(crate) struct SafetyArgs {
     command: Option<SafetyCommand>,
     #[command(flatten)]
     record: RecordOptions,
+    /// Say it of every pump that the configuration names, a row each
+    #[arg(long)]
+    all: bool,
     #[command(flatten)]
     format: FormatOption,
 }
@@ -37,11 +41,15 @@ impl SafetyArgs {
         if let Some(SafetyCommand::Clear(args)) = &self.command {
             return args.run();
         }
+        if self.all {
+            let rows = rows_of_all(&self.record)?;
+            return tell_rows(&rows, self.format.json(), |row, width| row.safety_text(width, advice::words));
+        }
         let status = Status::of(&self.record.bench()?)?;
         if self.format.json() {
             print_json(&(status.json() + "\n"))
         } else {
-            tell(&status.safety.text(advice::words))
+            tell(&format!("{} ({})\n{}", status.pump, status.driver, status.safety.text(advice::words)))
         }
     }
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::Status;
+use crate::notice::Wording;
 use crate::numbers::{microlitres, significant};
 
 /// The record of a pump of the configuration (`schema` `status-row/1`).
@@ -38,7 +39,7 @@ impl StatusRow {
     pub fn text(&self, width: usize) -> String {
         let name = &self.name;
         let Some(status) = &self.status else {
-            return format!("{name:<width$}  cannot be read: {}", self.error.as_deref().unwrap_or_default());
+            return self.unread(width);
         };
         let angle =
             status.angle_deg.map_or("unknown angle".to_owned(), |angle_deg| format!("at {angle_deg:.2}°"));
@@ -62,5 +63,21 @@ impl StatusRow {
             microlitres(status.carry_ml),
             status.wear.volume_ml,
         )
+    }
+
+    /// The row of the safety limits in words, without its end. Names are padded to `width` letters.
+    pub fn safety_text(&self, width: usize, words: Wording) -> String {
+        let Some(status) = &self.status else { return self.unread(width) };
+        let lines = status.safety.text(words);
+        let lines: Vec<&str> = lines.lines().map(|line| line.trim_start_matches("safety: ")).collect();
+        format!("{:<width$}  {} ({})", self.name, lines.join("; "), status.driver)
+    }
+
+    /// The row of a pump that cannot be read. An error of a file shows its lines, and a row has one.
+    fn unread(&self, width: usize) -> String {
+        let is_excerpt = |line: &&str| line.contains(" | ") || line.ends_with(" |");
+        let error = self.error.as_deref().unwrap_or_default();
+        let said: Vec<&str> = error.lines().filter(|line| !is_excerpt(line)).collect();
+        format!("{:<width$}  cannot be read: {}", self.name, said.join(": "))
     }
 }
