@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use super::lockstep::{Lockstep, Machine};
+use super::motor::step_pin;
 
 /// Change of a pin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +48,8 @@ pub(crate) struct Board {
     to: ChildStdin,
     from: ChildStdout,
     now_ns: f64,
+    /// Time of the last rise of a step pin, in ns.
+    pub(crate) stepped_ns: f64,
     /// Bytes of the host that the board has not been given.
     written: Vec<u8>,
     /// Bytes of the board that the host has not read.
@@ -77,7 +80,16 @@ impl Emulator {
             return Err(io::Error::other("the emulator has no pipes"));
         };
         let (written, said, edges) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self::over(Board { process, to, from, now_ns: 0.0, written, said, edges }))
+        Ok(Self::over(Board {
+            process,
+            to,
+            from,
+            now_ns: 0.0,
+            stepped_ns: f64::NEG_INFINITY,
+            written,
+            said,
+            edges,
+        }))
     }
 
     /// Takes the edges since the last call.
@@ -172,6 +184,9 @@ impl Machine for Board {
             let mut pin_and_level = [0; 2];
             self.from.read_exact(&mut pin_and_level)?;
             let [pin, level] = pin_and_level;
+            if level == 1 && (0..4).any(|axis| pin == step_pin(axis)) {
+                self.stepped_ns = at_ns;
+            }
             self.edges.push(Edge { at_ns, pin, level });
         }
         Ok(())

@@ -69,8 +69,9 @@ impl Desk {
         command.args(words).args(["--driver", "node", "--port"]).arg(self.bridge.port());
         command.arg("--state-dir").arg(self.file("records")).stdin(Stdio::null());
         command.stdout(File::create(self.file("report"))?).stderr(File::create(self.file("error"))?);
-        self.bridge.has_host(true);
-        Ok(command.spawn()?)
+        let process = command.spawn()?;
+        self.bridge.set_host(Some(process.id()));
+        Ok(process)
     }
 
     /// Waits for the end of a command.
@@ -87,7 +88,7 @@ impl Desk {
             }
             thread::sleep(LOOK);
         };
-        self.bridge.has_host(false);
+        self.bridge.set_host(None);
         self.look();
         let report = serde_json::from_str(&fs::read_to_string(self.file("report"))?).unwrap_or_default();
         Ok(Ended { code: status.code(), report, error: fs::read_to_string(self.file("error"))? })

@@ -5,6 +5,7 @@ mod bridge;
 mod desk;
 #[path = "../../../../examples/simulated_node/simulated_node/line.rs"]
 mod line;
+mod silence;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -49,9 +50,13 @@ pub(crate) fn command(firmware: &Path, command: Option<&str>) -> Result<(), Box<
         check(desk.motor.count == 0, "that nothing moves before a dose")?;
         scene(&mut desk)?;
         let (took_s, stood_s) = desk.bridge.times_s();
+        let silence = desk.bridge.longest_silence();
         println!(
-            "  {took_s:.1} s by the computer's clock, in {stood_s:.1} s of which the board's time stood still"
+            "  {took_s:.1} s by the computer's clock, in {stood_s:.1} s of which the board's time stood still; while \
+             the motor turned the command was silent for {:.0} ms of its own time at most",
+            1e3 * silence.as_secs_f64()
         );
+        check(!silence.is_zero() && silence <= silence::LONGEST, "the silences of the command")?;
     }
     Ok(())
 }
@@ -113,7 +118,7 @@ fn stopped(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
 fn killed(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
     let mut process = desk.start(&dose("5mL", &[]))?;
     desk.until_steps(&mut process, CUT_AFTER)?;
-    desk.bridge.has_host(false);
+    desk.bridge.set_host(None);
     signal(&process, Signal::KILL)?;
     let ended = desk.end(process)?;
     desk.until_it_stands()?;
