@@ -107,8 +107,8 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
 
     /// Returns the tick of the next step, or `None` if all motors stand.
     pub fn next_deadline(&self) -> Option<u64> {
-        let tick = soonest(&self.axes.each_ref().map(Axis::rises_at));
-        (tick != NEVER).then_some(tick)
+        // The thread asks within its critical sections, so the ticks are not gathered first.
+        self.axes.iter().filter_map(Axis::next_rise).reduce(u64::min)
     }
 
     /// Returns the board.

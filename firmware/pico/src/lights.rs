@@ -5,23 +5,39 @@ use rp2040_hal::gpio::{FunctionNull, FunctionSioOutput, Pin, PullDown};
 
 use embedded_hal::digital::OutputPin;
 
+/// Tenths of a second in a second, and calls in one of them.
+const TENTHS: u8 = 10;
+const CALLS: u8 = 100;
+
+/// Calls of the short flash.
+const FLASH: u8 = 50;
+
 /// Light on the board. It is dark for most of a second without a host, shines with one, and blinks fast in motion.
-pub(crate) struct Light(Pin<Gpio25, FunctionSioOutput, PullDown>);
+pub(crate) struct Light {
+    pin: Pin<Gpio25, FunctionSioOutput, PullDown>,
+    /// Tenth of the second, and calls in it. The processor divides slowly, so calls are counted.
+    tenth: u8,
+    calls: u8,
+}
 
 impl Light {
     /// Takes the pin of the light.
     pub(crate) fn new(pin: Pin<Gpio25, FunctionNull, PullDown>) -> Self {
-        Self(pin.into_push_pull_output())
+        Self { pin: pin.into_push_pull_output(), tenth: 0, calls: 0 }
     }
 
-    /// Shows the state at tick `now`, µs.
-    pub(crate) fn show(&mut self, now: u64, has_host: bool, moves: bool) {
-        let ms = now / 1_000;
+    /// Shows the state. Call it every ms.
+    pub(crate) fn show(&mut self, has_host: bool, moves: bool) {
+        self.calls += 1;
+        if self.calls == CALLS {
+            self.calls = 0;
+            self.tenth = if self.tenth + 1 == TENTHS { 0 } else { self.tenth + 1 };
+        }
         let shines = match (has_host, moves) {
-            (_, true) => ms % 200 < 100,
+            (_, true) => self.tenth & 1 == 0,
             (true, false) => true,
-            (false, false) => ms % 1_000 < 50,
+            (false, false) => self.tenth == 0 && self.calls < FLASH,
         };
-        let Ok(()) = if shines { self.0.set_high() } else { self.0.set_low() };
+        let Ok(()) = if shines { self.pin.set_high() } else { self.pin.set_low() };
     }
 }

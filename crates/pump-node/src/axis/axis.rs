@@ -173,8 +173,13 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Returns the tick at which the step pin rises next. It is [`NEVER`] if the motor stands.
     #[inline]
     pub(crate) fn rises_at(&self) -> u64 {
-        let due = self.actuator.next_deadline();
-        due.map_or(NEVER, |due| due.max(self.pulse.low_until))
+        self.next_rise().unwrap_or(NEVER)
+    }
+
+    /// Returns the tick at which the step pin rises next, or `None` if the motor stands.
+    #[inline]
+    pub(crate) fn next_rise(&self) -> Option<u64> {
+        self.actuator.next_deadline().map(|due| due.max(self.pulse.low_until))
     }
 
     /// Returns the edge that begins the pulse of the next step.
