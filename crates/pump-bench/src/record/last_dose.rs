@@ -1,9 +1,14 @@
 //! The last dose: how far the rollers turned for what is in the vessel.
 
+mod dose_by_weight;
+mod dosed_fluid;
+
 use pump_ctl::plan::Phase;
 use serde::{Deserialize, Serialize};
 
-use super::{DoseByWeight, DosedFluid, Intent, Purpose, Unfinished};
+use super::{Intent, Purpose, Unfinished};
+pub use dose_by_weight::DoseByWeight;
+pub use dosed_fluid::DosedFluid;
 
 /// Turn of the rollers for the last dose, from the end of the dose before. A scale can weigh it.
 ///

@@ -4,8 +4,6 @@ mod account;
 mod after_stop;
 mod backup;
 mod delivered_range;
-mod dose_by_weight;
-mod dosed_fluid;
 mod folder;
 mod intent;
 mod journal;
@@ -23,14 +21,12 @@ pub(crate) use account::Account;
 pub use after_stop::AfterStop;
 pub use backup::{BackedUp, BackupError, Position, Restored, backup, restore};
 pub(crate) use delivered_range::DeliveredRange;
-pub use dose_by_weight::DoseByWeight;
-pub use dosed_fluid::DosedFluid;
 pub(crate) use folder::BOARDS;
 pub use folder::{Folder, FolderError, Lock, default_state_dir, is_of_record};
 pub use intent::Intent;
 pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};
 pub use journal::{JournalError, Storage, Story};
-pub use last_dose::LastDose;
+pub use last_dose::{DoseByWeight, DosedFluid, LastDose};
 pub use log::{
     Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, ShortText, Stamp,
     SystemClock, moment,

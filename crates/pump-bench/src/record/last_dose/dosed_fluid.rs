@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::ShortText;
 use crate::pump_file::{FluidError, FluidTable};
+use crate::record::ShortText;
 
 /// Fluid of a dose, as the pump file or the person named it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
