@@ -60,7 +60,7 @@ pub(crate) struct NewArgs {
     /// Bought head of the catalogue in place of a drawing, as masterflex-ls-16 (`dose pumps list --catalogue`)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["hose", "roller_volume_points", "plot"])]
     pub(super) head: Option<String>,
-    /// Name of the pump in records [default: FILE's name without its ending, or my-pump]
+    /// Name of the pump in records [default: after FILE's name, or my-pump]
     #[arg(long)]
     id: Option<String>,
     /// Length of the hose on either side, as 0.5m
@@ -100,13 +100,28 @@ impl NewArgs {
 
     /// The id if none is given: two files mostly are two pumps, and the id names the record.
     fn usual_id(&self) -> String {
-        let stem = self
-            .file
-            .as_ref()
-            .and_then(|file| file.file_stem())
-            .map(|stem| stem.to_string_lossy().to_lowercase());
-        stem.filter(|stem| !stem.is_empty() && stem.chars().all(may_be_in_id))
-            .unwrap_or_else(|| "my-pump".to_owned())
+        let id = self.stem().map(|stem| id_of(&stem));
+        id.filter(|id| !id.is_empty()).unwrap_or_else(|| "my-pump".to_owned())
+    }
+
+    /// The name of the file without its ending.
+    fn stem(&self) -> Option<String> {
+        Some(self.file.as_ref()?.file_stem()?.to_string_lossy().into_owned())
+    }
+
+    /// Says the id where it is not the file's name, and warns of an id that has a record already.
+    fn tell_id(&self, id: &str) -> Result<(), Failure> {
+        if self.stem().is_some_and(|stem| stem != id) {
+            tell(&format!("  id        {id}: the name of its record; --id gives another\n"))?;
+        }
+        let records = self.record.folder(&self.config.config()?);
+        if records.is_some_and(|records| records.join(id).is_dir()) {
+            tell(&format!(
+                "  warning   a pump `{id}` has a record already, and this file goes on with its angle, carry and \
+                 calibration; for another pump change `id` in the file\n"
+            ))?;
+        }
+        Ok(())
     }
 
     /// Writes the file, or refuses a pump that cannot work.
@@ -158,6 +173,7 @@ impl NewArgs {
             warn(&warnings);
             return Ok(());
         }
+        self.tell_id(&file.pump.id)?;
         tell(&warnings.iter().map(|warning| format!("  warning   {warning}\n")).collect::<String>())
     }
 
@@ -212,6 +228,13 @@ impl NewArgs {
 fn read_runs(path: &Path) -> Result<RollerRuns, Failure> {
     let text = read_text(path, MOST_TABLE_BYTES).map_err(|error| Failure::unread(path, &error))?;
     RollerRuns::of_csv(&text).map_err(|error| Failure::of(error).after(&format!("{}: ", path.display())))
+}
+
+/// The id of a file's name. A hyphen stands for what an id may not hold.
+fn id_of(stem: &str) -> String {
+    let parts = stem.to_lowercase();
+    let parts = parts.split(|letter| !may_be_in_id(letter)).filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join("-")
 }
 
 /// True for a letter that an id may hold.

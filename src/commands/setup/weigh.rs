@@ -19,6 +19,10 @@ use crate::warned::Warned;
 /// Usual volume of the dose that is weighed, mL: a kitchen scale of 0.01 g then reads it to a thousandth.
 const USUAL_ML: f64 = 10.0;
 
+/// Words for a dose of the course that nobody can weigh any more.
+const LATER_DOSE: &str = "the pump has dosed again since setup's dose, so nobody can weigh that one any more; empty \
+                          and tare the vessel for another";
+
 /// Reading of the balance before the dose, if there is a balance.
 type ReadBefore<'a> = dyn FnMut() -> Result<Option<BalanceReading>, Failure> + 'a;
 
@@ -35,12 +39,21 @@ pub(super) fn weigh(
 ) -> Asked<bool> {
     let mut given = options.weight;
     if let Some(reading) = given.filter(|_| !course.answers.done.dosed && course.answers.done.weighed > 0) {
+        refuse_later_dose(course)?;
         tell_person("The weight takes the place of the earlier reading of the dose that was made last.");
         keep(course, &reading, options.temperature, false)?;
         return Ok(true);
     }
     loop {
         let (mut shown_g, mut before) = (None, None);
+        if course.answers.done.dosed && !is_last(course)? {
+            course.answers.done.dosed = false;
+            course.keep()?;
+            if given.is_some() {
+                return Err(Failure::refused(LATER_DOSE).into());
+            }
+            tell_person(LATER_DOSE);
+        }
         if !course.answers.done.dosed {
             heading("A dose to be weighed");
             let fluid = course.bench()?.file().fluid.clone();
@@ -75,6 +88,25 @@ pub(super) fn weigh(
             Err(failure) => tell_person(&format!("  {}", failure.message())),
         }
     }
+}
+
+/// True if the pump's last dose is that of the course. Answers of an early version do not tell.
+fn is_last(course: &Course) -> Result<bool, Failure> {
+    let last = course.bench()?.last_number()?;
+    Ok(course.answers.done.dose.is_none_or(|number| number == last))
+}
+
+/// Refuses the weight of a dose that was made after the one that this course has weighed.
+fn refuse_later_dose(course: &Course) -> Result<(), Failure> {
+    if is_last(course)? {
+        return Ok(());
+    }
+    let pump = &course.answers.name;
+    Err(Failure::refused(format!(
+        "the pump has dosed since setup weighed a dose of it, so this weight is not that of setup's dose; nothing is \
+         kept; `dose calibrate last <READING> --pump {pump}` takes it for the last dose, and `dose setup {pump}` \
+         doses anew and asks"
+    )))
 }
 
 fn ask_volume(course: &mut Course) -> Asked<()> {
@@ -147,7 +179,8 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>,
     if !delivered.completed {
         return Err(Failure::stopped(signal.unwrap_or(0), true, "stopped by the user in the dose").into());
     }
-    course.answers.done.dosed = true;
+    drop(session);
+    (course.answers.done.dosed, course.answers.done.dose) = (true, Some(bench.last_number()?));
     course.keep()?;
     Ok((report.balance_g.filter(|_| bench.is_simulated()), before))
 }

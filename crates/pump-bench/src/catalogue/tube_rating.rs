@@ -16,12 +16,16 @@ const RATINGS: [(f64, f64); 6] = [
     (2.0, 96.0),
 ];
 
-/// Returns the largest working pressure of tubes with a bore in mm, in kPa above the air's: that of the next narrower
-/// bore that is rated. `None` as the bore takes the largest rating.
+/// Part of a bore by which a metric size may be wider than the size in inches that it stands for: 1.6 mm for 1/16 in.
+const SAME_SIZE: f64 = 0.02;
+
+/// Returns the largest working pressure of tubes with a bore in mm, in kPa above the air's: that of the next wider bore
+/// that is rated. `None` as the bore takes the largest rating.
 pub(super) fn rated_kpa(bore_mm: Option<f64>) -> f64 {
     let bore_mm = bore_mm.unwrap_or(0.0);
-    let rated = RATINGS.iter().rev().find(|(inches, _)| inches * MM_PER_INCH <= bore_mm);
-    rated.unwrap_or(&RATINGS[0]).1
+    let holds = |inches: f64| bore_mm <= (1.0 + SAME_SIZE) * inches * MM_PER_INCH;
+    let rated = RATINGS.iter().find(|(inches, _)| holds(*inches));
+    rated.unwrap_or(&RATINGS[RATINGS.len() - 1]).1
 }
 
 #[cfg(test)]
@@ -29,10 +33,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bore_has_the_rating_of_the_next_narrower_one() {
-        for (bore_mm, kpa) in
-            [(Some(1.0), 482.0), (Some(1.6), 482.0), (Some(3.2), 296.0), (Some(10.0), 214.0), (None, 482.0)]
-        {
+    fn a_bore_has_the_rating_of_the_next_wider_one() {
+        for (bore_mm, kpa) in [
+            (Some(1.0), 482.0),
+            (Some(1.6), 482.0),
+            (Some(2.0), 296.0),
+            (Some(3.1), 296.0),
+            (Some(3.2), 296.0),
+            (Some(10.0), 214.0),
+            (Some(25.4), 131.0),
+            (None, 482.0),
+        ] {
             assert_eq!(rated_kpa(bore_mm), kpa, "{bore_mm:?}");
         }
         assert_eq!(rated_kpa(Some(100.0)), 96.0);

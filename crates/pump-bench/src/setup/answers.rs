@@ -126,6 +126,9 @@ pub struct Done {
     /// True once the dose is in the vessel, until it is weighed.
     #[serde(default)]
     pub dosed: bool,
+    /// Number of the last dose of the run, in the pump's log. `None` before it, and in answers of an early version.
+    #[serde(default)]
+    pub dose: Option<u64>,
     /// Number of doses that were weighed.
     #[serde(default)]
     pub weighed: u32,

@@ -117,6 +117,15 @@ impl Bench {
         Ok(self.story()?.state.and_then(|state| state.last))
     }
 
+    /// Returns the number of the last dose in the log, 0 before the first.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] where the record cannot be read.
+    pub fn last_number(&self) -> Result<u64, DoseError> {
+        Ok(self.story()?.state.map_or(0, |state| state.doses))
+    }
+
     /// Returns the pump file with the fluid of the last dose, as it is on record. A name and a temperature, in °C, that
     /// a person states win. A dose of an early version, whose fluid is not on record, was of the pump file's.
     ///
