@@ -101,16 +101,16 @@ fn at_a_thousand_instants_the_steps_file_is_within_a_step_of_the_rows() {
 fn what_cannot_be_met_is_refused_with_its_first_instant_and_nothing_moves() {
     for (rows, words) in [
         ("0,0\n10,100\n", "rad/s2 where the rollers stand then; the pump's limit is 500.0 rad/s2"),
-        ("0,10\n10,10\n", "at 0.0000 s, in row 1, the flow steps from 0 to 10 mL/s"),
-        ("0,0\n5,2\n4,2\n", "row 3 has the time 4 s after 5 s; times do not go back"),
-        ("-1,0\n5,2\n", "row 1 has the time -1 s; allowed: 0 in the first row"),
-        ("2,0\n5,2\n", "row 1 has the time 2 s"),
-        ("0,0\n5,2\n9,-1\n", "row 3 has the flow -1 mL/s against the direction"),
+        ("0,10\n10,10\n", "at 0.0000 s, in row 2, the flow steps from 0 to 10 mL/s"),
+        ("0,0\n5,2\n4,2\n", "row 4 has the time 4 s after 5 s; times do not go back"),
+        ("-1,0\n5,2\n", "row 2 has the time -1 s; allowed: 0 in the first row"),
+        ("2,0\n5,2\n", "row 2 has the time 2 s"),
+        ("0,0\n5,2\n9,-1\n", "row 4 has the flow -1 mL/s against the direction"),
         ("0,0\n5,0\n", "two rows or more at different times, and one with a flow"),
         ("", "one with a flow; rows of this one: 0"),
-        ("0,0\n5,\n", "row 2 of the profile cannot be used: line 3: flow_ml_s is missing"),
+        ("0,0\n5,\n", "the profile cannot be used: line 3: flow_ml_s is missing"),
         ("0,0\n5,nan\n", "flow_ml_s is `nan`"),
-        ("0,0\nabc,2\n", "row 2 of the profile cannot be used: line 3: time_s is `abc`"),
+        ("0,0\nabc,2\n", "the profile cannot be used: line 3: time_s is `abc`"),
         ("0,0\n5\n", "line 3: 1 cells under 2 columns"),
     ] {
         let user = user(&format!("time_s,flow_ml_s\n{rows}"));
@@ -133,6 +133,36 @@ fn what_cannot_be_met_is_refused_with_its_first_instant_and_nothing_moves() {
     for options in [&["--rate", "1mL/s"][..], &["--smooth"], &["--for", "1min"], &["--volume", "1L"]] {
         user(ROWS).is_refused(&[&["run", "--profile", "flow.csv"], options].concat());
     }
+}
+
+#[test]
+fn a_flow_that_the_motor_cannot_meet_is_refused_with_the_part_and_the_acceleration_that_could() {
+    let rows = |ml_s: f64| format!("time_s,flow_ml_s\n0,0\n5,{ml_s}\n10,{ml_s}\n15,0\n");
+    let dry = ["run", "--profile", "flow.csv", "--dry-run"];
+    let way_out = |refused: &str, words: &str| -> f64 {
+        refused.split(words).next().unwrap().rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    let user = user(&rows(6.0));
+    let refused = user.is_refused(&dry[..3]);
+    for said in
+        ["in the stretch to row 3, the flow needs", "[motor] max_acceleration_rad_s2", "`dose run --rate`"]
+    {
+        assert!(refused.contains(said), "{said}: {refused}");
+    }
+    // A level flow Q needs 27.6 Q² rad/s² of the built-in pump (PHYSICS section 9), of 500 rad/s².
+    let enough_rad_s2 = way_out(&refused, " rad/s2 could as it is");
+    assert!((0.98..1.03).contains(&(enough_rad_s2 / (27.6 * 36.0))), "{refused}");
+    let factor = way_out(&refused, " times these flows could");
+    assert!((0.69..0.72).contains(&factor), "{refused}");
+    fs::write(user.path("flow.csv"), rows(6.0 * factor)).unwrap();
+    assert_eq!(user.types(&dry).code, 0, "the smaller flow can be met");
+    // No acceleration helps a head whose default pulse leaves less flow than its fastest speed makes up for.
+    fs::write(user.path("head.toml"), include_str!("../../../examples/pumps/bought-head.toml")).unwrap();
+    fs::write(user.path("flow.csv"), rows(0.1)).unwrap();
+    let refused = user.is_refused(&[&dry[..], &["--pump", "head.toml"]].concat());
+    assert!(!refused.contains("a motor of"), "{refused}");
+    fs::write(user.path("flow.csv"), rows(0.1 * way_out(&refused, " times these flows could"))).unwrap();
+    assert_eq!(user.types(&[&dry[..], &["--pump", "head.toml"]].concat()).code, 0);
 }
 
 #[test]

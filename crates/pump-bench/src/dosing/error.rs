@@ -26,7 +26,7 @@ use crate::record::JournalError;
 use crate::record::Stamp;
 use crate::safety::Stand;
 
-use super::flow_profile::ProfileError;
+use super::flow_profile::{FlowWayOut, ProfileError};
 use super::request::RunBound;
 use super::tube_life::LifeUnit;
 
@@ -49,6 +49,14 @@ pub enum DoseError {
     /// The flow over time cannot be met. Nothing has moved.
     #[error("this flow over time cannot be met")]
     Flow(#[source] FlowError),
+    /// The flow over time cannot be met by this motor, and a gentler one could. Nothing has moved.
+    #[error("this flow over time cannot be met{way_out}")]
+    SteepFlow {
+        /// Flows that could be met.
+        way_out: FlowWayOut,
+        /// First instant that cannot be met.
+        source: FlowError,
+    },
     /// The folder of the journal cannot be used. Nothing has moved.
     #[error(transparent)]
     Folder(#[from] FolderError),

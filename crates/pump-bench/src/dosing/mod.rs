@@ -20,7 +20,7 @@ mod warnings;
 
 pub(crate) use displaced_pumps::DisplacedPumps;
 pub use error::{DoseError, NoRestByWeight, WeightFault};
-pub use flow_profile::{FlowProfile, ProfileError};
+pub use flow_profile::{FlowProfile, FlowWayOut, ProfileError};
 pub use prepared::Prepared;
 pub(crate) use prepared::{cruise_of, settle_of_s};
 pub use request::{DoseRequest, RunBound, RunEnd};

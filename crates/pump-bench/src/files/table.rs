@@ -84,6 +84,11 @@ impl<'a> Table<'a> {
 }
 
 impl Row<'_> {
+    /// Returns the number of the line in the file, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
     /// Returns an error at this line.
     pub(crate) fn error(&self, message: String) -> TableError {
         TableError { line: self.line, message }

@@ -80,6 +80,8 @@ pub enum Remedy {
     SayAngleOrMark,
     /// Find the angle of the rollers by a sensor, or say it without a tolerance.
     SayExactAngle,
+    /// Let the flow be smaller or change more slowly, or allow the motor more acceleration.
+    GentlerFlow,
     /// Say where the rollers stand.
     SetAngle,
     /// Find the angle of the rollers by a sensor or a mark.
@@ -221,6 +223,7 @@ impl Remedy {
         Self::TurnAndSayAngle,
         Self::SayAngleOrMark,
         Self::SayExactAngle,
+        Self::GentlerFlow,
         Self::SetAngle,
         Self::HomeBySensorOrMark,
         Self::SayUnknownAngle,

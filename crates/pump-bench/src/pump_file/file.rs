@@ -128,7 +128,13 @@ impl PumpFile {
     pub fn parse(text: &str, origin: &str) -> Result<Self, PumpFileError> {
         let mut file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
             origin: origin.to_owned(),
-            message: error.to_string().trim_end().to_owned(),
+            message: match error.message() {
+                "missing field `driver`" => {
+                    "[drive] has no driver, sim, grbl or node; add it, as driver = \"sim\" beside pace"
+                        .to_owned()
+                }
+                _ => error.to_string().trim_end().to_owned(),
+            },
         })?;
         file.fill_from_catalogue();
         let file = file.with_assumptions();

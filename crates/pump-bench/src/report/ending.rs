@@ -50,6 +50,7 @@ impl DoseError {
             | Self::Plan(_)
             | Self::Profile(_)
             | Self::Flow(_)
+            | Self::SteepFlow { .. }
             | Self::Journal(_)
             | Self::Calibration(_)
             | Self::Displacement(_)

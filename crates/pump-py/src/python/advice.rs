@@ -60,6 +60,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "say where the rollers stand with bench.home_set(angle_rad), or turn them to a mark and call \
              bench.home_mark()"
         }
+        Remedy::GentlerFlow => {
+            "make the flow smaller there or let it change over a longer time, or raise [motor] \
+             max_acceleration_rad_s2 and max_speed_rpm in the pump file if the motor can follow; a run at a rate \
+             keeps the mean flow alone, and pulsates"
+        }
         Remedy::SayExactAngle => {
             "Bench.home_sensor() finds the angle, and Bench.home_set() with a tolerance of 0deg says it"
         }

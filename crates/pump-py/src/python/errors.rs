@@ -189,6 +189,7 @@ fn class(error: DoseError) -> PyErr {
         DoseError::Displacement(_)
         | DoseError::NotByWeight { .. }
         | DoseError::Flow(_)
+        | DoseError::SteepFlow { .. }
         | DoseError::NoRun { .. }
         | DoseError::Disturbed { .. }
         | DoseError::TubeWorn { .. }

@@ -1,13 +1,15 @@
 //! A flow over time before it moves.
 
-use pump_ctl::plan::{Cruise, FlowKnot, FlowMotion, FlowPace, FlowPlan, Motor, Phase, PlannedMotion};
+use pump_ctl::plan::{
+    Cruise, FlowError, FlowKnot, FlowMotion, FlowPace, FlowPlan, Motor, Phase, PlannedMotion,
+};
 use pump_model::Pump;
-use pump_model::units::rpm;
+use pump_model::units::{TURN_RAD, rpm};
 
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::calibration::Stored;
-use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared, TubeLife};
+use crate::dosing::{DoseError, DoseRequest, FlowProfile, FlowWayOut, Prepared, TubeLife};
 use crate::drives::DriveError;
 use crate::notice::Notice;
 use crate::pump_file::PumpFile;
@@ -15,6 +17,9 @@ use crate::record::{PumpState, ShortText, Wear};
 
 /// Rows between two looks whether the user asked to stop.
 const ROWS_A_LOOK: usize = 64;
+
+/// Most motor steps of a flow over time whose way out is looked for: a look takes some hundredths of a second.
+const MOST_STEPS_TRIED: f64 = 300_000.0;
 
 /// Flow over time that is planned and may run.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,8 +70,8 @@ impl Session<'_> {
     ///
     /// # Errors
     ///
-    /// [`DoseError::Flow`] with the first row or instant that cannot be met. Other [`DoseError`]s if a dose is
-    /// unfinished or the device cannot be used.
+    /// [`DoseError::Flow`] or [`DoseError::SteepFlow`] with the first row or instant that cannot be met. Other
+    /// [`DoseError`]s if a dose is unfinished or the device cannot be used.
     pub fn prepare_profile(
         &mut self,
         request: DoseRequest,
@@ -108,6 +113,22 @@ impl Bench {
     /// Plans a run that follows a flow over time as if `state` were on record. `file` is the pump file as the device
     /// allows it.
     pub(in crate::bench) fn plan_profile(
+        &self,
+        file: &PumpFile,
+        state: Option<PumpState>,
+        request: DoseRequest,
+        profile: &FlowProfile,
+    ) -> Result<PreparedProfile, DoseError> {
+        self.plan_rows(file, state, request, profile).map_err(|error| match error {
+            DoseError::Flow(refused) => DoseError::Flow(profile.located(refused)),
+            DoseError::SteepFlow { way_out, source } => {
+                DoseError::SteepFlow { way_out, source: profile.located(source) }
+            }
+            error => error,
+        })
+    }
+
+    fn plan_rows(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,
@@ -176,8 +197,36 @@ impl Bench {
         Prepared::for_flow(file, self.model(), stored.as_ref(), request, stands)
     }
 
-    /// Returns the knots of a profile's steps, or refuses the first instant that cannot be met.
+    /// Returns the knots of a profile's steps, or refuses the first instant that cannot be met, with the way out.
     fn stepped(
+        &self,
+        model: &Pump,
+        motor: Motor,
+        start: Phase,
+        profile: &FlowProfile,
+    ) -> Result<(Vec<FlowKnot>, FlowPace), DoseError> {
+        let refused = match self.all_stepped(model, motor, start, profile) {
+            Err(DoseError::Flow(
+                source @ (FlowError::TooSteep { .. } | FlowError::TooFast { .. } | FlowError::Step { .. }),
+            )) => source,
+            ended => return ended,
+        };
+        // The way out of a long flow is not looked for: each look plans every step.
+        let steps = profile.volume_ml().abs() / model.revolution_ml() * TURN_RAD / motor.step_rad();
+        if steps > MOST_STEPS_TRIED {
+            return Err(DoseError::Flow(refused));
+        }
+        let limit_rad_s2 = motor.max_acceleration_rad_s2;
+        let way_out = FlowWayOut::find(profile.largest_flow_ml_s(), limit_rad_s2, |factor, times| {
+            let mut motor = motor;
+            motor.max_acceleration_rad_s2 = times * limit_rad_s2;
+            self.all_stepped(model, motor, start, &profile.scaled(factor)).is_ok()
+        });
+        Err(DoseError::SteepFlow { way_out, source: refused })
+    }
+
+    /// Returns the knots of a profile's steps, or refuses the first instant that cannot be met.
+    fn all_stepped(
         &self,
         model: &Pump,
         motor: Motor,

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::files::TableError;
 
-/// Refusal of a table of a flow over time. Rows count from 1, below the header.
+/// Refusal of a table of a flow over time. Rows count as the lines of the file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ProfileError {
@@ -18,7 +18,7 @@ pub enum ProfileError {
         column: &'static str,
     },
     /// A row has no number where it needs one.
-    #[error("row {row} of the profile cannot be used")]
+    #[error("the profile cannot be used")]
     Row {
         /// Number of the row.
         row: u64,

@@ -2,6 +2,8 @@
 
 mod error;
 mod profile;
+mod way_out;
 
 pub use error::ProfileError;
 pub use profile::FlowProfile;
+pub use way_out::FlowWayOut;

@@ -22,6 +22,8 @@ const MOST_ROWS: usize = 1_000_000;
 pub struct FlowProfile {
     name: ShortText,
     rows: Vec<FlowRow>,
+    /// Lines of the rows in the file. None without a file.
+    lines: Vec<u64>,
 }
 
 impl FlowProfile {
@@ -36,11 +38,14 @@ impl FlowProfile {
         if let Some(column) = COLUMNS.into_iter().find(|column| !table.has(column)) {
             return Err(ProfileError::Column { column });
         }
-        let rows = (1..).zip(table.rows()).map(|(row, cells)| {
+        let lines: Vec<u64> = table.rows().map(|cells| cells.line() as u64).collect();
+        let rows = lines.iter().zip(table.rows()).map(|(row, cells)| {
+            let row = *row;
             let number = |column| cells.required(column).map_err(|source| ProfileError::Row { row, source });
             Ok(FlowRow::new(number("time_s")?, number("flow_ml_s")?))
         });
-        Self::of(name, rows.collect::<Result<_, ProfileError>>()?)
+        let rows = rows.collect::<Result<_, ProfileError>>()?;
+        Ok(Self { lines, ..Self::of(name, rows)? })
     }
 
     /// Makes a profile of times, in s, and flows at the rollers, in mL/s.
@@ -62,7 +67,7 @@ impl FlowProfile {
         if rows.len() > MOST_ROWS {
             return Err(ProfileError::TooLong { rows: rows.len(), most: MOST_ROWS });
         }
-        Ok(Self { name: ShortText::new(name), rows })
+        Ok(Self { name: ShortText::new(name), rows, lines: Vec::new() })
     }
 
     /// Returns the profile that runs the other way.
@@ -70,6 +75,19 @@ impl FlowProfile {
     pub fn reversed(self) -> Self {
         let rows = self.rows.into_iter().map(|row| FlowRow { flow_ml_s: -row.flow_ml_s, ..row });
         Self { rows: rows.collect(), ..self }
+    }
+
+    /// Returns a refusal that names a row by its line in the file, the header included.
+    pub(crate) fn located(&self, refused: FlowError) -> FlowError {
+        let line = |row: u64| usize::try_from(row).ok().and_then(|row| self.lines.get(row.checked_sub(1)?));
+        refused.with_row(|row| line(row).copied().unwrap_or(row))
+    }
+
+    /// Returns the profile with all its flows times `factor`.
+    #[must_use]
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let rows = self.rows.iter().map(|row| FlowRow { flow_ml_s: factor * row.flow_ml_s, ..*row });
+        Self { rows: rows.collect(), lines: self.lines.clone(), name: self.name }
     }
 
     /// Returns the name of the profile.

@@ -17,7 +17,7 @@ impl Explain for DoseError {
             Self::PumpFile(error) => error.facts(),
             Self::Plan(error) => error.facts(),
             Self::Profile(error) => error.facts(),
-            Self::Flow(error) => error.facts(),
+            Self::Flow(error) | Self::SteepFlow { source: error, .. } => error.facts(),
             Self::Folder(error) => error.facts(),
             Self::Journal(error) => error.facts(),
             Self::Calibration(error) => error.facts(),

@@ -35,6 +35,7 @@ impl DoseError {
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
             Self::TubeWorn { .. } | Self::RanOut { bound: RunBound::Tube, .. } => vec![Remedy::ReplaceTube],
             Self::NoRest { .. } | Self::NoRestOfProfile { .. } => vec![Remedy::Accept],
+            Self::SteepFlow { .. } => vec![Remedy::GentlerFlow],
             Self::Flow(FlowError::UnsureAngle { .. }) => vec![Remedy::SayExactAngle],
             Self::ByWeight { fault, from_stated_angle, .. } => by_weight(fault, *from_stated_angle),
             Self::NoRestByWeight(NoRestByWeight::ByVolume) => vec![Remedy::FinishOrLeave],

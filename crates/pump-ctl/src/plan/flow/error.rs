@@ -177,3 +177,24 @@ pub enum FlowError {
         limit_n_m: f64,
     },
 }
+
+impl FlowError {
+    /// Returns the refusal with another number of its row, as that of a line in a file. `of` gets the number from 1.
+    #[must_use]
+    pub fn with_row(mut self, of: impl FnOnce(u64) -> u64) -> Self {
+        match &mut self {
+            Self::Time { row, .. }
+            | Self::TimeGoesBack { row, .. }
+            | Self::Flow { row, .. }
+            | Self::TurnsBack { row, .. }
+            | Self::TooFast { row, .. }
+            | Self::TooSteep { row, .. }
+            | Self::Step { row, .. }
+            | Self::TooManySteps { row, .. }
+            | Self::Pressure { row, .. }
+            | Self::Torque { row, .. } => *row = of(*row),
+            Self::Plan(_) | Self::Reverses { .. } | Self::UnsureAngle { .. } | Self::Nothing { .. } => {}
+        }
+        self
+    }
+}
