@@ -10,7 +10,7 @@ use pump_bench::dosing::{Schedule, ScheduleAction};
 use pump_bench::notice::Notice;
 use pump_bench::record::ClockWatch;
 use pump_bench::report::ErrorKind;
-use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
+use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session, TimedVolume};
 use pump_ctl::plan::Finish;
 
 use super::delivery::{DeliveryEnd, Said, before_dose, deliver, ended, find_angle, report_once};
@@ -65,7 +65,13 @@ pub(super) fn run(
         jumps: 0,
         warned: Warned::default(),
     };
+    // A suck-back is repaid by the next dose, so that each pumps it too.
+    let each_ml = request.volume_ml + request.retract_ml.unwrap_or(0.0);
     let (ended, verb) = if options.dry_run {
+        let at = |number: u64| number as f64 * every_s.unwrap_or(0.0);
+        let series: Vec<TimedVolume> =
+            (0..count).map(|number| TimedVolume { at_s: at(number), volume_ml: each_ml }).collect();
+        bench.check_series_safe(&series)?;
         (batch.rehearse(), "planned")
     } else {
         warn_of_release(bench, every_s);
@@ -74,8 +80,6 @@ pub(super) fn run(
         let mut session = bench.session()?;
         batch.before = before_dose(bench, &mut session, options, &interrupt)?;
         batch.refuse_missing_ends(&mut session, &interrupt)?;
-        // A suck-back is repaid by the next dose, so that each pumps it too.
-        let each_ml = request.volume_ml + request.retract_ml.unwrap_or(0.0);
         let safe = session.keep_batch_safe(each_ml, schedule.count(), every_s.unwrap_or(0.0));
         noted(&mut session, safe).map_err(|error| Failure::from(error).of_session(&session))?;
         (batch.run(&mut session, schedule, &interrupt), "done")

@@ -156,6 +156,10 @@ pub(super) fn report_once(
     let headline = if was_run && !report.simulated { String::new() } else { report.headline() + "\n" };
     let summary = report.summary(said.asked, of_batch);
     let details = if said.verbose { format!("\n{}", report.details()) } else { String::new() };
+    if of_batch.is_some() {
+        // Doses of a batch repeat what the first one warned of.
+        report.warnings = warned.untold(&report.warnings);
+    }
     let warnings = if has_warned { String::new() } else { report.warning_lines() };
     tell(&format!("{headline}{summary}{details}{warnings}"))
 }

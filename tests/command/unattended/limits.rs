@@ -177,3 +177,16 @@ fn the_rest_of_a_run_until_stopped_that_was_killed_stands_at_the_limit_too() {
     assert_eq!(safety["safety"]["stand"]["limit"], "vessel", "{safety}");
     assert!(number(&safety["safety"], "received_ml") <= 12.01, "{safety}");
 }
+
+#[test]
+fn a_batch_that_would_exceed_a_limit_is_refused_with_the_volume_of_the_whole_batch() {
+    let user = User::new();
+    let tank = pump(&user, "max_ml_per_day = 70.0");
+    let words = ["30mL", "--repeat", "4", "--pump", tank];
+    let dry = user.types(&[&words[..], &["--dry-run"]].concat());
+    let run = user.types(&words);
+    for answer in [&dry, &run] {
+        assert_eq!(answer.code, 5, "{}", answer.err);
+    }
+    assert!(run.err.contains("120 mL were planned, 0 mL were pumped in the last 24 h"), "{}", run.err);
+}

@@ -70,8 +70,25 @@ impl Bench {
             return Err(self.refusal(stand, false));
         }
         let volumes = series.iter().map(|part| (part.at_s, part.volume_ml));
-        let stand = account.stand_of_series(&self.safety_limits(), now_s, volumes);
-        stand.map_or(Ok(()), |stand| Err(self.refusal(self.as_said(stand), true)))
+        let stand = self.stand_of_all(&account, now_s, volumes);
+        stand.map_or(Ok(()), |stand| Err(self.refusal(stand, true)))
+    }
+
+    /// Returns the stand of a pump of which one of a series of volumes would exceed a limit. It tells the volume of the
+    /// whole series: the volumes before the one that does not fit are asked for, and not pumped.
+    fn stand_of_all(
+        &self,
+        account: &SafetyAccount,
+        now_s: u64,
+        series: impl Iterator<Item = (f64, f64)> + Clone,
+    ) -> Option<Stand> {
+        let stand = account.stand_of_series(&self.safety_limits(), now_s, series.clone())?;
+        let (used_ml, all_ml): (f64, f64) = match stand.limit {
+            SafetyLimit::Day => (account.day_ml(now_s), series.map(|(_, volume_ml)| volume_ml.abs()).sum()),
+            SafetyLimit::Vessel => (account.vessel_ml, series.map(|(_, volume_ml)| volume_ml).sum()),
+        };
+        let planned_ml = all_ml.max(stand.planned_ml);
+        Some(Stand { unix_s: now_s, used_ml, planned_ml, ..self.as_said(stand) })
     }
 
     /// Returns a stand with the limit as the pump file says it, without the rounding of doses.
@@ -148,21 +165,17 @@ impl Session<'_> {
         self.finished().map(drop)
     }
 
-    fn keep_volumes_safe(&mut self, series: impl Iterator<Item = (f64, f64)>) -> Result<(), DoseError> {
+    fn keep_volumes_safe(
+        &mut self,
+        series: impl Iterator<Item = (f64, f64)> + Clone,
+    ) -> Result<(), DoseError> {
         self.check_stand()?;
         let now_s = self.log.clock.now().unix_s;
-        let (account, limits) = (self.stands().safety_at(now_s), self.bench.safety_limits());
-        let Some(stand) = account.stand_of_series(&limits, now_s, series) else {
+        let account = self.stands().safety_at(now_s);
+        let Some(stand) = self.bench.stand_of_all(&account, now_s, series) else {
             self.tell_of_clock(&account, now_s);
             return Ok(());
         };
-        // The doses before the one that does not fit are asked for, and not pumped.
-        let used_ml = match stand.limit {
-            SafetyLimit::Day => account.day_ml(now_s),
-            SafetyLimit::Vessel => account.vessel_ml,
-        };
-        let planned_ml = (stand.used_ml + stand.planned_ml - used_ml).max(stand.planned_ml);
-        let stand = Stand { unix_s: now_s, used_ml, planned_ml, ..self.bench.as_said(stand) };
         self.record_stand(account, stand);
         Err(self.bench.refusal(stand, true))
     }
