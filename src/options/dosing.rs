@@ -20,6 +20,7 @@ use super::unattended::UnattendedOptions;
 use super::volume::AskedVolume;
 use crate::failure::Failure;
 use crate::on_fail::OnFail;
+use crate::terminal::warn;
 
 /// Help of `--smooth`.
 const SMOOTH_HELP: &str = "Let the speed follow the rollers' angle, for a flow at the end of the outlet line \
@@ -105,7 +106,36 @@ impl DosingOptions {
         self.tube_limit.change(&mut file);
         self.day_limit.change(&mut file)?;
         self.fluid.change(&mut file)?;
-        Ok(self.unattended.change(self.bench.bench_of(file)?))
+        let bench = self.unattended.change(self.bench.bench_of(file)?);
+        let config = self.config()?;
+        if config.pumps().contains_key(self.bench.pump.name(&config)) {
+            self.expect_record(&bench, &config)?;
+        }
+        Ok(bench)
+    }
+
+    /// Refuses a dose without a person that would begin the record of a real motor in a folder that nobody has named,
+    /// as cron does in another home. A simulated one begins it with a warning.
+    fn expect_record(&self, bench: &Bench, config: &Config) -> Result<(), Failure> {
+        let is_named = self.bench.record.named()?.is_some() || config.named_state_dir().is_some();
+        let of_pump = bench.folder().path().parent().is_some_and(Path::exists);
+        if self.dry_run || is_named || of_pump || !self.unattended.is_unattended() {
+            return Ok(());
+        }
+        let (pump, folder) = (&bench.file().pump.id, config.state_dir()?);
+        let place =
+            config.path().map_or_else(|| "the configuration".to_owned(), |path| path.display().to_string());
+        let text = format!(
+            "nothing is on record of {pump} in {}, the folder by HOME and XDG_STATE_HOME: under another user or cron \
+             its angle, calibration and safety limits are elsewhere; name the folder with --state-dir <DIR>, or with \
+             state_dir in {place}",
+            folder.display()
+        );
+        if bench.is_simulated() {
+            warn(&[text]);
+            return Ok(());
+        }
+        Err(Failure::refused(format!("{text}; or make the first dose at a terminal")))
     }
 
     /// The configuration.
@@ -132,7 +162,16 @@ impl DosingOptions {
             true => self.bench.simulated(file),
             false => self.bench.bench_of(file),
         };
-        files.into_iter().map(bench).collect()
+        let benches: Vec<Bench> = files.into_iter().map(bench).collect::<Result<_, Failure>>()?;
+        let config = self.config()?;
+        if config.exists() {
+            let is_of =
+                |name: &str, id: &str| name == id || config.pump(name).is_ok_and(|file| file.pump.id == id);
+            let is_named = |id: &str| config.pumps().keys().any(|name| is_of(name, id));
+            let mut named = benches.iter().filter(|bench| is_named(&bench.file().pump.id));
+            named.try_for_each(|bench| self.expect_record(bench, &config))?;
+        }
+        Ok(benches)
     }
 
     /// True if a motion may begin whose rate nobody has typed.

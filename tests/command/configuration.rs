@@ -181,12 +181,11 @@ fn every_named_pump_has_a_row_also_one_whose_file_is_broken() {
     let pumps = ["acid", "base", "broken"].map(|name| format!("{name} = \"../../{name}.toml\"\n")).concat();
     configure(&user, &format!("[pumps]\n{pumps}"));
     user.types(&["7mL", "--pump", "base"]);
-    let rows: Vec<serde_json::Value> = user
-        .types(&["status", "--all", "--format", "json"])
-        .out
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
+    let told = user.types(&["status", "--all", "--format", "json"]);
+    assert_eq!(told.code, 2, "{}", told.err);
+    assert!(told.err.contains("1 of 3 pumps cannot be read: broken"), "{}", told.err);
+    let rows: Vec<serde_json::Value> =
+        told.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let names: Vec<&str> = rows.iter().map(|row| row["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["acid", "base", "broken"]);
     assert_eq!(
@@ -203,7 +202,51 @@ fn every_named_pump_has_a_row_also_one_whose_file_is_broken() {
     let lines: Vec<&str> = text.lines().collect();
     assert!(lines[0].starts_with("acid    nothing on record; at 0.00° (sim)"), "{text}");
     assert!(lines[1].starts_with("base    ready; at ") && lines[1].contains("tube 7.0 mL"), "{text}");
-    assert!(lines[2].starts_with("broken  cannot be read: "), "{text}");
+    assert!(lines[2].starts_with("broken  cannot be read: ") && lines.len() == 3, "{text}");
+    let limits = user.types(&["safety", "--all"]);
+    let lines: Vec<&str> = limits.out.lines().collect();
+    assert_eq!((limits.code, lines.len()), (2, 3), "{}", limits.out);
+    assert!(
+        lines[1].starts_with("base    no limit of 24 h: 6.998") && lines[1].ends_with("(sim)"),
+        "{}",
+        limits.out
+    );
+    assert!(
+        user.types(&["safety", "--pump", "base"]).out.starts_with("base (sim)\nno limit of 24 h"),
+        "its name"
+    );
+}
+
+/// The command without a terminal and without a folder of the record that anybody names, as cron runs it.
+fn by_cron(user: &User, home: &str, words: &[&str]) -> (i32, String) {
+    let mut command = user.command(words);
+    command.env_remove("DOSE_STATE_DIR").env_remove("XDG_STATE_HOME").env("HOME", user.path(home));
+    let output = command.stdin(std::process::Stdio::null()).output().unwrap();
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn a_dose_by_cron_in_another_home_does_not_begin_another_record_in_silence() {
+    let user = User::new();
+    write_pump(&user, "acid.toml", "acid");
+    configure(&user, "[pumps]\nacid = \"../../acid.toml\"\n");
+    let (code, told) = by_cron(&user, "root", &["1mL", "--pump", "acid"]);
+    let folder = user.path("root/.local/state/pump-dose");
+    assert_eq!(code, 0, "a simulated motor only warns: {told}");
+    for said in ["nothing is on record of acid in", folder.to_str().unwrap(), "--state-dir", "state_dir in"] {
+        assert!(told.contains(said), "{said}: {told}");
+    }
+    let (code, told) = by_cron(&user, "root", &["1mL", "--pump", "acid"]);
+    assert_eq!((code, told.as_str()), (0, ""), "the record is there now");
+    let real = ["1mL", "--pump", "acid", "--driver", "grbl", "--port", "/dev/null"];
+    let (code, told) = by_cron(&user, "cron", &real);
+    assert!(code == 2 && told.contains("nothing is on record of acid"), "{told}");
+    assert!(!user.path("cron").exists(), "nothing was begun");
+    // A folder that somebody names may be new.
+    let named = [&real[..], &["--state-dir", "new"]].concat();
+    assert!(!by_cron(&user, "cron", &named).1.contains("nothing is on record of acid"));
+    configure(&user, "state_dir = \"../../other\"\n[pumps]\nacid = \"../../acid.toml\"\n");
+    assert_eq!(by_cron(&user, "cron", &["1mL", "--pump", "acid"]), (0, String::new()));
 }
 
 #[test]

@@ -131,7 +131,7 @@ impl Config {
     }
 
     /// Returns the folder of the records that the file names, or `None` if it names none.
-    pub(crate) fn named_state_dir(&self) -> Option<&Path> {
+    pub fn named_state_dir(&self) -> Option<&Path> {
         self.state_dir.as_deref()
     }
 
