@@ -4,8 +4,8 @@
 use std::fs;
 use std::time::Duration;
 
-/// Longest silence of a host while a motor turns: a pause that nobody sees (NODE.md, rule 5). The host asks for the state
-/// every 20 ms and repeats after 50 ms what was not answered, so it speaks far more often.
+/// Longest silence of a host while a motor turns: a pause that nobody sees (NODE.md, rule 5). The host asks for the
+/// state every 20 ms and repeats after 50 ms what was not answered, so it speaks far more often.
 pub(super) const LONGEST: Duration = Duration::from_millis(200);
 
 /// What a look at the line found.
@@ -20,8 +20,8 @@ pub(super) struct Look {
     pub(super) stepped_ns: Option<f64>,
 }
 
-/// Silences of a host, by looks at its line. A silence counts once the motor makes a step after it: a host may be silent
-/// after the last one.
+/// Silences of a host, by looks at its line. A silence counts once the motor makes a step after it: a host may be
+/// silent after the last one.
 #[derive(Debug, Default)]
 pub(super) struct Silences {
     before: Option<Look>,
