@@ -68,6 +68,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::WeighAlone => {
             "calibrate by the reading alone with --anew, or name the fluid that was weighed with --fluid"
         }
+        Remedy::StateMaxSpeed => "--max-speed 300rpm says what your motor and tube allow",
+        Remedy::ChangeFileAlone => {
+            "the file is yours now: change it by hand, or put its old values back before setup writes it again"
+        }
         Remedy::NameWeighedFluid => "name the fluid that was weighed with --fluid",
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
         Remedy::FindAngle => "`dose home` finds it",

@@ -323,3 +323,35 @@ fn the_next_dose_to_weigh_is_of_whole_pitches_as_doses_are_planned_now() {
     user.json(&[format!("{volume}mL").as_str()]);
     assert_eq!(user.json(&["calibrate", "last", "7.4g"])["runs"].as_array().unwrap().len(), 2);
 }
+
+#[test]
+fn a_calibration_that_was_weighed_with_other_steps_per_revolution_is_warned_of() {
+    let user = User::new();
+    let own =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pumps/bought-head.toml"))
+            .unwrap();
+    std::fs::write(user.path("bought.toml"), &own).unwrap();
+    user.json(&["25mL", "--pump", "bought.toml"]);
+    assert_eq!(user.types(&["calibrate", "last", "24.9g", "--pump", "bought.toml"]).code, 0);
+    let warnings = || user.json(&["5mL", "--pump", "bought.toml", "--dry-run"])["warnings"].to_string();
+    assert!(!warnings().contains("steps per revolution"), "{}", warnings());
+    assert!(own.contains("steps_per_rev = 3200"), "{own}");
+    std::fs::write(user.path("bought.toml"), own.replace("steps_per_rev = 3200", "steps_per_rev = 6400"))
+        .unwrap();
+    assert!(
+        warnings().contains("stated 3200 steps per revolution of the head, and now it states 6400")
+            && warnings().contains("doses are 2 times as large"),
+        "{}",
+        warnings()
+    );
+}
+
+#[test]
+fn a_mistaken_unit_is_told_before_the_fluid() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    user.json(&["calibrate", "last", "217.26g"]);
+    user.json(&["213mL", "--fluid", "glycerol 60%"]);
+    let refused = user.is_refused(&["calibrate", "last", "245.5kg"]);
+    assert!(refused.contains("more than twice or less than half"), "{refused}");
+}

@@ -403,3 +403,21 @@ fn a_check_says_that_a_heads_flow_reverses() {
     let checked = user.types(&["pumps", "check", "reversing.toml"]);
     assert!(checked.out.contains("it reverses while a roller leaves"), "{}{}", checked.out, checked.err);
 }
+
+#[test]
+fn a_new_pump_file_says_its_id_and_whose_record_it_goes_on_with() {
+    let user = User::new();
+    let new = |file: &str| {
+        let words = ["pumps", "new", "--head", "masterflex-ls-16", "--rollers", "3", file];
+        let said = user.types(&words);
+        assert_eq!(said.code, 0, "{}", said.err);
+        said.out
+    };
+    assert!(new("b1.6.toml").contains("id        b1-6: the name of its record"));
+    assert!(new("My acid.toml").contains("id        my-acid: "));
+    assert!(!new("acid.toml").contains("id     "));
+    user.json(&["8mL", "--pump", "acid.toml"]);
+    fs::create_dir(user.path("other")).unwrap();
+    let said = new("other/acid.toml");
+    assert!(said.contains("a pump `acid` has a record already"), "{said}");
+}

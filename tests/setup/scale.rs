@@ -144,6 +144,27 @@ fn a_weight_that_comes_later_reads_the_last_dose_again_and_doses_nothing() {
 }
 
 #[test]
+fn a_weight_is_that_of_the_setups_dose_and_of_no_later_one() {
+    let desk = Desk::new();
+    let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let dosed = desk.types(&[&HANDS_OFF[..], &["--port", &pump.port()]].concat());
+    assert_eq!(dosed.code, 0, "{}", dosed.err);
+    assert_eq!(desk.types(&["8mL", "--pump", "acid"]).code, 0);
+    let steps = pump.board.rest().steps;
+    let refused = desk.types(&["setup", "acid", "--weight", "4.98g"]);
+    assert!(refused.code == 2 && refused.err.contains("dosed again since setup's dose"), "{}", refused.err);
+    // It is made anew, and weighed.
+    assert_eq!(desk.types(&["setup", "acid", "--yes"]).code, 0);
+    assert_ne!(pump.board.rest().steps, steps);
+    assert_eq!(desk.types(&["setup", "acid", "--weight", "4.98g"]).code, 0);
+    assert_eq!(desk.types(&["8mL", "--pump", "acid"]).code, 0);
+    let refused = desk.types(&["setup", "acid", "--weight", "7.9g"]);
+    assert!(refused.code == 2 && refused.err.contains("dosed since setup weighed a dose"), "{}", refused.err);
+    assert!(refused.err.contains("`dose calibrate last <READING> --pump acid`"), "{}", refused.err);
+    assert!(desk.configured("setup/acid.toml").unwrap().contains("weighed = 1"));
+}
+
+#[test]
 fn a_weight_before_the_first_dose_of_a_real_pump_is_refused() {
     let desk = Desk::new();
     let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use pump_bench::pump_file::{AmbientTable, PumpFile, Reservoir};
+use pump_bench::setup::check_suction_lift;
 use pump_bench::units::{self, Pressure};
 
 use crate::failure::Failure;
@@ -29,6 +30,7 @@ impl SiteOptions {
     pub(crate) fn write_to(&self, file: &mut PumpFile) -> Result<(), Failure> {
         file.ambient = self.ambient()?.unwrap_or(file.ambient);
         if let Some(lift_mm) = self.suction_lift {
+            check_suction_lift(lift_mm, file.ambient.pressure_kpa)?;
             file.inlet.reservoir = Reservoir::Lift(lift_mm);
         }
         if let Some(lift_mm) = self.discharge_lift {

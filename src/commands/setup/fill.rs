@@ -40,7 +40,8 @@ fn ask_volume(course: &mut Course) -> Asked<()> {
         text: "Volume that fills both hoses (0: they are full)",
         option: "--prime 5mL",
         usual: course.suggested(
-            |last| last.prime_ml.map(|ml| if ml == 0.0 { "0".to_owned() } else { format!("{ml}mL") }),
+            // A line that was full says nothing of this one.
+            |last| last.prime_ml.filter(|ml| *ml > 0.0).map(|ml| format!("{ml}mL")),
             Some(&usual),
         ),
         help: "a hose of 3 mm bore holds 7 mL a metre; more can follow",

@@ -143,6 +143,12 @@ fn ask_rollers(course: &mut Course) -> Asked<()> {
     course.settle(&question, read, |answers, rollers| answers.rollers = Some(rollers))
 }
 
+const BACKPLATE_HELP: &str = "from the shaft to the surface on which the tube lies, as 63mm: half of the bed's inner \
+                              diameter";
+const ROLLER_HELP: &str = "half of the roller's diameter, as 20mm";
+const OFFSET_HELP: &str = "measure from the shaft's middle to that of a roller's pin, as 40mm; or half of the width \
+                           over two opposite rollers, less the radius of a roller";
+
 /// Asks for the dimensions of a drawing until they contradict one another no more. Those of before are suggested.
 fn ask_drawing(course: &mut Course) -> Asked<HeadAnswer> {
     tell_person("Dimensions as a caliper gives them; `dose pumps new -h` says more of each.");
@@ -171,14 +177,15 @@ fn ask_dimensions(course: &mut Course, former: Option<&HeadAnswer>) -> Asked<Hea
         let question = Question { text, option, usual: former.map(Usual::new), help };
         course.asker.ask(&question, |answer| units::length_mm(answer).map_err(|error| error.to_string()))
     };
-    let backplate_mm = length("Radius of the backplate (raceway)", "--backplate 63mm", "as 63mm", backplate)?;
-    let roller_mm = length("Radius of a roller", "--roller 20mm", "as 20mm", roller)?;
-    let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", "as 40mm", offset)?;
+    let backplate_mm =
+        length("Radius of the backplate (raceway)", "--backplate 63mm", BACKPLATE_HELP, backplate)?;
+    let roller_mm = length("Radius of a roller", "--roller 20mm", ROLLER_HELP, roller)?;
+    let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", OFFSET_HELP, offset)?;
     let question = Question {
         text: "Tube, bore x outer diameter",
         option: "--tube 10x14mm",
         usual: tube.map(Usual::new),
-        help: "as 10x14mm",
+        help: "both are printed on the tube's bag, as 1.6x4.8mm: the bore, and the bore with two walls",
     };
     let tube =
         course.asker.ask(&question, |answer| units::tube_size(answer).map_err(|error| error.to_string()))?;
@@ -186,7 +193,7 @@ fn ask_dimensions(course: &mut Course, former: Option<&HeadAnswer>) -> Asked<Hea
         text: "Contact angle",
         option: "--contact 30deg",
         usual: contact.map(Usual::new),
-        help: "the backplate spans 180deg and twice this angle, as 30deg",
+        help: "the backplate spans 180deg and twice this angle: 30deg for a bed of 240deg, -20deg for one of 140deg",
     };
     let contact_rad =
         course.asker.ask(&question, |answer| units::angle_rad(answer).map_err(|error| error.to_string()))?;

@@ -183,6 +183,7 @@ impl SetupArgs {
         written::write(course)?;
         if self.no_motion {
             say("Nothing was moved: this pump was not tried yet.\n");
+            weigh::tell_calibration_of_another_head(course)?;
             course.answers.done.file_alone = true;
             return Ok(course.keep()?);
         }

@@ -259,6 +259,19 @@ pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     Ok(course.keep()?)
 }
 
+/// Says that doses are refused while they would use a calibration of another head.
+pub(super) fn tell_calibration_of_another_head(course: &Course) -> Result<(), Failure> {
+    let bench = course.bench()?;
+    if let Some(stored) = bench.calibrations().active()?.filter(|stored| !stored.is_of(bench.model())) {
+        let (version, pump) = (stored.version, &course.answers.name);
+        tell_person(&format!(
+            "Calibration {version} was made with another head, and doses are refused with it: `dose setup {pump}` \
+             weighs the pump anew, `dose calibrate use none --pump {pump}` doses by the file."
+        ));
+    }
+    Ok(())
+}
+
 /// Has doses use no calibration that was made with another head: its factor is that of another volume. The pump is to
 /// be weighed again.
 pub(super) fn leave_calibration_of_another_head(course: &mut Course) -> Asked<()> {

@@ -34,7 +34,7 @@ pub(crate) struct WeighedTurn {
     pub(crate) turned_rad: f64,
 }
 
-/// Number, date and fluid of a calibration.
+/// Number, date and fluid of a calibration, and the motor's steps.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Made {
     /// Number of the calibration.
@@ -45,6 +45,8 @@ pub(crate) struct Made {
     pub(crate) fluid: String,
     /// Mean temperature of that fluid, in °C.
     pub(crate) temperature_degc: f64,
+    /// Motor steps per revolution of the head, as the pump file stated them. `None` in one of an early version.
+    pub(crate) steps_per_rev: Option<f64>,
 }
 
 /// Source of the displacement of a dose, with its uncertainty.

@@ -60,6 +60,10 @@ pub struct Calibration {
     pub ambient_kpa: f64,
     /// Model volume of a revolution that the factors multiply, in mL.
     pub revolution_ml: f64,
+    /// Motor steps per revolution of the head, as the pump file stated them; `None` in calibrations of earlier
+    /// versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steps_per_rev: Option<f64>,
     /// Displacement factor; `None` while only the zero was sought.
     pub displacement: Option<Displacement>,
     /// Weighed runs that the displacement factor was fitted to.
@@ -94,6 +98,7 @@ impl Calibration {
             temperature_degc: file.fluid.temperature_degc,
             ambient_kpa: file.ambient.pressure_kpa,
             revolution_ml: file.model()?.revolution_ml(),
+            steps_per_rev: Some(file.motor.steps_at_pump_head()),
             displacement: None,
             runs: Vec::new(),
             zero_deg: 0.0,

@@ -178,6 +178,8 @@ impl WeighedDose {
             Reading::VolumeMl(_) => 0.0,
         };
         let expected = weighing.expected.with_angle_ml(angle_ml).with_density(density);
+        // A mistake in a unit is told before anything else.
+        run.volumes_ml(&pump, &Weighing::of(file), 1)?;
         let runs = run.clone().beside(active, weighing.earlier, &file.fluid.name)?;
         let replaced = active.filter(|_| weighing.earlier != Earlier::Left).and_then(|active| {
             active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run)).map(|run| run.reading)

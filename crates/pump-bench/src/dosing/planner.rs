@@ -136,6 +136,7 @@ impl Planner<'_> {
                 date: calibration.date.clone(),
                 fluid: calibration.fluid.clone(),
                 temperature_degc: calibration.temperature_degc,
+                steps_per_rev: calibration.steps_per_rev,
             }),
             correction: Correction {
                 factor: against.map_or(Ok(1.0), |against| against.factor_at(signed_rpm))?,

@@ -160,8 +160,8 @@ impl Prepared {
             )
         };
         let of_speed = unweighed.and_then(|text| warnings::unweighed_speed(text, &budget()));
-        let of_fluid = warnings::unweighed_fluid(file, prepared.applied.as_ref());
-        let warnings = file.resistance_warning().into_iter().chain(of_fluid).chain(of_speed).collect();
+        let of_calibration = warnings::of_calibration(file, prepared.applied.as_ref());
+        let warnings = file.resistance_warning().into_iter().chain(of_calibration).chain(of_speed).collect();
         Ok(Self { warnings, ..prepared })
     }
 
@@ -371,7 +371,7 @@ impl PlanningBasis<'_> {
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
         warnings.extend(self.file.resistance_warning());
-        warnings.extend(warnings::unweighed_fluid(self.file, applied.as_ref()));
+        warnings.extend(warnings::of_calibration(self.file, applied.as_ref()));
         let unweighed = applied.as_ref().and_then(|applied| applied.unweighed_speed.as_deref());
         warnings.extend(unweighed.and_then(|text| warnings::unweighed_speed(text, &budget())));
         let of_retraction = retraction.iter().flat_map(|retraction| retraction.warnings.clone());

@@ -1,5 +1,7 @@
 //! Warnings of a plan, for the user to read before the dose runs. One function makes one warning.
 
+mod unweighed;
+
 use pump_ctl::plan::{
     Cruise, Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction, Ramps,
     Request,
@@ -10,15 +12,11 @@ use pump_model::{Extremes, Pump};
 
 use super::uncertainty::{Budget, Share, ShareSource, pressure_uncertainty_kpa};
 use super::unknown_angle;
-use crate::calibration::{Applied, Made};
-use crate::catalogue::{built_in, overlap_warning};
+use crate::catalogue::overlap_warning;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
-use crate::pump_file::PumpFile;
 use crate::record::Purpose;
-
-/// Fluid of published flows, and of the measurements of McIntyre et al.: its name and temperature in °C.
-const WATER: (&str, f64) = ("water", 25.0);
+pub(super) use unweighed::{of_calibration, unweighed_pump};
 
 /// Part of the room to a limit from which on a dose is warned of.
 const CLOSE: f64 = 0.95;
@@ -188,51 +186,6 @@ impl LessBackFlow {
         ];
         ways.into_iter().flatten()
     }
-}
-
-/// Warns of a pump that nobody has weighed, unless its displacement was calibrated.
-///
-/// The pump file says so: its roller volume is estimated from the drawing, it states the uncertainty over the speeds
-/// that such pumps have, or it has the built-in pump's uncertainty under another name.
-pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
-    if applied.is_some_and(|applied| applied.sureness().is_some()) {
-        return None;
-    }
-    let stated = &file.uncertainty;
-    let is_copy = built_in(&file.pump.id).is_none()
-        && built_in("three-roller")
-            .is_some_and(|paper| paper.uncertainty.model_percent == stated.model_percent);
-    let fact = if file.head.is_some() {
-        "only the volume per revolution is known, and nobody has weighed what this pump delivers"
-    } else if file.is_estimated() {
-        "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
-    } else if stated.speed_percent.is_some() {
-        "nobody has weighed what this pump delivers"
-    } else if is_copy {
-        "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, not of this one"
-    } else {
-        return None;
-    };
-    let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
-    Some(Notice::from(text).with_remedy(Remedy::Weigh))
-}
-
-/// Warns of a fluid much thicker or thinner than that of the calibration in use, or than the water of a head's
-/// published or modelled volume.
-pub(super) fn unweighed_fluid(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
-    let weighed = applied.filter(|applied| applied.sureness().is_some());
-    let text = match weighed.and_then(|applied| applied.calibration.as_ref()) {
-        Some(Made { version, fluid, temperature_degc, .. }) => {
-            let known = format!("calibration {version} was weighed with");
-            file.fluid.fills_unlike(fluid, *temperature_degc, &known)?
-        }
-        // Nothing can be said of a fluid whose viscosity nobody states.
-        None if file.fluid.fluid().is_err() => return None,
-        None => {
-            file.fluid.fills_unlike(WATER.0, WATER.1, "published volumes of a revolution are those of")?
-        }
-    };
-    Some(Notice::from(format!("{text}; the dose's \u{b1} does not contain that")).with_remedy(Remedy::Weigh))
 }
 
 /// Warns by `text` of a speed at which nothing was weighed, where that makes the interval of the dose notably wider.

@@ -64,6 +64,10 @@ pub enum Remedy {
     JoinOrBeginAnew,
     /// Calibrate by the reading alone, or say the fluid of the earlier ones.
     WeighAlone,
+    /// State the fastest speed of the head.
+    StateMaxSpeed,
+    /// Put the written values back into a pump file, or go on changing it by hand.
+    ChangeFileAlone,
     /// Name the fluid that was weighed.
     NameWeighedFluid,
     /// Find the angle of the rollers.
@@ -215,6 +219,8 @@ impl Remedy {
         Self::DoseFromKnownAngle,
         Self::JoinOrBeginAnew,
         Self::WeighAlone,
+        Self::StateMaxSpeed,
+        Self::ChangeFileAlone,
         Self::NameWeighedFluid,
         Self::FindAngle,
         Self::FindOrSayAngle,

@@ -52,13 +52,14 @@ impl MotorTable {
         self.has_assumed_steps() || self.direction_confirmed == Some(false)
     }
 
+    /// Returns the number of motor steps per revolution of the pump head.
+    pub(crate) fn steps_at_pump_head(&self) -> f64 {
+        f64::from(self.steps_per_rev) * self.gear
+    }
+
     /// Returns the motor as the pump head sees it.
     pub(crate) fn at_pump_head(&self) -> Motor {
-        Motor::new(
-            f64::from(self.steps_per_rev) * self.gear,
-            rad_s(self.max_speed_rpm),
-            self.max_acceleration_rad_s2,
-        )
+        Motor::new(self.steps_at_pump_head(), rad_s(self.max_speed_rpm), self.max_acceleration_rad_s2)
     }
 
     /// Returns the torque that turning takes and the torque that the motor gives, at an ambient pressure in

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::bench::{Accepted, Bench};
 use crate::notice::{Remedy, Wording};
+use crate::numbers::microlitres;
 use crate::record::PumpState;
 
 /// Says where the rollers stand. A front end words what finds an unknown angle.
@@ -21,9 +22,11 @@ pub fn rotor_text(bench: &Bench, state: &PumpState, words: Wording) -> String {
 
 /// Warns that a carry is dropped; nothing if there was none.
 pub fn carry_dropped_text(carry_ml: f64) -> String {
-    match carry_ml {
-        0.0 => String::new(),
-        carry_ml => format!("warning: a carry of {:.2} µL is dropped\n", 1e3 * carry_ml),
+    let carry = microlitres(carry_ml);
+    if carry == microlitres(0.0) {
+        String::new()
+    } else {
+        format!("warning: a carry of {carry} is dropped\n")
     }
 }
 

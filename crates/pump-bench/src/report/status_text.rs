@@ -2,7 +2,7 @@
 
 use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
 use crate::notice::{Remedy, Wording};
-use crate::numbers::{between, significant};
+use crate::numbers::{between, microlitres, significant};
 use crate::record::Wear;
 
 impl Status {
@@ -39,8 +39,8 @@ impl Status {
             (Some(angle_deg), 0.0) => format!("{angle_deg:.4}°"),
             (Some(angle_deg), width_deg) => format!("{angle_deg:.4}° ± {width_deg:.2}°"),
         };
-        let (pump, driver, carry) = (&self.pump, &self.driver, 1e3 * self.carry_ml);
-        format!("{pump} ({driver}): rotor at {angle}, {carry:.2} µL carried to the next dose")
+        let (pump, driver, carry) = (&self.pump, &self.driver, microlitres(self.carry_ml));
+        format!("{pump} ({driver}): rotor at {angle}, {carry} carried to the next dose")
     }
 
     fn disturbed(&self) -> Option<String> {

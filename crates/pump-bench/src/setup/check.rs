@@ -138,12 +138,20 @@ impl Answers {
             (None, Some(altitude_m)) => AmbientTable::at_altitude_m(altitude_m),
             (None, None) => return Ok(()),
         };
-        let ambient_kpa = ambient.pressure_kpa;
-        let water = Fluid::water(WATER_DEGC)?;
-        let most_m = 1e-3 * most_lift_mm(water.density_kg_m3, ambient_kpa, water.vapour_kpa);
-        let lift_m = 1e-3 * lift_mm;
-        if lift_m < most_m { Ok(()) } else { Err(SetupError::Lift { lift_m, most_m, ambient_kpa }) }
+        check_suction_lift(lift_mm, ambient.pressure_kpa)
     }
+}
+
+/// Refuses a height of the pump above the supply, in mm, to which air of this pressure, in kPa absolute, does not lift
+/// water.
+///
+/// # Errors
+/// [`SetupError::Lift`] for such a height.
+pub fn check_suction_lift(lift_mm: f64, ambient_kpa: f64) -> Result<(), SetupError> {
+    let water = Fluid::water(WATER_DEGC)?;
+    let most_m = 1e-3 * most_lift_mm(water.density_kg_m3, ambient_kpa, water.vapour_kpa);
+    let lift_m = 1e-3 * lift_mm;
+    if lift_m < most_m { Ok(()) } else { Err(SetupError::Lift { lift_m, most_m, ambient_kpa }) }
 }
 
 /// Refuses a rate for which the head would turn faster than it may.

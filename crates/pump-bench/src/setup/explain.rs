@@ -41,6 +41,8 @@ impl Explain for SetupError {
     fn remedies(&self) -> Vec<Remedy> {
         match self {
             Self::UnknownHead { .. } => vec![Remedy::ListHeads],
+            Self::Fast { .. } => vec![Remedy::StateMaxSpeed],
+            Self::Changed { .. } => vec![Remedy::ChangeFileAlone],
             Self::PumpFile(error) => error.remedies(),
             Self::Config(error) => error.remedies(),
             _ => Vec::new(),

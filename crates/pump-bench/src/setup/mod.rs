@@ -15,6 +15,7 @@ mod removal;
 mod turn;
 
 pub use answers::{Answers, Done, HeadAnswer};
+pub use check::check_suction_lift;
 pub use error::SetupError;
 pub use folder::SetupFolder;
 pub use neighbours::Neighbour;

@@ -8,6 +8,15 @@ use super::parameter::Parameter;
 use super::shown::Shown;
 use crate::port::Port;
 
+/// Rounds up to a part of 1/`parts`: what is to change by a value must change by as much at least. A whole part that a
+/// sum missed by its rounding stays.
+fn up(value: f64, parts: f64) -> f64 {
+    (libm::ceil(value * parts - ROUNDING)).max(1.0) / parts
+}
+
+/// Part of the last digit that is rounding.
+const ROUNDING: f64 = 1e-6;
+
 /// Reason why the model refuses a pump, line or motion. It names the value and the allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -36,7 +45,7 @@ pub enum ModelError {
     #[error(
         "{rollers} rollers stand {pitch_deg:.1} deg apart but each seals over {span_deg:.1} deg of the \
          backplate, so at some angles no roller seals; use more rollers, or a contact angle larger by {:.1} deg",
-        0.5 * (pitch_deg - span_deg)
+        up(0.5 * (pitch_deg - span_deg), 10.0)
     )]
     NotSealing {
         /// Number of rollers.
@@ -51,7 +60,7 @@ pub enum ModelError {
         "the rollers press {depth_mm:.3} mm deeper than the tube's walls: roller offset + roller radius is \
          {reach_mm:.3} mm, beyond the backplate radius of {backplate_radius_mm} mm; make the offset smaller by at \
          least as much",
-        depth_mm = reach_mm - backplate_radius_mm
+        depth_mm = up(reach_mm - backplate_radius_mm, 1000.0)
     )]
     RollersHitBackplate {
         /// Reach of the rollers, r_offset + r_roller, mm.
@@ -64,7 +73,7 @@ pub enum ModelError {
         "the gap between roller and backplate is {gap_mm:.3} mm but the tube closes at {closed_mm:.3} mm \
          (twice its wall), so it stays open by {:.3} mm; use a smaller backplate, or a larger roller, \
          offset or wall (backplate and roller are radii)",
-        gap_mm - closed_mm
+        up(gap_mm - closed_mm, 1000.0)
     )]
     NotOccluding {
         /// Gap between roller and backplate, r_b - r_roller - r_offset, mm.

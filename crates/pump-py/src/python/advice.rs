@@ -120,6 +120,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::WeighAlone => {
             "calibrate by the reading alone with anew=True, or name the fluid that was weighed with fluid= of pm.Bench"
         }
+        Remedy::StateMaxSpeed | Remedy::ChangeFileAlone => "only the command sets up a pump",
         Remedy::NameWeighedFluid => "name the fluid that was weighed with fluid= of pm.Bench",
         Remedy::JoinOrBeginAnew => {
             "join the reading to these runs with add=True, or calibrate by the reading alone with anew=True"

@@ -1,0 +1,83 @@
+//! Warnings of what the calibration in use has not weighed: the pump, its fluid, and its motor's steps.
+
+use crate::calibration::{Applied, Made};
+use crate::catalogue::built_in;
+use crate::notice::{Notice, Remedy};
+use crate::numbers::significant;
+use crate::pump_file::PumpFile;
+
+/// Fluid of published flows, and of the measurements of McIntyre et al.: its name and temperature in °C.
+const WATER: (&str, f64) = ("water", 25.0);
+
+/// Part by which two numbers of steps may differ as a gear is rounded.
+const SAME_STEPS: f64 = 1e-6;
+
+/// Warns of a dose that differs from the weighed ones in its fluid or in the motor's steps.
+pub(in crate::dosing) fn of_calibration(
+    file: &PumpFile,
+    applied: Option<&Applied>,
+) -> impl Iterator<Item = Notice> {
+    unweighed_fluid(file, applied).into_iter().chain(other_steps(file, applied))
+}
+
+/// Warns of a calibration that was weighed while the file stated another number of steps. A driver that was not set to
+/// the new number turns the head by another part of a revolution.
+fn other_steps(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
+    let weighed = applied.filter(|applied| applied.sureness().is_some())?;
+    let Made { version, steps_per_rev, .. } = weighed.calibration.as_ref()?;
+    let (then, now) = ((*steps_per_rev)?, file.motor.steps_at_pump_head());
+    if (now / then - 1.0).abs() < SAME_STEPS {
+        return None;
+    }
+    let times = significant(now / then, 3);
+    let text = format!(
+        "calibration {version} was weighed while the pump file stated {then} steps per revolution of the head, and now \
+         it states {now}; unless the motor's driver was changed as well, doses are {times} times as large"
+    );
+    Some(Notice::from(text).with_remedy(Remedy::Weigh))
+}
+
+/// Warns of a pump that nobody has weighed, unless its displacement was calibrated.
+///
+/// The pump file says so: its roller volume is estimated from the drawing, it states the uncertainty over the speeds
+/// that such pumps have, or it has the built-in pump's uncertainty under another name.
+pub(in crate::dosing) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
+    if applied.is_some_and(|applied| applied.sureness().is_some()) {
+        return None;
+    }
+    let stated = &file.uncertainty;
+    let is_copy = built_in(&file.pump.id).is_none()
+        && built_in("three-roller")
+            .is_some_and(|paper| paper.uncertainty.model_percent == stated.model_percent);
+    let fact = if file.head.is_some() {
+        "only the volume per revolution is known, and nobody has weighed what this pump delivers"
+    } else if file.is_estimated() {
+        "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
+    } else if stated.speed_percent.is_some() {
+        "nobody has weighed what this pump delivers"
+    } else if is_copy {
+        "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, not of this one"
+    } else {
+        return None;
+    };
+    let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
+    Some(Notice::from(text).with_remedy(Remedy::Weigh))
+}
+
+/// Warns of a fluid much thicker or thinner than that of the calibration in use, or than the water of a head's
+/// published or modelled volume.
+fn unweighed_fluid(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
+    let weighed = applied.filter(|applied| applied.sureness().is_some());
+    let text = match weighed.and_then(|applied| applied.calibration.as_ref()) {
+        Some(Made { version, fluid, temperature_degc, .. }) => {
+            let known = format!("calibration {version} was weighed with");
+            file.fluid.fills_unlike(fluid, *temperature_degc, &known)?
+        }
+        // Nothing can be said of a fluid whose viscosity nobody states.
+        None if file.fluid.fluid().is_err() => return None,
+        None => {
+            file.fluid.fills_unlike(WATER.0, WATER.1, "published volumes of a revolution are those of")?
+        }
+    };
+    Some(Notice::from(format!("{text}; the dose's \u{b1} does not contain that")).with_remedy(Remedy::Weigh))
+}
