@@ -90,12 +90,12 @@ features:
 # The oldest Rust that is promised builds the libraries and the command.
 oldest:
 	rustup toolchain install $(OLDEST) --profile minimal
-	cargo +$(OLDEST) check --locked -p pump-model -p pump-ctl -p pump-link -p pump-node -p pump-bench -p pump-dose
+	cargo +$(OLDEST) check --locked -p pump-model -p pump-ctl -p pump-link -p pump-node -p pump-bench -p pump-service -p pump-dose
 
 # Programs outside the workspace, built from the crates as they are published. Each crate must build from its package
 # alone.
 # Cargo takes a version that it has unpacked or built once for the same for ever, so each run has a folder of its own.
-PACKAGED := pump-model pump-ctl pump-link pump-node pump-bench
+PACKAGED := pump-model pump-ctl pump-link pump-node pump-bench pump-service
 OUTSIDE := --manifest-path examples/outside/Cargo.toml --target-dir target/outside
 packages:
 	mkdir -p target && rm -rf target/package target/packaging.*

@@ -17,6 +17,10 @@ use signatures::Signatures;
 use sources::Sources;
 use texts::{Texts, names_the_command};
 
+/// The libraries, whose signatures and texts are held to rules.
+const LIBRARIES: [&str; 6] =
+    ["pump_model", "pump_ctl", "pump_link", "pump_node", "pump_bench", "pump_service"];
+
 /// The folder of the workspace.
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -89,7 +93,7 @@ fn no_arrow_runs_from_a_crate_to_the_command() {
 #[test]
 fn no_public_signature_names_a_foreign_type() {
     for (path, module) in Sources::of_workspace(root()).modules {
-        if !["pump_model", "pump_ctl", "pump_link", "pump_node", "pump_bench"].contains(&path[0].as_str()) {
+        if !LIBRARIES.contains(&path[0].as_str()) {
             continue;
         }
         let mut signatures = Signatures::default();
@@ -112,7 +116,7 @@ fn no_text_of_a_library_names_the_command_or_its_options() {
     let subcommands = subcommands();
     let mut named = Vec::new();
     for (path, module) in Sources::of_workspace(root()).modules {
-        if !["pump_model", "pump_ctl", "pump_link", "pump_node", "pump_bench"].contains(&path[0].as_str()) {
+        if !LIBRARIES.contains(&path[0].as_str()) {
             continue;
         }
         let texts = Texts::of(&module.items).into_iter();

@@ -20,7 +20,7 @@ pub(crate) struct Sources {
 }
 
 /// A crate that has no library is called after its folder.
-const CRATES: [(&str, &str); 9] = [
+const CRATES: [(&str, &str); 10] = [
     ("dose", "src/main.rs"),
     ("pump_dose", "src/lib.rs"),
     ("pump_bench", "crates/pump-bench/src/lib.rs"),
@@ -28,6 +28,7 @@ const CRATES: [(&str, &str); 9] = [
     ("pump_ctl", "crates/pump-ctl/src/lib.rs"),
     ("pump_link", "crates/pump-link/src/lib.rs"),
     ("pump_node", "crates/pump-node/src/lib.rs"),
+    ("pump_service", "crates/pump-service/src/lib.rs"),
     ("_pumpmodel", "crates/pump-py/src/lib.rs"),
     ("benches", "benches/src/main.rs"),
 ];
