@@ -102,6 +102,24 @@ fn an_entry_that_is_not_enabled_neither_runs_nor_misses() {
     assert_eq!(told(&schedule.catch_up(|_| None, at("00:00:00"), at("09:00:00"))), (vec![], None));
 }
 
+#[test]
+fn runs_of_several_entries_come_in_the_order_of_their_times() {
+    let entry = |name: &str, times: &str| {
+        let policy = "missed = \"all\"\nmissed_within = \"1d\"";
+        format!("[[entry]]\nname = \"{name}\"\npump = \"{name}\"\ndose = \"1mL\"\nat = {times}\n{policy}\n")
+    };
+    let text = format!(
+        "schema = \"schedule/1\"\n{}{}",
+        entry("one", "[\"07:00\", \"09:00\"]"),
+        entry("two", "[\"06:00\", \"07:00\", \"08:00\"]")
+    );
+    let schedule = Schedule::read(&text, &TimeZone::UTC).unwrap();
+    let catchup = schedule.catch_up(|_| None, at("00:00:00"), at("10:00:00"));
+    let runs: Vec<_> = catchup.run.iter().map(|due| (due.entry.name(), due.planned)).collect();
+    let told = [("two", "06"), ("one", "07"), ("two", "07"), ("two", "08"), ("one", "09")];
+    assert_eq!(runs, told.map(|(name, hour)| (name, at(&format!("{hour}:00:00")))));
+}
+
 /// A service that wakes at these times, and the runs that it made.
 fn service(schedule: &Schedule, wakes: impl IntoIterator<Item = Timestamp>) -> Vec<Timestamp> {
     let mut record: BTreeMap<String, Timestamp> = BTreeMap::new();

@@ -169,6 +169,7 @@ fn entries_of_one_pump_that_do_not_meet_are_allowed() {
     };
     assert!(!two("", ""));
     assert!(!two("days = \"mon\"", "dates = \"2026-03-02\""));
+    assert!(!two("until = \"2026-03-03\"", "from = \"2026-03-03\""));
     assert!(two("", "busy = \"wait\""));
     assert!(two("enabled = false", ""));
     assert!(two("", "zone = \"Asia/Kathmandu\""));

@@ -117,9 +117,9 @@ fn next_on_days(
     after: Timestamp,
     run: impl Fn(Date) -> Option<(Timestamp, Option<Shift>)>,
 ) -> Option<(Timestamp, Option<Shift>)> {
-    // A zone that crosses the date line leaves out a day, whose runs come at the begin of the next.
-    let mut date = zone.to_datetime(after).date().yesterday().ok()?;
-    date = season.from.map_or(date, |from| from.max(date));
+    // Runs of earlier dates have passed: a run comes no later than the clock first shows its time or a later one.
+    let today = zone.to_datetime(after).date();
+    let mut date = season.from.map_or(today, |from| from.max(today));
     loop {
         date = days.first(date).filter(|date| season.until.is_none_or(|until| *date <= until))?;
         if let Some(found) = run(date).filter(|(run, _)| *run > after) {
