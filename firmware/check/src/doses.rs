@@ -3,7 +3,9 @@
 use std::error::Error;
 use std::ops::RangeInclusive;
 use std::path::Path;
+use std::time::Duration;
 
+use pump_bench::drives::wire::Wire;
 use pump_bench::drives::{Drive, Leave, Node, Opening};
 use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 use pump_bench::{PumpFile, built_in};
@@ -21,6 +23,9 @@ const AXIS_PINS: RangeInclusive<u8> = 2..=22;
 /// rounding of deadlines, a tenth for that of the link, and the rest for the interrupt.
 pub(crate) const MOST_OFF_US: f64 = 1.0;
 
+/// Most instructions of a millisecond in which the board rests. The firmware makes 626, and has made twice as many.
+const MOST_IDLE_PER_MS: f64 = 800.0;
+
 /// Angle of the rotor before a dose.
 pub(crate) const START_RAD: f64 = 0.3;
 
@@ -30,6 +35,7 @@ const DOSES: [(f64, f64, bool); 5] =
 
 /// Makes whole doses, stops one and resets the board in another.
 pub(crate) fn doses(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    idle(firmware)?;
     for (volume_ml, ml_s, smooth) in DOSES {
         dose(firmware, Axis::X, volume_ml, ml_s, smooth)?;
     }
@@ -69,6 +75,18 @@ impl Met {
         let request = Request::new(volume_ml, Cruise::Flow { ml_s }).with_smooth(smooth);
         Ok(doser.plan(Phase::known(START_RAD), &request)?)
     }
+}
+
+/// Leaves a board alone whose axis is configured, and holds the instructions that it makes at rest.
+fn idle(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    let mut met = meet(firmware, Axis::X)?;
+    let time = Duration::from_secs(1);
+    let before = met.emulator.counts()?;
+    met.emulator.sleep(time);
+    let after = met.emulator.counts()?;
+    let per_ms = (after.all - before.all) / (1e3 * time.as_secs_f64());
+    println!("at rest the board makes {per_ms:.0} instructions a ms");
+    check(per_ms > 0.0 && per_ms <= MOST_IDLE_PER_MS, "the instructions of a board at rest")
 }
 
 /// Makes a dose, and holds each rise of the step pin against the plan.

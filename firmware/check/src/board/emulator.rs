@@ -21,6 +21,8 @@ pub(crate) struct Edge {
 /// Instructions of the board since it was made.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Counts {
+    /// Instructions in all.
+    pub(crate) all: f64,
     /// Interrupts of the timer.
     pub(crate) interrupts: f64,
     /// Instructions in these interrupts.
@@ -126,8 +128,8 @@ impl Emulator {
     pub(crate) fn counts(&self) -> io::Result<Counts> {
         let board = &mut self.shared().machine;
         board.to.write_all(b"C")?;
-        let [_, interrupts, instructions, most, kept_off, _] = board.numbers()?;
-        Ok(Counts { interrupts, instructions, most, kept_off })
+        let [all, interrupts, instructions, most, kept_off, _] = board.numbers()?;
+        Ok(Counts { all, interrupts, instructions, most, kept_off })
     }
 }
 
