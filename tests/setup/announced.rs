@@ -58,9 +58,14 @@ fn a_plan_that_a_node_refuses_is_not_announced_as_a_motion() {
     );
     let desk = set_up(&[&["16"], &node[..]].concat());
     assert_eq!(desk.types(&["home", "--set", "30deg+-1deg"]).code, 0);
-    rewrite(&desk, "driver = \"node\"", "driver = \"node\"\nbaud = 300");
-    is_refused_in_silence(&desk.types(&["3mL", "--smooth"]), "bytes a second, and the link carries 24");
+    rewrite(&desk, "driver = \"node\"", "driver = \"node\"\nbaud = 9600");
+    // The questions for the state of an axis are more than such a line carries.
+    is_refused_in_silence(
+        &desk.types(&["3mL", "--smooth"]),
+        "[drive] baud is 9600; allowed: 115200 to 4000000",
+    );
     assert_eq!(board.truth().steps, [0; 4]);
+    rewrite(&desk, "baud = 9600", "baud = 115200");
     let ended = desk.types(&["0.1mL"]);
     assert!(ended.code == 0 && ended.out.starts_with("MOVING acid on /dev/"), "{ended:?}");
 }

@@ -62,6 +62,10 @@ pub struct DriveTable {
 /// Shortest and longest dead-man time, and the usual one, in ms. The board's queue holds 200 ms at least.
 const DEAD_MAN_MS: (u16, u16, u16) = (100, 10_000, 500);
 
+/// Slowest line to a node, in bits per second. Each of four axes that move is asked for its state every 20 ms, and the
+/// answers are some 2 kB/s an axis, of ten bits a byte. Segments of a plan come on top.
+const LEAST_NODE_BAUD: u32 = 115_200;
+
 /// Returns the width that a forked light barrier on a disc of a few centimetres keeps to, in deg.
 fn usual_index_width_deg() -> f64 {
     0.5
@@ -220,6 +224,9 @@ impl DriveTable {
     pub(super) fn check(&self) -> Result<(), WrongValue> {
         if let Some(baud) = self.baud {
             within("[drive] baud", baud, 300..=4_000_000)?;
+            let allowed = "115200 to 4000000 beside driver = \"node\"; the Pico's own firmware speaks 460800";
+            let carries = self.driver != DriverName::Node || baud >= LEAST_NODE_BAUD;
+            allow(carries, "[drive] baud", baud, allowed)?;
         }
         if let Some(time_s) = self.hold_timeout_s {
             allow(time_s >= 0.0 && time_s.is_finite(), "[drive] hold_timeout_s", time_s, "0 or more")?;
