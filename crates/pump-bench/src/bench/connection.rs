@@ -118,7 +118,7 @@ impl<'a> Session<'a> {
         let cut_off = self.cut_off.is_some_and(|(_, part)| part.made_least < part.made_most);
         let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0 || cut_off);
         let event = told.or(starts_anew.then_some(Disturbance::Reset));
-        if stands.released {
+        if stands.released && event != Some(Disturbance::OtherAxis) {
             met = self.meet_released(count, notes);
         } else if let Some(event) = event {
             met = stands.disturbed(self.bench.fall_rad(), model);

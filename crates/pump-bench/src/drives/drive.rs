@@ -81,6 +81,9 @@ pub enum Disturbance {
     Disabled,
     /// The device was out of reach in motion.
     LinkLost,
+    /// Another axis of the device turns the motor than before. Its count says nothing of this rotor, which was without
+    /// current while it was connected to the other axis.
+    OtherAxis,
 }
 
 impl Display for Disturbance {
@@ -89,6 +92,9 @@ impl Display for Disturbance {
             Self::Reset => "the device was reset",
             Self::Disabled => "the motor was without current",
             Self::LinkLost => "the device was out of reach in motion",
+            Self::OtherAxis => {
+                "the motor is at another axis of the board than before, which counts from elsewhere"
+            }
         })
     }
 }

@@ -1,10 +1,12 @@
 //! Pumps that share a board, one after the other.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use pump_bench::built_in;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Node, Opening};
 use pump_bench::pump_file::{Axis, DriveTable};
+use pump_bench::{Bench, DoseRequest, Session, built_in};
+use pump_ctl::plan::{Cruise, Phase};
 
 use crate::rig::{Rig, dose, run};
 use crate::world::{Event, SharedWorld};
@@ -82,4 +84,40 @@ fn a_pump_whose_record_is_from_before_boards_had_one_keeps_its_session() {
     let before = Opening { boards: None, ..acid.clone() };
     drop(open(&world, &Rig::table(), &before).unwrap());
     assert_eq!(open(&world, &Rig::table(), &acid).unwrap().disturbed(), None);
+}
+
+/// Connects the pump at this axis, with its own journal, and makes a dose. Returns what is told of the rotor, and the
+/// half width of its angle before the dose, in rad.
+fn pour_at(world: &SharedWorld, state: &Path, axis: Axis, angle: Option<Phase>) -> (Vec<String>, f64) {
+    let mut drive = open(world, &Rig::table().with_axis(axis), &opening(state, "acid")).unwrap();
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, &state.join("journal")).unwrap();
+    let bench = bench.driven_by(&drive).unwrap().confirming_pump(true);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+    session.connect().unwrap();
+    let told = session.notes().into_iter().map(|note| note.text().to_owned());
+    let told = told.filter(|text| text.contains("the rollers' angle")).collect();
+    if angle.is_some() {
+        session.set_angle(angle).unwrap();
+    }
+    let half_width_rad = session.state().unwrap().half_width_rad;
+    let prepared =
+        session.prepare(DoseRequest::dose(0.5).with_cruise(Some(Cruise::Flow { ml_s: 1.0 }))).unwrap();
+    assert!(session.run(&prepared, |_| ControlFlow::Continue(())).unwrap().completed);
+    (told, half_width_rad)
+}
+
+#[test]
+fn a_pump_that_was_moved_to_another_axis_is_told_so_and_its_angle_is_less_sure() {
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let exact = Some(Phase::known(0.3));
+    pour_at(&world, state.path(), Axis::Y, exact);
+    assert_eq!(pour_at(&world, state.path(), Axis::Y, None), (Vec::new(), 0.0));
+    // The axis X was never configured, and Y counts from elsewhere once the pump was at X.
+    for axis in [Axis::X, Axis::Y] {
+        let (told, half_width_rad) = pour_at(&world, state.path(), axis, None);
+        let [told] = told.as_slice() else { panic!("{axis}: {told:?}") };
+        assert!(told.starts_with("the motor is at another axis of the board than before"), "{told}");
+        assert!(half_width_rad > 0.0, "{axis}");
+        assert_eq!(pour_at(&world, state.path(), axis, exact), (Vec::new(), 0.0), "{axis}");
+    }
 }

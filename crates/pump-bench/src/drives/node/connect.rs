@@ -104,6 +104,17 @@ pub(super) struct Met {
     pub(super) unread: FaultCounts,
     /// Words for the board that was on record, if this one was accepted in its place.
     pub(super) replaced: Option<String>,
+    /// True if the record says that the pump's journal counts by this axis.
+    pub(super) is_axis_recorded: bool,
+}
+
+/// Session of a board.
+struct Found {
+    session: u64,
+    /// True if the board holds it.
+    holds: bool,
+    /// Axis by which the pump's journal counts, as far as the record tells.
+    counted_by: Option<Axis>,
 }
 
 /// Meets the board at the other end of `link`, and configures its axis. Nothing moves.
@@ -132,7 +143,7 @@ pub(super) fn meet(
     let brake = given!(make_brake(tick_rate));
     let replaced = given!(recognise(&identity, terms));
     let found = session(&mut link.line(), &identity, held, terms);
-    let (session, holds) = given!(found);
+    let Found { session, holds, counted_by } = given!(found);
     if session != link.session() {
         link.begin(session);
     }
@@ -146,11 +157,14 @@ pub(super) fn meet(
     let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
+            let is_elsewhere = counted_by.is_some_and(|axis| axis != terms.axis);
+            let disturbed = if holds && is_elsewhere { Some(Disturbance::OtherAxis) } else { disturbed };
             let (position, unread) = (status.position, status.unread);
             if let Some(lane) = board.link.line().lane(axis) {
                 lane.is_met = true;
             }
-            Ok(Met { board, brake, position, disturbed, unread, replaced })
+            let is_axis_recorded = counted_by == Some(terms.axis);
+            Ok(Met { board, brake, position, disturbed, unread, replaced, is_axis_recorded })
         }
         Err(error) => Err((Box::new(board.link), error)),
     }
@@ -218,9 +232,9 @@ fn recognise(identity: &Identity, terms: &Terms) -> Result<Option<String>, NodeE
     Ok(found.recognise(Some(&terms.port), &terms.opening)?)
 }
 
-/// Returns the session of the board, and true if the board holds it. The disk has a new session before the board does.
+/// Returns the session of the board, and whether the board holds it. The disk has a new session before the board does.
 /// All pumps of the board share it, so none takes the board from another.
-fn session(line: &mut Line, identity: &Identity, held: u64, terms: &Terms) -> Result<(u64, bool), NodeError> {
+fn session(line: &mut Line, identity: &Identity, held: u64, terms: &Terms) -> Result<Found, NodeError> {
     let lenient = |read: Result<Option<SessionRecord>, NodeError>| match read {
         Err(_) if terms.opening.accept_settings => Ok(None),
         read => read,
@@ -241,14 +255,24 @@ fn session(line: &mut Line, identity: &Identity, held: u64, terms: &Terms) -> Re
     let known = [of_board, same].into_iter().flatten().map(|recorded| recorded.session).chain([line.given]);
     let holds = held != 0 && known.into_iter().any(|session| session == held);
     let session = if holds { held } else { SessionRecord::new(identity.board).session };
-    let now = SessionRecord { board: identity.board, session };
-    for (path, before) in [(record.as_ref().map(BoardRecord::path), of_board), (path, of_pump)] {
+    let now = |axis| SessionRecord { board: identity.board, session, axis };
+    let counted_by = same.and_then(|recorded| recorded.axis);
+    for (path, before, now) in
+        [(record.as_ref().map(BoardRecord::path), of_board, now(None)), (path, of_pump, now(counted_by))]
+    {
         if let Some(path) = path.filter(|_| before != Some(now)) {
             now.write(path)?;
         }
     }
     line.given = session;
-    Ok((session, holds))
+    Ok(Found { session, holds, counted_by })
+}
+
+/// Puts on record that the pump's journal counts by this axis. The journal has noted before that it counts anew.
+pub(super) fn record_axis(board: &Board, terms: &Terms) -> Result<(), NodeError> {
+    let Some(path) = terms.record.as_deref() else { return Ok(()) };
+    let (number, session) = (board.identity.board, board.link.session());
+    SessionRecord { board: number, session, axis: Some(terms.axis) }.write(path)
 }
 
 /// Brings the board to rest, gives it the session, and configures its axis.

@@ -44,6 +44,8 @@ pub struct Node {
     /// Count of the board at rest. `None` if nobody knows it until the board is met anew.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
+    /// True if the record says that the pump's journal counts by this axis.
+    is_axis_recorded: bool,
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
@@ -96,6 +98,7 @@ impl Node {
             at: At::Apart(Box::new(link)),
             stands: None,
             disturbed: None,
+            is_axis_recorded: false,
             notes: Vec::new(),
             place: None,
         };
@@ -114,7 +117,8 @@ impl Node {
         };
         let motor = self.motor;
         match connect::meet(link, &self.terms, |tick_rate| Ok(motor.brake(tick_rate)?)) {
-            Ok(Met { board, brake, position, disturbed, unread, replaced }) => {
+            Ok(Met { board, brake, position, disturbed, unread, replaced, is_axis_recorded }) => {
+                self.is_axis_recorded = is_axis_recorded;
                 self.notes.extend(
                     replaced.map(|board| format!("another board was on record, {board}: accepted").into()),
                 );
@@ -261,6 +265,13 @@ impl Drive for Node {
 
     fn disturbed(&mut self) -> Option<Disturbance> {
         self.disturbed.take()
+    }
+
+    fn recorded(&mut self) {
+        if let (false, At::Met { board, .. }) = (self.is_axis_recorded, &self.at) {
+            // An axis that is not on record is told again, which makes the angle less sure and never too sure.
+            self.is_axis_recorded = connect::record_axis(board, &self.terms).is_ok();
+        }
     }
 
     fn connect(&mut self) -> Result<(), DriveError> {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
 use crate::files::{read_plain, replace_plain};
+use crate::pump_file::Axis;
 
 /// Form of the record.
 const SCHEMA: &str = "node-session/1";
@@ -20,6 +21,8 @@ struct Recorded {
     schema: String,
     board: String,
     session: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    axis: Option<Axis>,
 }
 
 /// Board of a pump, and the session that it was given.
@@ -29,6 +32,8 @@ pub(super) struct SessionRecord {
     pub(super) board: u64,
     /// Session number.
     pub(super) session: u64,
+    /// Axis by which the pump's journal counts. The record of a board has none.
+    pub(super) axis: Option<Axis>,
 }
 
 impl SessionRecord {
@@ -38,7 +43,7 @@ impl SessionRecord {
         let mut hasher = RandomState::new().build_hasher();
         hasher.write_u128(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos()));
         hasher.write_u32(std::process::id());
-        Self { board, session: hasher.finish().max(1) }
+        Self { board, session: hasher.finish().max(1), axis: None }
     }
 
     /// Returns the record at `path`. There is none before a board was first met.
@@ -53,7 +58,8 @@ impl SessionRecord {
             return Err(unread(format!("its schema is {:?}; allowed: {SCHEMA:?}", recorded.schema)));
         }
         let number = |text: &str| u64::from_str_radix(text, 16).map_err(|error| unread(error.to_string()));
-        Ok(Some(Self { board: number(&recorded.board)?, session: number(&recorded.session)? }))
+        let (board, session) = (number(&recorded.board)?, number(&recorded.session)?);
+        Ok(Some(Self { board, session, axis: recorded.axis }))
     }
 
     /// Writes the record to `path`. The disk has it afterwards.
@@ -62,6 +68,7 @@ impl SessionRecord {
             schema: SCHEMA.to_owned(),
             board: format!("{:016x}", self.board),
             session: format!("{:016x}", self.session),
+            axis: self.axis,
         };
         replace_plain(path, |to| {
             serde_json::to_writer(&mut *to, &recorded)?;
