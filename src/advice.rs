@@ -159,6 +159,13 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SwitchOff => "switch its power off",
         Remedy::CheckCable => "check its cable and power",
         Remedy::NamePort => "give `--port /dev/ttyUSB0`, or port = \"...\" in [drive]",
+        Remedy::FindPort => {
+            "plug the board's cable in and name its port with --port; `dose setup` finds the boards that answer"
+        }
+        Remedy::JoinPortGroup => {
+            "add this user to the port's group, dialout on most systems (sudo usermod -aG dialout USER), and log in \
+             anew"
+        }
         Remedy::PortEachTime => "without it every command needs --port",
         Remedy::Configure => "`--configure` sets it",
         Remedy::ConfigureOrRaise => "`--configure` sets it, or raise [motor] max_acceleration_rad_s2",

@@ -80,7 +80,12 @@ fn a_port_without_a_board_is_asked_for_again_at_once() {
     for port in &wrong[..3] {
         assert!(ended.err.contains(&format!("no board answers at {port}: ")), "{port}: {}", ended.err);
     }
-    assert!(ended.err.contains("there is no /dev/ttyUSB99"), "{}", ended.err);
+    for port in &wrong[..2] {
+        assert!(
+            ended.err.contains(&format!("{port} cannot be opened as a serial port: it is no serial line; "))
+        );
+    }
+    assert!(ended.err.contains("no board is at /dev/ttyUSB99: it is not there; "), "{}", ended.err);
     assert_eq!(ended.asked.iter().filter(|question| question.starts_with("Port")).count(), 5);
     assert!(desk.configured("pumps/acid.toml").unwrap().contains(&pump.port()));
     assert_eq!(pump.board.rest().steps, 0);
@@ -107,4 +112,18 @@ fn a_board_that_went_away_is_asked_for_in_the_same_run() {
         "{}",
         refused.err
     );
+}
+
+#[test]
+fn a_port_that_is_none_is_named_with_what_is_wrong_and_what_to_do() {
+    let desk = Desk::new();
+    for driver in ["grbl", "node"] {
+        for (port, said) in [("/dev/null", "it is no serial line; "), ("/dev/ttyUSB99", "it is not there; ")]
+        {
+            let refused = desk.types(&["1mL", "--driver", driver, "--port", port, "--confirm-pump"]);
+            let named = format!("{port} cannot be opened as a serial port: {said}");
+            assert!(refused.code == 2 && refused.err.contains(&named), "{driver}: {}", refused.err);
+            assert!(refused.err.contains("`dose setup` finds the boards that answer"), "{}", refused.err);
+        }
+    }
 }

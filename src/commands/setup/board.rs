@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use pump_bench::drives::{DriveError, FoundBoard, find_boards, serial_ports};
+use pump_bench::drives::{DriveError, FoundBoard, PortFault, find_boards, serial_ports};
+use pump_bench::notice::{Remedy, with_sources};
 use pump_bench::pump_file::{Axis, DriverName};
+use pump_bench::report::Explain;
 use pump_bench::setup::Answers;
 
 use super::asker::{Asked, Question, Usual};
@@ -105,7 +107,8 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
     let read = |answer: &str| {
         let port = Path::new(answer);
         if !port.exists() {
-            return Err(format!("there is no {answer}; is the board plugged in?"));
+            let fault = PortFault::missing();
+            return Err(format!("no board is at {answer}: {fault}; is the cable of the board plugged in?"));
         }
         if !is_silent {
             let known = found.iter().find(|(at, _)| at == port).map(|(_, board)| board.clone());
@@ -136,10 +139,12 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
             tell_person(&format!("  {shown}: {board}"));
             Ok(board)
         }
-        Some((_, Err(error))) => Err(format!(
-            "no board answers at {shown}: {}; name the board's port, or quit and come back",
-            advice::told(&error)
-        )),
+        Some((_, Err(error))) => {
+            // What helps is said below, in the words of these questions.
+            let is_no_port = error.remedies().contains(&Remedy::FindPort);
+            let why = if is_no_port { with_sources(&error) } else { advice::told(&error) };
+            Err(format!("no board answers at {shown}: {why}; name the board's port, or quit and come back"))
+        }
         None => Err(format!("nobody was asked at {shown}")),
     }
 }

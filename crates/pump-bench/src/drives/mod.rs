@@ -34,7 +34,7 @@ pub use find::{FoundBoard, find_boards};
 #[cfg(feature = "grbl")]
 pub use grbl::reply as grbl_reply;
 #[cfg(feature = "grbl")]
-pub use grbl::{Grbl, GrblBoard, GrblError, ask_ports, serial_ports};
+pub use grbl::{Grbl, GrblBoard, GrblError, ask_ports};
 pub(crate) use identity::Identity;
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
@@ -43,3 +43,5 @@ pub(crate) use opening::PORT_NAMES;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;
+#[cfg(any(feature = "grbl", feature = "node"))]
+pub use wire::{PortFault, serial_ports};

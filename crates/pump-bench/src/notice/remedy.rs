@@ -162,6 +162,10 @@ pub enum Remedy {
     CheckCable,
     /// Name a serial port, for this run or in the pump file.
     NamePort,
+    /// Plug the board's cable in, and find its port.
+    FindPort,
+    /// Give this user the right to use serial ports.
+    JoinPortGroup,
     /// Name a serial port each time, where the pump file has none.
     PortEachTime,
     /// Have the board's settings written.
@@ -268,6 +272,8 @@ impl Remedy {
         Self::SwitchOff,
         Self::CheckCable,
         Self::NamePort,
+        Self::FindPort,
+        Self::JoinPortGroup,
         Self::PortEachTime,
         Self::Configure,
         Self::ConfigureOrRaise,

@@ -143,6 +143,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SwitchOff => "switch its power off",
         Remedy::CheckCable => "check its cable and power",
         Remedy::NamePort => "give port=\"/dev/ttyUSB0\", or port = \"...\" in [drive]",
+        Remedy::FindPort => "plug the board's cable in and give its port=\"...\"",
+        Remedy::JoinPortGroup => {
+            "add this user to the port's group, dialout on most systems (sudo usermod -aG dialout USER), and log in \
+             anew"
+        }
         Remedy::PortEachTime => "without it Bench.open() needs port",
         Remedy::Configure => "Bench.open() with configure=True sets it",
         Remedy::ConfigureOrRaise => {

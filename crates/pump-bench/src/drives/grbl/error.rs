@@ -7,7 +7,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::drives::known_board::BoardError;
-use crate::drives::wire::PortError;
+use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 
 use super::axis_name::{axes_in_words, letter_at};
@@ -21,12 +21,12 @@ pub enum GrblError {
     #[error("no serial port is named for the grbl board")]
     NoPort,
     /// The port cannot be opened.
-    #[error("{} cannot be opened as a serial port: {reason}", .port.display())]
+    #[error("{} cannot be opened as a serial port: {fault}", .port.display())]
     Open {
         /// Path of the port.
         port: PathBuf,
-        /// Cause of the failure, as the system tells it.
-        reason: String,
+        /// Fault of the port.
+        fault: PortFault,
     },
     /// No grbl board answers at the port.
     #[error(
@@ -392,7 +392,7 @@ impl From<PortError> for DriveError {
         match error {
             PortError::Unnamed => GrblError::NoPort.into(),
             PortError::Busy { device, holder } => Self::Busy { device, holder },
-            PortError::Open { port, reason } => GrblError::Open { port, reason }.into(),
+            PortError::Open { port, fault } => GrblError::Open { port, fault }.into(),
         }
     }
 }

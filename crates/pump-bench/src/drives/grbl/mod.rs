@@ -19,7 +19,7 @@ mod settings;
 
 #[cfg(feature = "node")]
 pub(super) use ask::ask_boards;
-pub use ask::{ask_ports, serial_ports};
+pub use ask::ask_ports;
 pub use axis::Grbl;
 pub(super) use axis::open;
 pub use error::GrblError;

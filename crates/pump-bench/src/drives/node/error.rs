@@ -10,7 +10,7 @@ use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
 use crate::drives::known_board::BoardError;
-use crate::drives::wire::PortError;
+use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 use crate::pump_file::Axis;
 
@@ -22,12 +22,12 @@ pub enum NodeError {
     #[error("no serial port is named for the board")]
     NoPort,
     /// The port cannot be opened.
-    #[error("{} cannot be opened as a serial port: {reason}", .port.display())]
+    #[error("{} cannot be opened as a serial port: {fault}", .port.display())]
     Open {
         /// Path of the port.
         port: PathBuf,
-        /// Cause of the failure, as the system tells it.
-        reason: String,
+        /// Fault of the port.
+        fault: PortFault,
     },
     /// Nothing answers at the port.
     #[error(
@@ -317,7 +317,7 @@ impl From<PortError> for NodeOpening {
         Self(match error {
             PortError::Unnamed => NodeError::NoPort.into(),
             PortError::Busy { device, holder } => DriveError::Busy { device, holder },
-            PortError::Open { port, reason } => NodeError::Open { port, reason }.into(),
+            PortError::Open { port, fault } => NodeError::Open { port, fault }.into(),
         })
     }
 }

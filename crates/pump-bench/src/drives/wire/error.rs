@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::port_fault::PortFault;
+
 /// Reason for which a port was not opened. Each drive words it as its own error.
 #[derive(Debug)]
 pub(in crate::drives) enum PortError {
@@ -18,7 +20,7 @@ pub(in crate::drives) enum PortError {
     Open {
         /// Path of the port.
         port: PathBuf,
-        /// Cause of the failure, as the system tells it.
-        reason: String,
+        /// Fault of the port.
+        fault: PortFault,
     },
 }

@@ -5,7 +5,9 @@ mod error;
 mod holder;
 mod open_ports;
 mod port;
+mod port_fault;
 mod port_name;
+mod serial_ports;
 
 use std::fmt::Debug;
 use std::io;
@@ -16,7 +18,9 @@ pub(super) use ask_clock::SystemAskClock;
 pub(super) use error::PortError;
 pub(super) use open_ports::{NotShared, OpenPorts};
 pub(super) use port::BoardPort;
+pub use port_fault::PortFault;
 pub(super) use port_name::port_name;
+pub use serial_ports::serial_ports;
 
 /// Wire to a board.
 pub trait Wire: Debug + Send {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use serialport::SerialPort;
 
 use super::error::PortError;
+use super::port_fault::PortFault;
 use super::{Wire, holder};
 
 /// Longest wait for the system to take bytes.
@@ -28,14 +29,16 @@ impl BoardPort {
     /// Opens the port at `path` for this process alone, at a rate in bits per second.
     pub(in crate::drives) fn open(path: Option<&Path>, baud: u32) -> Result<Self, PortError> {
         let path = path.ok_or(PortError::Unnamed)?;
-        let fails = |reason: String| PortError::Open { port: path.to_owned(), reason };
+        let unfit = |fault: PortFault| PortError::Open { port: path.to_owned(), fault };
+        let fails = |reason: String| unfit(PortFault::System(reason));
         let busy = || PortError::Busy { device: path.to_owned(), holder: holder::of(path) };
         // This handle is opened first: once serialport has the device, no other open succeeds.
         let line = match SerialHandle::open(path) {
             Ok(line) => line,
             Err(error) if error.kind() == io::ErrorKind::ResourceBusy => return Err(busy()),
-            Err(error) => return Err(fails(error.to_string())),
+            Err(error) => return Err(unfit(PortFault::of_file(&error))),
         };
+        line.is_serial().map_err(unfit)?;
         // serialport takes a lock of the system (flock) and forbids further opens (TIOCEXCL).
         let builder = serialport::new(path.to_string_lossy(), baud).timeout(Duration::from_millis(1));
         let serial = match builder.open() {
@@ -104,6 +107,15 @@ impl SerialHandle {
         Ok(Self(rustix::fs::open(path, flags, Mode::empty())?))
     }
 
+    /// Refuses a file that the system has no serial line for.
+    fn is_serial(&self) -> Result<(), PortFault> {
+        match rustix::termios::tcgetattr(&self.0) {
+            Err(rustix::io::Errno::NOTTY | rustix::io::Errno::INVAL) => Err(PortFault::no_serial_line()),
+            // Any other failure is told by what follows.
+            _ => Ok(()),
+        }
+    }
+
     /// Keeps the line that resets Arduinos (DTR) from falling when the port is closed, so that the next open
     /// does not reset the board. The first open since the computer started may reset it all the same.
     fn stays_awake(&self) -> io::Result<()> {
@@ -123,6 +135,10 @@ struct SerialHandle;
 impl SerialHandle {
     fn open(_path: &Path) -> io::Result<Self> {
         Ok(Self)
+    }
+
+    fn is_serial(&self) -> Result<(), PortFault> {
+        Ok(())
     }
 
     fn stays_awake(&self) -> io::Result<()> {

@@ -7,6 +7,8 @@ use crate::drives::DriveError;
 use crate::drives::GrblError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
+#[cfg(any(feature = "grbl", feature = "node"))]
+use crate::drives::PortFault;
 use crate::notice::Remedy;
 
 impl DriveError {
@@ -40,11 +42,22 @@ fn of_device(error: &(dyn StdError + Send + Sync + 'static)) -> Option<Remedy> {
     None
 }
 
+/// Returns the remedy of a port that cannot be opened.
+#[cfg(any(feature = "grbl", feature = "node"))]
+fn of_port(fault: &PortFault) -> Option<Remedy> {
+    match fault {
+        PortFault::Missing { .. } | PortFault::NoSerialLine { .. } => Some(Remedy::FindPort),
+        PortFault::Forbidden => Some(Remedy::JoinPortGroup),
+        PortFault::System(_) => None,
+    }
+}
+
 /// Returns the remedy of an error of a node, where the text of the error does not say it.
 #[cfg(feature = "node")]
 fn of_node(error: &NodeError) -> Option<Remedy> {
     match error {
         NodeError::NoPort => Some(Remedy::NamePort),
+        NodeError::Open { fault, .. } => of_port(fault),
         NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
         NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         NodeError::Gone(_) => Some(Remedy::CheckCable),
@@ -59,6 +72,7 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
 fn of_grbl(error: &GrblError) -> Option<Remedy> {
     match error {
         GrblError::NoPort => Some(Remedy::NamePort),
+        GrblError::Open { fault, .. } => of_port(fault),
         GrblError::Steep { .. } => Some(Remedy::ConfigureOrRaise),
         GrblError::SoftLimits => Some(Remedy::Configure),
         GrblError::SettingsChanged { .. } => Some(Remedy::AcceptSettings),
