@@ -23,7 +23,7 @@ const AXIS_PINS: RangeInclusive<u8> = 2..=22;
 /// rounding of deadlines, a tenth for that of the link, and the rest for the interrupt.
 pub(crate) const MOST_OFF_US: f64 = 1.0;
 
-/// Most instructions of a millisecond in which the board rests. The firmware makes 626, and has made twice as many.
+/// Most instructions of a millisecond in which the board rests. The firmware makes 632, and has made twice as many.
 const MOST_IDLE_PER_MS: f64 = 800.0;
 
 /// Angle of the rotor before a dose.
