@@ -262,10 +262,7 @@ fn a_new_pump_stands_where_it_is_told() {
     assert!(refused(&["--altitude", "1m", "--ambient", "1bara"]).contains("cannot be used with"));
     assert!(refused(&["--ambient", "0kPag"]).contains("give it absolute"));
     // Water at 25 °C boils under a column of (101.325 - 3.17) kPa, 10.04 m.
-    assert!(
-        refused(&["--suction-lift", "10.1m"])
-            .contains("water is not sucked up 10.1 m: the air of ")
-    );
+    assert!(refused(&["--suction-lift", "10.1m"]).contains("water is not sucked up 10.1 m: the air of "));
     assert_eq!(user.types(&[&DRAWING[..], &["--altitude", "-430m", "low.toml"]].concat()).code, 0);
 }
 
