@@ -20,13 +20,17 @@ pub(super) struct Look {
     pub(super) stepped_ns: Option<f64>,
 }
 
-/// Silences of a host, by looks at its line. A silence counts once the motor makes a step after it: a host may be
-/// silent after the last one.
+/// Silences of a host, by looks at its line. A silence is judged once it has ended, by a frame or with the motion: only
+/// then the system tells for how long the host had waited for a processor. It counts as far as the motor makes a step
+/// after it: a host may be silent after the last one.
 #[derive(Debug, Default)]
 pub(super) struct Silences {
     before: Option<Look>,
-    /// Silence until now, the longest one since the last step, and the longest one that counts.
-    now: Duration,
+    /// Look that found the last frame, or a motor at rest.
+    spoke: Option<Look>,
+    /// Time of the look that found the last step.
+    stepped_at: Duration,
+    /// Longest silence since the last step, and the longest one that counts.
     unsure: Duration,
     longest: Duration,
 }
@@ -38,19 +42,20 @@ impl Silences {
     /// The time in which the host has no processor is the computer's silence, not the host's.
     pub(super) fn look(&mut self, look: Look) {
         let Some(before) = self.before.replace(look) else { return };
-        if look.stepped_ns.is_none() || look.has_frame {
-            self.now = Duration::ZERO;
-        } else {
-            let is_computer = look.queued.saturating_sub(before.queued);
-            self.now += look.at.saturating_sub(before.at).saturating_sub(is_computer);
-        }
-        if look.stepped_ns.is_none() {
-            self.unsure = Duration::ZERO;
-        } else if look.stepped_ns > before.stepped_ns {
+        let spoke = *self.spoke.get_or_insert(before);
+        let stands = look.stepped_ns.is_none();
+        if look.stepped_ns > before.stepped_ns {
             self.longest = self.longest.max(self.unsure);
             self.unsure = Duration::ZERO;
+            self.stepped_at = look.at;
         }
-        self.unsure = self.unsure.max(self.now);
+        if stands || look.has_frame {
+            let is_computer = look.queued.saturating_sub(spoke.queued);
+            let until = |end: Duration| end.saturating_sub(spoke.at).saturating_sub(is_computer);
+            self.longest = self.longest.max(until(before.at.min(self.stepped_at)));
+            self.unsure = if stands { Duration::ZERO } else { self.unsure.max(until(before.at)) };
+            self.spoke = Some(look);
+        }
     }
 
     /// Returns the longest silence.
@@ -100,7 +105,30 @@ mod tests {
 
     #[test]
     fn time_without_a_processor_is_no_silence_of_the_host() {
-        assert_eq!(longest_ms(20, &[2, 4, 10, 19], 7, 20), 24);
+        // From 100 to 180 ms, less 63 ms from the look at the first frame to that at the second.
+        assert_eq!(longest_ms(20, &[2, 4, 10, 19], 7, 20), 17);
+    }
+
+    #[test]
+    fn a_wait_for_a_processor_that_is_told_at_its_end_is_no_silence_of_the_host() {
+        let mut silences = Silences::default();
+        for (at_ms, queued_ms, has_frame) in
+            [(0, 0, true), (150, 0, false), (300, 0, false), (310, 290, true)]
+        {
+            let [at, queued] = [at_ms, queued_ms].map(Duration::from_millis);
+            silences.look(Look { at, queued, has_frame, stepped_ns: Some(at_ms as f64) });
+        }
+        assert_eq!(silences.longest().as_millis(), 10);
+    }
+
+    #[test]
+    fn a_host_that_never_speaks_again_is_silent_until_the_motors_last_step() {
+        let mut silences = Silences::default();
+        for (at_ms, stepped_ns) in [(0, Some(0.0)), (400, Some(1.0)), (600, Some(1.0)), (700, None)] {
+            let at = Duration::from_millis(at_ms);
+            silences.look(Look { at, queued: Duration::ZERO, has_frame: at_ms == 0, stepped_ns });
+        }
+        assert_eq!(silences.longest().as_millis(), 400);
     }
 
     #[test]
