@@ -177,6 +177,18 @@ impl Calibration {
         &self.0.calibration.date
     }
 
+    /// Name of the fluid that was weighed.
+    #[getter]
+    fn fluid(&self) -> &str {
+        &self.0.calibration.fluid
+    }
+
+    /// Mean temperature of that fluid, °C.
+    #[getter]
+    fn temperature_degc(&self) -> f64 {
+        self.0.calibration.temperature_degc
+    }
+
     /// Name that the user gave the tube, or None.
     #[getter]
     fn tube(&self) -> Option<&str> {
