@@ -97,7 +97,7 @@ fn a_dimension_that_is_wrong_is_named_with_the_amount() {
         (Geometry { roller_radius_mm: 1.0, roller_offset_mm: 23.0, ..MICRO }, "mm too small"),
         (
             Geometry { contact_angle_rad: -60.0 * TAU / 360.0, ..MICRO },
-            "or a contact angle larger by 5.4 deg",
+            "or a contact angle larger by 5.5 deg",
         ),
     ] {
         let error = drawn(geometry).err().map(|error| error.to_string()).unwrap_or_default();
