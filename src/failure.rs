@@ -120,10 +120,9 @@ impl Failure {
         }
     }
 
-    /// The failure after so much was delivered, in mL.
-    pub(crate) fn delivered(self, volume_ml: f64) -> Self {
-        let delivered_ml =
-            self.delivered_ml.map(|(least_ml, most_ml)| (least_ml + volume_ml, most_ml + volume_ml));
+    /// The failure after a volume between these was delivered, in mL.
+    pub(crate) fn delivered(self, (least_ml, most_ml): (f64, f64)) -> Self {
+        let delivered_ml = self.delivered_ml.map(|(least, most)| (least + least_ml, most + most_ml));
         Self { delivered_ml, ..self }
     }
 

@@ -13,7 +13,7 @@ use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session, TimedVolume};
 use pump_ctl::plan::Finish;
 
-use super::delivery::{DeliveryEnd, Said, before_dose, deliver, ended, find_angle, report_once};
+use super::delivery::{DeliveryEnd, Said, Untold, before_dose, deliver, ended, find_angle, report_once};
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -55,10 +55,10 @@ pub(super) fn run(
         assumed,
         count,
         done: 0,
-        done_ml: 0.0,
+        done_ml: (0.0, 0.0),
         skipped: 0,
         untold: Vec::new(),
-        before: Vec::new(),
+        before: Untold::default(),
         options,
         total: Total::default(),
         clock: ClockWatch::of_system(),
@@ -126,13 +126,13 @@ struct Batch<'a> {
     assumed: Option<String>,
     count: u64,
     done: u64,
-    /// Volume of the doses that were made in full, in mL.
-    done_ml: f64,
+    /// Smallest and largest volume of the doses that were made in full, in mL.
+    done_ml: (f64, f64),
     skipped: u64,
     /// Messages about skipped doses that the next report for a program repeats.
     untold: Vec<String>,
     /// Notices about what came before the batch, which the first report tells.
-    before: Vec<Notice>,
+    before: Untold,
     options: &'a DosingOptions,
     total: Total,
     clock: ClockWatch,
@@ -216,16 +216,15 @@ impl Batch<'_> {
                     find_angle(session, self.options, interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
-                    prepared.warnings.append(&mut self.before);
+                    prepared.warnings.extend(self.before.take());
                     prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
                     let (json, warned) = (self.said.json, &mut self.warned);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, json, warned)?;
                     self.done += u64::from(delivered.0.completed);
-                    let volume_ml = delivered.0.volume_ml;
                     self.tell_clock()?;
-                    self.report(number, &prepared, Some(delivered))?;
-                    self.done_ml += volume_ml;
+                    let (least_ml, most_ml) = self.report(number, &prepared, Some(delivered))?;
+                    self.done_ml = (self.done_ml.0 + least_ml, self.done_ml.1 + most_ml);
                     self.still_read()?;
                 }
             }
@@ -309,15 +308,17 @@ impl Batch<'_> {
         Ok(())
     }
 
+    /// Reports a dose. Returns the smallest and the largest volume that it delivered, in mL.
     fn report(
         &mut self,
         number: u64,
         prepared: &Prepared,
         delivered: Option<DeliveryEnd>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(f64, f64), Failure> {
         let report =
             DoseReport::new(self.bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
         self.total.add(&report);
+        let range_ml = report.delivered_range_ml();
         let printed = if self.said.json || self.said.verbose {
             let place = Some((number, self.count));
             let (untold, warned) = (mem::take(&mut self.untold), &mut self.warned);
@@ -327,7 +328,8 @@ impl Batch<'_> {
         } else {
             self.print_line(number, &report.worded(advice::words))
         };
-        ended(printed, delivered)
+        ended(printed, delivered, range_ml)?;
+        Ok(range_ml)
     }
 
     /// Prints a dose as one line. The headline comes before the first, and a warning after the first dose that has one

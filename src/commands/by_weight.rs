@@ -41,10 +41,10 @@ pub(super) fn run(
         return report_once(bench, report, &said, None, Vec::new(), &mut Warned::default());
     }
     make(bench, &said, options, balance, |session, scale, interrupt| {
-        let before = before_dose(bench, session, dosing, interrupt)?;
+        let mut before = before_dose(bench, session, dosing, interrupt)?;
         let prepared = session.prepare_by_weight(&order);
         let mut prepared = noted(session, prepared)?;
-        prepared.whole.warnings.extend(before);
+        prepared.whole.warnings.extend(before.take());
         let tare = at_rest(json, || session.tare_by_weight(&prepared, scale));
         Ok((prepared, of_session(session, tare)?))
     })
@@ -104,13 +104,13 @@ fn make(
     }
     let difference_g = delivered.difference_standard_g(options.scale, bench.file());
     let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
-    let delivered_ml = report.delivered_ml.unwrap_or_default();
+    let range_ml = report.delivered_range_ml();
     let printed = report_once(bench, report, said, None, Vec::new(), &mut Warned::default());
     match (printed, delivered.completed) {
-        (Err(failure), _) => Err(failure.after_motion().delivered(delivered_ml)),
+        (Err(failure), _) => Err(failure.after_motion().delivered(range_ml)),
         (Ok(()), true) => Ok(()),
         (Ok(()), false) => {
-            Err(Failure::stopped(interrupt.signal().unwrap_or(0), true, STOPPED).delivered(delivered_ml))
+            Err(Failure::stopped(interrupt.signal().unwrap_or(0), true, STOPPED).delivered(range_ml))
         }
     }
 }

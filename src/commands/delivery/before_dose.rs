@@ -1,5 +1,7 @@
 //! Steps before a dose that nobody watches: an interrupted dose on record, and a disturbed angle.
 
+use std::mem;
+
 use pump_bench::notice::Notice;
 use pump_bench::report::AcceptedReport;
 use pump_bench::safety::UnfinishedPolicy;
@@ -13,15 +15,35 @@ use crate::options::dosing::DosingOptions;
 use crate::terminal::{noted, print, warn};
 use crate::warned::Warned;
 
+/// Notices about what came before a dose. The dose's report takes and tells them. If the dose is refused, no report
+/// follows, and they are told as warnings once this is dropped.
+#[derive(Debug, Default)]
+pub(in crate::commands) struct Untold(Vec<Notice>);
+
+impl Untold {
+    /// Takes the notices for a report.
+    pub(in crate::commands) fn take(&mut self) -> Vec<Notice> {
+        mem::take(&mut self.0)
+    }
+}
+
+impl Drop for Untold {
+    fn drop(&mut self) {
+        warn(&self.0);
+    }
+}
+
 /// Does what the policies of a dose say before it is prepared. Returns what the dose's report is to tell of it.
 pub(in crate::commands) fn before_dose(
     bench: &Bench,
     session: &mut Session<'_>,
     options: &DosingOptions,
     interrupt: &Interrupt,
-) -> Result<Vec<Notice>, Failure> {
-    let done = settle(bench, session, options, interrupt);
-    done.map_err(|failure| failure.of_session(session))
+) -> Result<Untold, Failure> {
+    let mut told = Untold::default();
+    let done = settle(bench, session, options, interrupt, &mut told.0);
+    done.map_err(|failure| failure.of_session(session))?;
+    Ok(told)
 }
 
 fn settle(
@@ -29,13 +51,13 @@ fn settle(
     session: &mut Session<'_>,
     options: &DosingOptions,
     interrupt: &Interrupt,
-) -> Result<Vec<Notice>, Failure> {
+    told: &mut Vec<Notice>,
+) -> Result<(), Failure> {
     let policy = options.unattended.unfinished();
-    let mut told = Vec::new();
     if is_unfinished(session) {
         match policy {
             // Preparing the dose refuses it.
-            UnfinishedPolicy::Ask => return Ok(told),
+            UnfinishedPolicy::Ask => return Ok(()),
             UnfinishedPolicy::Accept => told.push(accept(bench, session, "--unfinished accept")?),
             // The rest would go on until a limit, and nobody is there to stop it.
             UnfinishedPolicy::Resume if is_endless(session) => {
@@ -49,7 +71,7 @@ fn settle(
     if is_to_finish {
         resume(bench, session, options, interrupt)?;
     }
-    Ok(told)
+    Ok(())
 }
 
 /// True if an interrupted dose is on record.

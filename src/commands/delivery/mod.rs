@@ -21,7 +21,7 @@ use crate::progress::MotionBar;
 use crate::terminal::{announced, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
-pub(in crate::commands) use before_dose::{before_dose, find_angle};
+pub(in crate::commands) use before_dose::{Untold, before_dose, find_angle};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =
@@ -72,11 +72,11 @@ pub(super) fn run_one(
     let interrupt = Interrupt::watch()?;
     // The pump is taken before its journal is read, so that nobody moves it in between.
     let mut session = bench.session()?;
-    let before = before_dose(bench, &mut session, options, &interrupt)?;
+    let mut before = before_dose(bench, &mut session, options, &interrupt)?;
     let prepared = session.prepare(request);
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
-    prepared.warnings.extend(before);
+    prepared.warnings.extend(before.take());
     prepared.warnings.extend(options.start_angle.assumed(bench).map(Notice::from));
     write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
     let delivered = deliver(bench, &mut session, &prepared, &interrupt, json, &mut Warned::default())?;
@@ -124,11 +124,13 @@ pub(super) fn report(
     said: &Said<'_>,
 ) -> Result<(), Failure> {
     let report = DoseReport::new(bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
-    let early = delivered.as_ref().and_then(|(end, _)| Some((bench.ended_early(end)?, end.volume_ml)));
-    ended(report_once(bench, report, said, None, Vec::new(), &mut Warned::default()), delivered)?;
-    let Some((error, volume_ml)) = early else { return Ok(()) };
+    let early = delivered.as_ref().and_then(|(end, _)| bench.ended_early(end));
+    let range_ml = report.delivered_range_ml();
+    let printed = report_once(bench, report, said, None, Vec::new(), &mut Warned::default());
+    ended(printed, delivered, range_ml)?;
+    let Some(error) = early else { return Ok(()) };
     // A run that a limit has ended is no success: its flow was to go on.
-    Err(Failure::of(error).after_motion().delivered(volume_ml))
+    Err(Failure::of(error).after_motion().delivered(range_ml))
 }
 
 /// Prints a report. Its warnings appear once: before and after the motion of a real motor, or here, and beside a report
@@ -164,18 +166,23 @@ pub(super) fn report_once(
     tell(&format!("{headline}{summary}{details}{warnings}"))
 }
 
-/// The end of the command after a dose (none: a dry run) whose report was printed or not.
-pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<DeliveryEnd>) -> Result<(), Failure> {
+/// The end of the command after a dose (none: a dry run) whose report was printed or not. The dose delivered a volume
+/// within `range_ml`, in mL.
+pub(super) fn ended(
+    printed: Result<(), Failure>,
+    delivered: Option<DeliveryEnd>,
+    range_ml: (f64, f64),
+) -> Result<(), Failure> {
     match (printed, delivered) {
         (Err(failure), Some((Delivered { volume_ml, .. }, _))) if failure.is_refusal() => {
             let message = failure.message();
             let message = format!("{volume_ml:.4} mL were delivered and recorded, but {message}");
-            Err(Failure::fault(ErrorKind::Output, message).delivered(volume_ml))
+            Err(Failure::fault(ErrorKind::Output, message).delivered(range_ml))
         }
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
             let words = if delivered.unfinished { STOPPED } else { RUN_STOPPED };
             let stopped = Failure::stopped(signal.unwrap_or(0), delivered.made > 0, words);
-            Err(stopped.delivered(delivered.volume_ml))
+            Err(stopped.delivered(range_ml))
         }
         (Ok(()), Some((delivered, Some(signal)))) if !delivered.sucked_back => Err(Failure::stopped(
             signal,
@@ -183,7 +190,7 @@ pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<DeliveryEnd>
             "stopped by the user while it sucked back; the dose is delivered, and the next dose repays the volume that \
              was sucked back",
         )
-        .delivered(delivered.volume_ml)),
+        .delivered(range_ml)),
         (printed, _) => printed,
     }
 }

@@ -57,11 +57,11 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     }
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
-    let before = before_dose(&bench, &mut session, options, &interrupt)?;
+    let mut before = before_dose(&bench, &mut session, options, &interrupt)?;
     let prepared = session.prepare_profile(request, &profile);
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
-    prepared.whole.warnings.extend(before.into_iter().chain(assumed()));
+    prepared.whole.warnings.extend(before.take().into_iter().chain(assumed()));
     write_outputs(&bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
     let motion = prepared.motion();
     let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
@@ -79,13 +79,14 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
         warn(&delivered.warnings);
     }
     let report = DoseReport::by_profile(&bench, &prepared, Some(&delivered));
+    let range_ml = report.delivered_range_ml();
     let printed = report_once(&bench, report, &said, None, Vec::new(), &mut Warned::default());
     match printed {
-        Err(failure) => Err(failure.after_motion().delivered(delivered.volume_ml)),
+        Err(failure) => Err(failure.after_motion().delivered(range_ml)),
         Ok(()) if delivered.completed => Ok(()),
         Ok(()) => {
             let stopped = Failure::stopped(interrupt.signal().unwrap_or(0), delivered.made > 0, STOPPED);
-            Err(stopped.delivered(delivered.volume_ml))
+            Err(stopped.delivered(range_ml))
         }
     }
 }

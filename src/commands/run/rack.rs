@@ -115,8 +115,8 @@ fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrup
         }
         let told = before_dose(&bench, &mut session, options, interrupt);
         moved |= session.has_moved();
-        let told = told.map_err(|failure| of_member(failure.after_earlier_motion(moved)))?;
-        warn(&told.iter().map(|notice| format!("{}: {notice}", member.name)).collect::<Vec<_>>());
+        let mut told = told.map_err(|failure| of_member(failure.after_earlier_motion(moved)))?;
+        warn(&told.take().iter().map(|notice| format!("{}: {notice}", member.name)).collect::<Vec<_>>());
         if let Some(signal) = interrupt.signal() {
             let stopped = "stopped by the user before the rack began; what was moved is on record";
             return Err(Failure::stopped(signal, moved, stopped));
@@ -207,7 +207,8 @@ fn said(report: RackReport, json: bool, warned: &BTreeSet<String>) -> Result<Rac
 
 /// The end of the command after a rack whose report was printed.
 fn ended(report: RackReport, interrupt: &Interrupt) -> Result<(), Failure> {
-    let (moved, delivered_ml) = (report.has_moved(), report.total.delivered_ml);
+    let (moved, range_ml) =
+        (report.has_moved(), (report.total.delivered_least_ml, report.total.delivered_most_ml));
     match (report.end, report.fault) {
         (RackEnd::Fault, Some(fault)) => {
             let failure = Failure::of(&fault.error).after(&format!("pump `{}` of the rack: ", fault.pump));
@@ -216,7 +217,7 @@ fn ended(report: RackReport, interrupt: &Interrupt) -> Result<(), Failure> {
         }
         (RackEnd::Stopped, _) => {
             let signal = interrupt.signal().unwrap_or(0);
-            Err(Failure::stopped(signal, moved, STOPPED).delivered(delivered_ml))
+            Err(Failure::stopped(signal, moved, STOPPED).delivered(range_ml))
         }
         _ => Ok(()),
     }

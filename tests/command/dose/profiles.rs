@@ -1,7 +1,7 @@
 //! `dose run --profile`: a flow over time.
 
 use std::fs;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -223,4 +223,23 @@ fn a_profile_that_was_killed_cannot_be_resumed_and_its_bounds_hold_what_was_deli
     assert_eq!(user.types(&["run", "--profile", "flow.csv"]).code, 4);
     assert_eq!(user.types(&["discard"]).code, 0);
     assert_eq!(user.json(&["status"])["unfinished"], Value::Null);
+}
+
+#[test]
+fn a_stopped_profile_wears_its_tube_for_the_time_that_it_turned() {
+    // Most of the volume comes after a long pause, so that a part of the steps is no part of the time.
+    let user = user("time_s,flow_ml_s\n0,0\n1,3\n2,0\n60,0\n61,3\n62,0\n");
+    let words = ["run", "--profile", "flow.csv", "--pace", "real"];
+    let mut child = user.command(&words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !user.record().is_some_and(|text| text.matches("progress").count() > 2) {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(20));
+    }
+    assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let logged: Value = serde_json::from_str(user.types(&["log", "--format", "json"]).out.trim()).unwrap();
+    let (worn_s, logged_s) =
+        (number(&user.json(&["status"])["wear"], "motion_s"), number(&logged, "motion_s"));
+    assert!(logged_s > 0.0 && logged_s < 60.0 && (worn_s - logged_s).abs() < 1e-9, "{worn_s} {logged_s}");
 }

@@ -1,7 +1,8 @@
 //! The command that a failure runs.
 
 use std::fs;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -87,4 +88,29 @@ fn the_rest_of_a_dose_and_a_calibration_tell_their_failure_too() {
     // A dry run tells nobody.
     assert_eq!(user.types(&["resume", "--dry-run", "--on-fail", TELL]).code, 2);
     assert!(!user.path("reason.json").exists());
+}
+
+#[test]
+fn a_stopped_dose_tells_the_bounds_that_its_log_has() {
+    let user = User::new();
+    assert_eq!(user.types(&["home", "--set", "30deg", "--tolerance", "5deg"]).code, 0);
+    let mut child = user.command(&["3L", "--on-fail", TELL]).stdout(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !user.record().is_some_and(|text| text.contains("progress")) {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let (_, environment) = told(&user);
+    let bound = |name: &str| -> f64 {
+        let line = environment.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+        line.trim_start_matches('=').parse().unwrap()
+    };
+    let (least_ml, most_ml) = (bound("DOSE_FAIL_LEAST_ML"), bound("DOSE_FAIL_MOST_ML"));
+    let logged: Value = serde_json::from_str(user.types(&["log", "--format", "json"]).out.trim()).unwrap();
+    let of_log = |key: &str| logged[key].as_f64().unwrap();
+    let (log_least_ml, log_most_ml) = (of_log("delivered_least_ml"), of_log("delivered_most_ml"));
+    assert!(most_ml - least_ml > 0.1, "{environment}");
+    assert!((least_ml - log_least_ml).abs() < 1e-6 && (most_ml - log_most_ml).abs() < 1e-6, "{logged}");
 }

@@ -72,3 +72,14 @@ fn an_interrupted_dose_is_accepted_and_the_report_says_so() {
     assert!(user.record().unwrap().contains("\"why\":\"discarded\""));
     assert!(user.json(&["status"])["unfinished"].is_null());
 }
+
+#[test]
+fn a_dose_that_is_refused_says_that_the_interrupted_one_was_accepted() {
+    let user = User::new();
+    killed(&user);
+    let refused = user.types(&["5mL", "--rate", "900mL/s", "--unfinished", "accept"]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    let told = "warning: an interrupted dose of 3000 mL was accepted as it is (--unfinished accept)";
+    assert_eq!(refused.err.matches(told).count(), 1, "{}", refused.err);
+    assert!(user.json(&["status"])["unfinished"].is_null());
+}

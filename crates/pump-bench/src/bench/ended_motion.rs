@@ -13,7 +13,7 @@ use crate::dosing::{DoseError, settle_of_s};
 use crate::drives::{Disturbance, Watch};
 use crate::notice::Notice;
 use crate::numbers::significant;
-use crate::record::{Intent, PumpState, Stamp, Why};
+use crate::record::{Intent, PumpState, Stamp, Wear, Why};
 
 /// Remainder of a wait that is too short to be told, in s.
 const NEARLY_S: f64 = 0.1;
@@ -55,6 +55,9 @@ impl<'a> Session<'a> {
         let is_ended = is_complete || (halt.is_none() && motion.terms.profile);
         let after =
             after_steps(before, self.log.clock.now().unix_s, &intent, made, is_ended, self.bench.model());
+        // The plan of a flow over time tells no time for a part of its steps.
+        let wear = Wear { motion_s: before.wear.motion_s + measured_s, ..after.wear };
+        let after = PumpState { wear, ..after };
         let state = self.with_device(&mut device, after, Some(disk_times.pauses));
         let why = match &halt {
             Some(_) => Why::Fault,

@@ -203,6 +203,16 @@ impl DoseReport {
         Self::of(file, &registry::identity(driver), prepared, delivered)
     }
 
+    /// Returns the smallest and the largest volume that was delivered, in mL, over the angles at which the rollers may
+    /// have stood. Both are 0 for a dry run.
+    pub fn delivered_range_ml(&self) -> (f64, f64) {
+        let Some(volume_ml) = self.delivered_ml else { return (0.0, 0.0) };
+        if self.volume_least_ml == self.volume_most_ml {
+            return (volume_ml, volume_ml);
+        }
+        (self.volume_least_ml.min(volume_ml), self.volume_most_ml.max(volume_ml))
+    }
+
     #[allow(clippy::too_many_lines, reason = "a line for each field of the report")]
     fn of(file: &PumpFile, drive: &Identity, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
