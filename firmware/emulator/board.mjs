@@ -16,6 +16,9 @@ const VECTORS = FLASH + 0x100;
 const STEP_INTERRUPT = 16;
 /** Type of a loadable segment in an ELF file. */
 const PT_LOAD = 1;
+/** Type of the section of symbols in an ELF file, and the bytes of a symbol. */
+const SHT_SYMTAB = 2;
+const SYMBOL_BYTES = 16;
 /** Level of a pin that the board does not drive. */
 const UNDRIVEN = 2;
 /** Bits of a byte on the line: start, eight data, stop. */
@@ -162,12 +165,38 @@ export class Board {
     this.chip.gpio[pin].setInputValue(high);
   }
 
+  /** Has the firmware go on where it stops for good, as after a panic: at its function `halt`. */
+  halt() {
+    this.chip.core.PC = address(this.image, /4halt17h[0-9a-f]{16}E$|::halt$/) & ~1;
+    this.chip.core.waiting = false;
+  }
+
   /** Takes what the board has sent and the edges of its pins since the last call. */
   take() {
     const taken = { bytes: this.sent, edges: this.edges };
     [this.sent, this.edges] = [[], []];
     return taken;
   }
+}
+
+/** Address of the only symbol of an ELF file whose name is like this. */
+function address(image, name) {
+  const elf = new DataView(image.buffer, image.byteOffset, image.byteLength);
+  const [first, size, number] = [elf.getUint32(32, true), elf.getUint16(46, true), elf.getUint16(48, true)];
+  const section = (n) => {
+    const fields = [4, 16, 20, 24].map((field) => elf.getUint32(first + n * size + field, true));
+    return { type: fields[0], offset: fields[1], length: fields[2], link: fields[3] };
+  };
+  const sections = Array.from({ length: number }, (_, n) => section(n));
+  const symbols = sections.find(({ type }) => type === SHT_SYMTAB);
+  const names = sections[symbols.link];
+  const found = [];
+  for (let at = symbols.offset; at < symbols.offset + symbols.length; at += SYMBOL_BYTES) {
+    const from = names.offset + elf.getUint32(at, true);
+    if (name.test(image.toString('latin1', from, image.indexOf(0, from)))) found.push(elf.getUint32(at + 4, true));
+  }
+  if (found.length !== 1) throw new Error(`${found.length} symbols are like ${name}; there must be one`);
+  return found[0];
 }
 
 /** Level of a pin: 0 low, 1 high, or `UNDRIVEN`. */

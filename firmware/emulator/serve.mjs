@@ -8,6 +8,7 @@
 //   A  until_ns: f64, until_frame: u8, length: u32, bytes   feed the bytes, run
 //   I  pin: u8, high: u8                                    set an input
 //   R                                                       reset the board
+//   H                                                       have the firmware stop for good
 //   C                                                       counts of instructions
 //   X                                                       extremes
 //   S                                                       names of the USB device
@@ -15,7 +16,7 @@
 // instructions, alarms served, instructions in them, the most in one, the most with interrupts off since the last C,
 // now_ns); to X three f64 (longest time with interrupts off, longest one in which the USB controller is used, both in
 // ns since the last X, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product,
-// serial number); to I and R, now_ns: f64.
+// serial number); to I, R and H, now_ns: f64.
 
 import { parseArgs } from 'node:util';
 import { Board } from './board.mjs';
@@ -59,6 +60,11 @@ function serve(input) {
     process.stdout.write(numbers(board.now));
     return 1;
   }
+  if (kind === 'H') {
+    board.halt();
+    process.stdout.write(numbers(board.now));
+    return 1;
+  }
   if (kind === 'C') {
     const { all, alarms, alarm, worst, mostKept } = board.counts;
     process.stdout.write(numbers(all, alarms, alarm, worst, mostKept, board.now));
@@ -79,7 +85,7 @@ function serve(input) {
     process.stdout.write(Buffer.concat([length, text]));
     return 1;
   }
-  process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R, C, X and S are known\n`);
+  process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R, H, C, X and S are known\n`);
   process.exit(2);
 }
 

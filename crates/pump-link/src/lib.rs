@@ -9,6 +9,7 @@
 //! - [`packing`]: segments in a few bytes each.
 //! - [`receiver`]: the node's half: which segments are new, and when the host was last heard.
 //! - [`sender`]: the host's half: the window, the clocks, the stream of segments, and the bracket of positions.
+//! - [`timing`]: times in ticks and rates of steps, as both ends compute them.
 //!
 //! ```
 //! use pump_link::frame::{Deframer, Encoded, RequestHeader, body};
@@ -32,6 +33,7 @@ pub mod message;
 pub mod packing;
 pub mod receiver;
 pub mod sender;
+pub mod timing;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -147,3 +147,13 @@ proptest! {
         prop_assert_eq!(after.last(), right.last());
     }
 }
+
+#[test]
+fn the_readme_names_the_version_of_the_protocol() {
+    let readme = include_str!("../README.md");
+    assert!(
+        readme.contains(&format!(
+            "| version of the protocol, {VERSION} | version of the protocol, {VERSION} |"
+        ))
+    );
+}

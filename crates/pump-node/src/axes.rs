@@ -2,8 +2,9 @@
 
 use pump_ctl::step::Segment;
 use pump_link::message::{AXES, AxisStatus, End, FaultCounts, MoveChange, MoveOrder, Refusal, Stopping};
+use pump_link::timing::{ns_in_ticks, rate_hz};
 
-use crate::axis::{Axis, NEVER, Setup, ns_in_ticks, rate_hz};
+use crate::axis::{Axis, NEVER, Setup};
 use crate::board::{Board, Edge, Pins};
 
 /// Largest sum of the step rates of all axes, Hz. At 100 kHz, evenly spread over four axes, the interrupt of an RP2040

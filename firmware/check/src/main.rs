@@ -14,6 +14,7 @@ mod doses;
 mod parts;
 mod retarget;
 mod ripple;
+mod sensors;
 mod size;
 mod slow;
 mod together;

@@ -7,11 +7,11 @@ use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use crate::{axes, command, cuts, doses, retarget, slow, together, uf2, usb};
+use crate::{axes, command, cuts, doses, retarget, sensors, slow, together, uf2, usb};
 
 /// Names of the parts, those that take longest first.
-const PARTS: [&str; 10] =
-    ["slow", "cuts", "command", "doses", "even", "stops", "usb", "axes", "smooth", "retarget"];
+const PARTS: [&str; 11] =
+    ["slow", "cuts", "command", "doses", "even", "stops", "usb", "sensors", "axes", "smooth", "retarget"];
 
 /// Number of stops, and of cuts of the link and kills of the host.
 const STOPS: u32 = 30;
@@ -30,6 +30,7 @@ pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<
         "usb" => usb::dose(firmware),
         "even" => together::evens(firmware),
         "axes" => axes::axes(firmware),
+        "sensors" => sensors::sensors(firmware),
         "retarget" => retarget::retarget(firmware),
         "smooth" => together::smooth(firmware),
         "stops" => cuts::stops(firmware, count(STOPS)?),

@@ -45,7 +45,7 @@ impl AxisPins {
 
     /// Sets the pins of `mask`.
     #[inline(always)]
-    fn set(mask: u32, high: bool) {
+    pub(crate) fn set(mask: u32, high: bool) {
         // SAFETY: the set and clear registers change the bits of the mask alone, and no other code drives these pins.
         let sio = unsafe { &*SIO::ptr() };
         if high {

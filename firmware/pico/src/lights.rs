@@ -5,12 +5,22 @@ use rp2040_hal::gpio::{FunctionNull, FunctionSioOutput, Pin, PullDown};
 
 use embedded_hal::digital::OutputPin;
 
+use crate::axis_pins::AxisPins;
+
 /// Tenths of a second in a second, and calls in one of them.
 const TENTHS: u8 = 10;
 const CALLS: u8 = 100;
 
 /// Calls of the short flash.
 const FLASH: u8 = 50;
+
+/// Pin of the light.
+const LIGHT: u32 = 25;
+
+/// Makes the light dark, for a firmware that stops for good.
+pub(crate) fn darken() {
+    AxisPins::set(1 << LIGHT, false);
+}
 
 /// Light on the board. It is dark for most of a second without a host, shines with one, and blinks fast in motion.
 pub(crate) struct Light {

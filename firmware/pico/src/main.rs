@@ -23,6 +23,7 @@ mod usb;
 
 use core::panic::PanicInfo;
 
+use cortex_m_rt::{ExceptionFrame, exception};
 use pump_node::{Node, identity};
 use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
 use rp2040_hal::{Sio, Watchdog, entry, pac};
@@ -135,9 +136,11 @@ const fn number(digits: &str) -> u16 {
     value
 }
 
-/// Stops for good. Interrupts are off, and motors hold.
+/// Stops for good. Interrupts are off, motors hold, and the light is dark.
+#[inline(never)]
 fn halt() -> ! {
     cortex_m::interrupt::disable();
+    lights::darken();
     loop {
         cortex_m::asm::wfi();
     }
@@ -145,5 +148,12 @@ fn halt() -> ! {
 
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
+    halt()
+}
+
+/// A fault of the processor, such as an access to memory that is not there.
+#[exception]
+#[allow(unsafe_code, reason = "cortex-m-rt asks for it")]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     halt()
 }

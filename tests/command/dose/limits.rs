@@ -21,7 +21,9 @@ fn smooth_flow_changes_the_ripple_and_nothing_that_is_delivered() {
     let done = user.json(&["25mL", "--rate", "4mL/s", "--smooth"]);
     assert!((number(&done, "delivered_ml") - number(&done, "planned_ml")).abs() < 1e-6);
     assert!(user.command(&["home", "--unknown"]).status().unwrap().success());
-    assert!(user.is_refused(&["25mL", "--smooth"]).contains("a smooth flow needs the rollers' angle"));
+    let unknown = user.is_refused(&["25mL", "--smooth"]);
+    assert!(unknown.contains("a smooth flow needs the rollers' angle"), "{unknown}");
+    assert!(unknown.contains("`dose home` finds it"), "{unknown}");
     assert!(user.is_refused(&["status", "--smooth"]).contains("`dose status` takes no --smooth"));
 }
 

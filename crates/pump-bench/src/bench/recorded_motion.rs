@@ -109,15 +109,11 @@ impl<'a> Session<'a> {
         }
         self.record_confirmation()?;
         self.check(motion.plan)?;
-        // A retraction leaves the vessel, and the stretches of a dose by weight were allowed as a whole.
-        if motion.purpose != Purpose::Retract && !motion.terms.by_weight {
-            self.keep_safe(motion.plan.planned_ml(motion.model))?;
+        let allowed = self.allow(motion);
+        if let (Err(_), Some(device)) = (&allowed, &mut self.device) {
+            device.drive.forget_plan();
         }
-        let mut before = self.stands();
-        if motion.given {
-            before.disturbances = 0;
-        }
-        let intent = self.announce(motion, &before)?;
+        let (before, intent) = allowed?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
         let keeps_time = self.bench.is_simulated()
             && (motion.terms.until_stopped || self.bench.drive().pace == Some(Pace::Real));
@@ -130,13 +126,17 @@ impl<'a> Session<'a> {
             };
             match begins {
                 Ok(()) => drive(&mut device, motion, real_time, announcer, &mut watch),
-                Err(error) => Driven::refused(error),
+                Err(error) => {
+                    device.drive.forget_plan();
+                    Driven::refused(error)
+                }
             }
         });
         let Driven { ended, is_refused, measured_s, disk_times, halt } = match driven {
             Ok(driven) => driven,
             // Nothing has moved.
             Err(error) => {
+                device.drive.forget_plan();
                 self.device = Some(device);
                 self.rest(Why::Fault, before)?;
                 return Err(error.into());
@@ -158,6 +158,20 @@ impl<'a> Session<'a> {
             // The device is met anew before it moves again.
             Err(fault) => Err(self.record_fault(device, &before, intent, fault, disk_times.pauses)),
         }
+    }
+
+    /// Keeps to the safety limits, and writes the intent of a motion. Returns it with the state before.
+    fn allow(&mut self, motion: &RecordedMotion<'_>) -> Result<(PumpState, Intent), DoseError> {
+        // A retraction leaves the vessel, and the stretches of a dose by weight were allowed as a whole.
+        if motion.purpose != Purpose::Retract && !motion.terms.by_weight {
+            self.keep_safe(motion.plan.planned_ml(motion.model))?;
+        }
+        let mut before = self.stands();
+        if motion.given {
+            before.disturbances = 0;
+        }
+        let intent = self.announce(motion, &before)?;
+        Ok((before, intent))
     }
 
     /// Writes the intent of a motion.

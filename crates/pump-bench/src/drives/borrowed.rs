@@ -61,6 +61,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::displaces(self, correction);
     }
 
+    fn forget_plan(&mut self) {
+        T::forget_plan(self);
+    }
+
     fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {
         T::begin_with(self, place)
     }

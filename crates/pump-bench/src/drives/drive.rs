@@ -232,6 +232,10 @@ pub trait Drive: Debug + Send {
         Ok(())
     }
 
+    /// Forgets the plan that was checked last, because it is not run. A device that several pumps share has kept a
+    /// part of itself for it.
+    fn forget_plan(&mut self) {}
+
     /// Sets the correction of the displacement from now on. Only a simulation needs it.
     fn displaces(&mut self, _correction: Correction) {}
 

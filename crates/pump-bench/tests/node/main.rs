@@ -9,6 +9,7 @@ mod flows;
 mod meeting;
 mod onlooker;
 mod racks;
+mod rates;
 mod rig;
 mod sessions;
 mod several;

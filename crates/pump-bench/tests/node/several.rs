@@ -1,5 +1,6 @@
 //! Sessions of several pumps that share one board, each in a thread of its own with its own journal.
 
+use std::cell::RefCell;
 use std::fmt::Debug;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -202,6 +203,48 @@ fn none_begins_if_one_is_stopped_or_fails_before_or_does_not_come() {
     // The dose is made at the next attempt.
     let made = pour(&board, state.path(), (0, (1.0, 4.0)), None, |_| ControlFlow::Continue(())).made;
     assert!(made.unwrap().completed);
+}
+
+#[test]
+fn axes_that_need_more_steps_together_than_the_board_makes_do_not_begin_and_leave_nothing_unfinished() {
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    // Each makes 29,000 steps/s at most, so two of them have room.
+    let all = pour_all(&world, state.path(), &[(30.0, 7.0); 4], Some(PATIENT), &go);
+    let errors: Vec<&NodeError> = all.iter().map(|one| of_node(one.made.as_ref().unwrap_err())).collect();
+    let is_refused = |error: &&NodeError| matches!(error, NodeError::StepsTaken { .. });
+    let is_of_another = |error: &&NodeError| matches!(error, NodeError::Common(CommonBeginError::Another));
+    assert!(errors.iter().any(is_refused), "{errors:?}");
+    assert!(errors.iter().all(|error| is_refused(error) || is_of_another(error)), "{errors:?}");
+    assert!(all.iter().all(|one| one.part.is_none()), "{all:?}");
+    assert_eq!(counts(&world), [0; 4]);
+}
+
+#[test]
+fn a_common_begin_that_fails_on_a_line_that_breaks_has_moved_nothing_by_its_record() {
+    for mends_in_ms in [None, Some(1_000)] {
+        let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+        let board = NodeBoard::over(Box::new(world.clone()));
+        let mut places = CommonBegin::places(2, PATIENT);
+        let (place, other) = (places.pop(), RefCell::new(places.pop()));
+        let begin_us = world.now_us();
+        let one = pour(&board, state.path(), (0, (10.0, 4.0)), place, |_| {
+            // The move is on the board and waits for the other.
+            if world.now_us() > begin_us + 1_500_000 && other.take().is_some() {
+                world.plan(0, Event::Cut);
+                mends_in_ms.inspect(|in_ms| world.plan(*in_ms, Event::Mend));
+            }
+            ControlFlow::Continue(())
+        });
+        let error = of_node(one.made.as_ref().unwrap_err());
+        // A board that is found again says itself why it did not begin.
+        let is_told = match mends_in_ms {
+            None => matches!(error, NodeError::Common(CommonBeginError::Another)),
+            Some(_) => matches!(error, NodeError::DeadMan { .. }),
+        };
+        assert!(is_told, "{error:?}");
+        assert!(other.into_inner().is_none(), "the other axis has not given up");
+        assert_eq!((one.part, one.count, counts(&world)), (None, Some(0), [0; 4]), "{mends_in_ms:?}");
+    }
 }
 
 #[test]

@@ -91,6 +91,39 @@ fn a_computer_that_is_held_up_for_longer_ends_within_its_leave_and_goes_on() {
 }
 
 #[test]
+fn a_computer_that_stands_for_longer_than_the_queue_leaves_the_dose_unfinished_and_its_count_exact() {
+    for dead_man_ms in [500, 5_000] {
+        let rig = Rig::new();
+        let plan = dose(20.0, 4.0, true);
+        let mut drive = rig.open_by(&Rig::table().with_dead_man_ms(dead_man_ms), &rig.opening()).unwrap();
+        drive.check(&plan).unwrap();
+        let begin_us = rig.world.now_us();
+        let mut has_stood = false;
+        let fault = drive.run(&plan, &mut |_, _| {
+            if rig.world.now_us() > begin_us + 1_500_000 && !has_stood {
+                has_stood = true;
+                // Both threads stand, as after SIGSTOP.
+                rig.world.pass(1_500);
+            }
+            Leave::Go
+        });
+        let fault = fault.unwrap_err();
+        match node_error(&fault.error) {
+            NodeError::DeadMan { .. } if dead_man_ms == 500 => {}
+            NodeError::HeldUp if dead_man_ms == 5_000 => {}
+            error => panic!("{dead_man_ms} ms: {error:?}"),
+        }
+        let count = rig.world.count();
+        assert_eq!((fault.made_least, fault.made_most, fault.lost), (count, count, false));
+        assert!(count > 0 && count < plan.steps());
+        drive.connect().unwrap();
+        assert_eq!(drive.count(), Some(count));
+        // An empty queue was told by the error.
+        assert!(drive.notes().is_empty() || dead_man_ms == 500);
+    }
+}
+
+#[test]
 fn the_queue_lasts_200_ms_on_a_line_that_loses_frames() {
     let rig = Rig::new();
     let plan = dose(20.0, 8.0, true);

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::timing::ns_in_ticks;
+
 /// The configuration of an axis: the times of its driver, the polarity of its pins, and what is connected.
 ///
 /// The default has the times of a DRV8825, as `pump_ctl::drive::Timing` does.
@@ -63,6 +65,25 @@ impl AxisConfig {
             idle_release_ms: 0,
             brake_entries,
         }
+    }
+
+    /// Returns the ticks for which a node keeps the step pin active, and inactive before the next step, on a timer of
+    /// this rate, Hz.
+    pub const fn pulse_ticks(&self, tick_hz: u32) -> [u64; 2] {
+        // A tick more: the pin changes between two ticks.
+        [ns_in_ticks(self.step_high_ns, tick_hz) + 1, ns_in_ticks(self.step_low_ns, tick_hz) + 1]
+    }
+
+    /// Returns the shortest interval of two steps that the pulses of the step pin allow, ticks of a timer of this
+    /// rate, Hz. The node refuses a move with a shorter one.
+    ///
+    /// ```
+    /// // 1.9 us are 2 ticks of a timer of 1 MHz.
+    /// assert_eq!(pump_link::message::AxisConfig::new(1).least_interval(1_000_000), 6);
+    /// ```
+    pub const fn least_interval(&self, tick_hz: u32) -> u64 {
+        let [active, inactive] = self.pulse_ticks(tick_hz);
+        active + inactive
     }
 
     /// Returns true if a node can use the configuration: pulses and set-up times of the direction pin of 100 us

@@ -10,4 +10,4 @@ mod timing;
 pub use axis::Axis;
 pub(crate) use axis::NEVER;
 pub(crate) use setup::Setup;
-pub(crate) use timing::{ns_in_ticks, rate_hz, tick_rate};
+pub(crate) use timing::tick_rate;

@@ -2,8 +2,7 @@
 
 use pump_ctl::step::{Brake, TickRate};
 use pump_link::message::AxisConfig;
-
-use super::timing::ns_in_ticks;
+use pump_link::timing::ns_in_ticks;
 
 /// The configuration of an axis, with what follows from it. The thread computes it, because divisions take long and the
 /// interrupt is kept off while an axis is configured.
@@ -31,13 +30,12 @@ pub(crate) struct Times {
 
 impl Setup {
     pub(crate) fn new(config: AxisConfig, brake: Brake, tick_rate: TickRate) -> Self {
-        let ticks = |ns| ns_in_ticks(ns, tick_rate.hz());
-        // A tick more: the pin changes between two ticks.
+        let [high, low] = config.pulse_ticks(tick_rate.hz());
         let times = Times {
-            high: ticks(config.step_high_ns) + 1,
-            low: ticks(config.step_low_ns) + 1,
-            pulse: ticks(config.step_high_ns.saturating_add(config.step_low_ns)),
-            enable: ticks(config.enable_setup_ns),
+            high,
+            low,
+            pulse: config.least_interval(tick_rate.hz()),
+            enable: ns_in_ticks(config.enable_setup_ns, tick_rate.hz()),
             idle: u64::from(config.idle_release_ms) * u64::from(tick_rate.hz()) / 1000,
         };
         Self { config, times, brake }

@@ -167,7 +167,7 @@ fn the_sum_of_step_rates_is_limited_before_anything_moves() {
         let order = MoveOrder { from: 0, last: 10, shortest_interval };
         Request::Prepare { axis, move_number: 1, order }
     };
-    assert_eq!(direct.refused(&prepare(0, 3)), Refusal::Pulse);
+    assert_eq!(direct.refused(&prepare(0, 5)), Refusal::Pulse);
     assert_eq!(direct.ask(&prepare(0, 40)), Answer::Accepted { next: 0, room: 32 });
     assert_eq!(direct.ask(&prepare(1, 25)), Answer::Accepted { next: 0, room: 32 });
     // 1 MHz over 40, 25 and 500 ticks.

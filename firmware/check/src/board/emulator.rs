@@ -99,6 +99,21 @@ impl Emulator {
         std::mem::take(&mut self.shared().machine.edges)
     }
 
+    /// Returns the edges since they were last taken.
+    pub(crate) fn edges(&self) -> Vec<Edge> {
+        self.shared().machine.edges.clone()
+    }
+
+    /// Sets the level of an input pin.
+    pub(crate) fn input(&self, pin: u8, high: bool) -> io::Result<()> {
+        self.shared().machine.ask(&[b'I', pin, u8::from(high)])
+    }
+
+    /// Has the firmware stop for good, as after a panic.
+    pub(crate) fn halt(&self) -> io::Result<()> {
+        self.shared().machine.ask(b"H")
+    }
+
     /// Resets the board. Its motor keeps its place.
     pub(crate) fn reset(&self) -> io::Result<()> {
         let board = &mut self.shared().machine;

@@ -77,6 +77,21 @@ impl Seat {
         (0..count).map(|number| Self { number, begin: Arc::clone(&begin), since: None }).collect()
     }
 
+    #[cfg(feature = "node")]
+    fn is_sent(&self) -> bool {
+        self.begin.state.lock().unwrap_or_else(PoisonError::into_inner).sender.is_some()
+    }
+
+    #[cfg(feature = "node")]
+    fn gives_up(&mut self) -> bool {
+        let mut state = self.begin.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_free = state.sender.is_none() && !state.has_begun;
+        if is_free {
+            state.failed.get_or_insert(CommonBeginError::Another);
+        }
+        is_free
+    }
+
     /// Tells how this motion stands at `now`, by the clock of its line. Returns what it does next.
     fn look(&mut self, standing: Standing, now: Duration) -> Next {
         let mut state = self.begin.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -124,6 +139,18 @@ impl BeginPlace {
     /// Tells how this motion stands at `now`, by the clock of its line. Returns what it does next.
     pub(in crate::drives) fn look(&mut self, standing: Standing, now: Duration) -> Next {
         self.0.look(standing, now)
+    }
+
+    /// Returns true once a motion was to tell the board to begin all: they may move.
+    #[cfg(feature = "node")]
+    pub(in crate::drives) fn is_sent(&self) -> bool {
+        self.0.is_sent()
+    }
+
+    /// Gives the place up, so that none begins. Returns false if a motion was to tell the board to begin all before.
+    #[cfg(feature = "node")]
+    pub(in crate::drives) fn gives_up(&mut self) -> bool {
+        self.0.gives_up()
     }
 
     /// Notes that all have begun.

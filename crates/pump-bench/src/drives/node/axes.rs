@@ -148,7 +148,7 @@ impl NodeAxes {
             let is_free = runs.iter().take(n).all(|other| other.place != run.place);
             let missing = NodeError::Place { place: run.place, axes: self.nodes.len() };
             let node = self.nodes.get_mut(run.place).filter(|_| is_free).ok_or(missing)?;
-            tasks.push(node.task(run.plan.into(), true)?);
+            tasks.push(node.task(run.plan.into())?);
         }
         Ok(tasks)
     }

@@ -72,7 +72,7 @@ impl Terms {
     }
 
     /// Returns the configuration of the axis.
-    fn config(&self, energised: bool, brake: &Brake) -> AxisConfig {
+    pub(super) fn config(&self, energised: bool, brake: &Brake) -> AxisConfig {
         let idle_ms = |hold_s: f64| (hold_s * 1e3).min(f64::from(u32::MAX / 2)) as u32 + IDLE_MARGIN_MS;
         let mut config = AxisConfig::new(brake.climb().count() as u8);
         let (pins, ns) = (self.pins, |time_us: f64| (1e3 * time_us).round() as u32);

@@ -182,8 +182,32 @@ pub enum NodeError {
     Fast {
         /// Most steps per second of the plan.
         steps_s: f64,
-        /// Most steps per second of the board.
+        /// Most steps per second of a plan that the board makes.
         most_s: u32,
+    },
+    /// The dose needs more steps per second than the pulses of the motor's driver allow.
+    #[error(
+        "the dose needs up to {steps_s:.0} steps/s, and step_pulse_us and step_pause_us in [drive.pins] allow \
+         {most_s} at most; dose slower, with fewer microsteps, or with pulses as short as the motor's driver allows"
+    )]
+    Pulse {
+        /// Most steps per second of the plan.
+        steps_s: f64,
+        /// Most steps per second of a plan that the pulses allow.
+        most_s: u32,
+    },
+    /// The axes together need more steps per second than the board makes.
+    #[error(
+        "the dose needs up to {steps_s:.0} steps/s, and the other axes leave {free_s} of the {all_s} that the board \
+         makes; dose slower, with fewer microsteps, or one after another"
+    )]
+    StepsTaken {
+        /// Most steps per second of the plan.
+        steps_s: f64,
+        /// Most steps per second of a plan that the board makes beside the other axes.
+        free_s: u32,
+        /// Most steps per second of a plan that the board makes with one axis.
+        all_s: u32,
     },
     /// The segments of the plan cannot reach the board in time.
     #[error(transparent)]
@@ -243,6 +267,12 @@ pub enum NodeError {
     /// A step came too late.
     #[error("the board stopped because a step came when the next one was due already; dose slower")]
     Late,
+    /// The board ran out of steps, because this program sent none for too long.
+    #[error(
+        "the board ran out of steps and came to rest, because this program was held up or the line was late; check \
+         its cable, and what held this computer up"
+    )]
+    HeldUp,
     /// A flow over time came to rest on its way, because its steps did not reach the board in time.
     #[error(
         "the board ran out of steps of the flow over time, and came to rest; this computer or the line was late, and \

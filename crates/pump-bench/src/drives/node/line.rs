@@ -59,6 +59,8 @@ pub(super) struct Lane {
     pub(super) dead_man_ms: Option<u16>,
     /// Bytes a second that the motion of the axis needs at most.
     pub(super) needs_bytes_s: u32,
+    /// Steps a second that the board counts for the motion of the axis.
+    pub(super) needs_steps_s: u32,
 }
 
 /// Line to a board, which the links of its axes share.

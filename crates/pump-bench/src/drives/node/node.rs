@@ -11,7 +11,7 @@ use super::board::Board;
 use super::connect::{self, Met, Terms};
 use super::error::NodeError;
 use super::link::Link;
-use super::motion::{self, Fault, LineRoom, Made, Motion, SentLead, Task};
+use super::motion::{self, Fault, Made, Motion, Room, SentLead, Task};
 use super::node_board::NodeBoard;
 use crate::drives::drive::wait_of;
 use crate::drives::stepped::Lead;
@@ -143,9 +143,9 @@ impl Node {
         };
     }
 
-    /// Returns the task of `plan`, or refuses it before anything moves. A task that is reserved has its part of the
-    /// line from now on.
-    pub(super) fn task(&mut self, plan: PlannedMotion<'_>, reserves: bool) -> Result<Task, NodeError> {
+    /// Returns the task of `plan`, or refuses it before anything moves. It has its part of the line and of the board's
+    /// steps from now on.
+    pub(super) fn task(&mut self, plan: PlannedMotion<'_>) -> Result<Task, NodeError> {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
         if status.angle_lost || !status.energised {
@@ -159,20 +159,21 @@ impl Node {
         let shared = Arc::clone(board.link.shared());
         let _meeting = board.link.meeting(&shared)?;
         let lane = board.link.lane();
-        let room = LineRoom::new(self.terms.baud, shared.lock().others(lane));
+        let config = self.terms.config(true, brake);
+        let room = Room::new(self.terms.baud, &board.identity, &config, shared.lock().others(lane));
         let task = Task::new(plan, brake, &board.identity, room)?;
-        if let Some(lane) = shared.lock().lane(lane).filter(|_| reserves) {
-            lane.needs_bytes_s = task.needs_bytes_s;
+        if let Some(lane) = shared.lock().lane(lane) {
+            (lane.needs_bytes_s, lane.needs_steps_s) = (task.needs_bytes_s, task.needs_steps_s);
         }
         Ok(task)
     }
 
-    /// Gives up the part of the line that a task has reserved.
+    /// Gives up the part of the line and of the board's steps that a task has.
     pub(super) fn needs_nothing(&mut self) {
         if let At::Met { board, .. } = &mut self.at
             && let Some(lane) = board.link.line().lane(board.link.lane())
         {
-            lane.needs_bytes_s = 0;
+            (lane.needs_bytes_s, lane.needs_steps_s) = (0, 0);
         }
     }
 
@@ -199,7 +200,7 @@ impl Node {
         // From here on the gate hears the user.
         self.be_deaf(true);
         let place = self.place.take();
-        let made = self.task(plan, true).map_err(Fault::at_rest).and_then(|task| {
+        let made = self.task(plan).map_err(Fault::at_rest).and_then(|task| {
             let (leads, free) = ([SentLead::new(plan, task.brake_steps)], Lead::free());
             let [lead] = &leads;
             let motion = self.motion(plan, task, (lead, &free), seeks);
@@ -213,8 +214,9 @@ impl Node {
 
     /// Checks that the board can make a motion, and that it is where it was left.
     fn check_motion(&mut self, motion: PlannedMotion<'_>) -> Result<(), DriveError> {
-        let checked = self.task(motion, false);
+        let checked = self.task(motion);
         if checked.is_err() {
+            self.needs_nothing();
             self.part();
         }
         Ok(checked.map(drop)?)
@@ -288,6 +290,10 @@ impl Drive for Node {
 
     fn run_flow(&mut self, flow: &FlowMotion<'_>, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         self.travel(flow.into(), gate, false).map(|made| made.steps)
+    }
+
+    fn forget_plan(&mut self) {
+        self.needs_nothing();
     }
 
     fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {

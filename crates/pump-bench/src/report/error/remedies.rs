@@ -28,7 +28,10 @@ impl DoseError {
                 vec![Remedy::EmptyVessel, Remedy::ClearStand]
             }
             Self::Stands { .. } => vec![Remedy::ClearStand],
-            Self::Disturbed { .. } => vec![Remedy::FindAngle],
+            Self::Disturbed { .. }
+            | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
+                vec![Remedy::FindAngle]
+            }
             Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],

@@ -67,19 +67,22 @@ impl Drop for Told<'_> {
 }
 
 /// Gives the motions their turns until all have ended.
-fn stream(mut motions: Vec<Motion<'_>>, mut place: Option<BeginPlace>) -> Outcomes {
+fn stream(mut motions: Vec<Motion<'_>>, place: Option<BeginPlace>) -> Outcomes {
     let mut outcomes: Vec<Option<Result<Made, Fault>>> = motions.iter().map(|_| None).collect();
     let mut is_together = motions.len() > 1;
     let waits = is_together || place.is_some();
     motions.iter_mut().for_each(|motion| motion.waits_for_others = waits);
+    if let Some(motion) = motions.first_mut() {
+        motion.place = place;
+    }
     while outcomes.iter().any(Option::is_none) {
         if is_together {
             is_together = !begin(&mut motions, outcomes.iter().any(Option::is_some));
         }
-        if let (Some(at), Some(motion)) = (&mut place, motions.first_mut())
-            && !begin_with(motion, at)
+        if let Some(motion) = motions.first_mut()
+            && let Some(mut place) = motion.place.take()
         {
-            place = None;
+            motion.place = begin_with(motion, &mut place).then_some(place);
         }
         let going = outcomes.iter().filter(|outcome| outcome.is_none()).count().max(1) as u32;
         for (motion, outcome) in motions.iter_mut().zip(&mut outcomes) {
@@ -109,7 +112,11 @@ fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
         is_refused: feed.is_some_and(|feed| feed.is_closed),
         stops: motion.lead.stops(),
     };
-    match place.look(standing, now) {
+    let next = place.look(standing, now);
+    if let Some(feed) = &mut motion.feed {
+        feed.may_move |= place.is_sent();
+    }
+    match next {
         Next::Wait => true,
         Next::Send(all) => {
             if motion.board.link.under_way(Subject::Begin) == 0 {
@@ -165,6 +172,11 @@ fn begin(motions: &mut [Motion<'_>], one_has_ended: bool) -> bool {
     let mut moves: [u32; AXES] = first.board.moves();
     for other in others.iter() {
         moves.iter_mut().zip(other.board.moves()).for_each(|(all, own)| *all = (*all).max(own));
+    }
+    for motion in std::iter::once(&mut *first).chain(others.iter_mut()) {
+        if let Some(feed) = &mut motion.feed {
+            feed.may_move = true;
+        }
     }
     let asked: Result<(), NodeError> =
         first.board.link.request(&Request::Begin { at, moves }, Subject::Begin);

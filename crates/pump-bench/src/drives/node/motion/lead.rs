@@ -81,6 +81,12 @@ impl<'p> SentLead<'p> {
         if is_worth { goal.min(self.reach()).max(sent) } else { sent }
     }
 
+    /// Returns true if all that has leave is sent, up to step `sent`, and the plan goes on.
+    pub(in crate::drives::node) fn is_withheld(&self, sent: u64) -> bool {
+        let reach = self.reach();
+        sent >= reach && reach < self.all()
+    }
+
     /// Notes the number of steps made.
     pub(in crate::drives::node) fn note_made(&self, made: u64) {
         self.made.store(made, Ordering::Release);

@@ -14,6 +14,7 @@ use super::outcome::{Fault, Made};
 use super::search::Search;
 use super::steps::Steps;
 use super::task::Task;
+use crate::drives::BeginPlace;
 use crate::drives::node::board::Board;
 use crate::drives::node::connect;
 use crate::drives::node::error::NodeError;
@@ -45,6 +46,8 @@ pub(in crate::drives::node) struct Motion<'a> {
     seeks: bool,
     /// Last step that may be sent now.
     limit: u64,
+    /// Last step that was sent when there was leave for no more.
+    withheld_at: Option<u64>,
     /// Steps made, as the board told last.
     made: u64,
     /// Step at which the index sensor became active.
@@ -57,6 +60,8 @@ pub(in crate::drives::node) struct Motion<'a> {
     pub(super) feed: Option<MoveFeed<'a>>,
     /// True while the first move begins only with those of other axes.
     pub(super) waits_for_others: bool,
+    /// Place of the first move among those of other threads, until it has begun.
+    pub(super) place: Option<BeginPlace>,
     /// Search for a board that has fallen silent.
     search: Option<Search>,
     /// Error for which the move is stopped.
@@ -83,12 +88,14 @@ impl<'a> Motion<'a> {
             start,
             seeks,
             limit: 0,
+            withheld_at: None,
             made: 0,
             index_at: None,
             heard_at: 0,
             status_at: Duration::ZERO,
             feed: None,
             waits_for_others: false,
+            place: None,
             search: None,
             failed: None,
         }
@@ -160,7 +167,10 @@ impl<'a> Motion<'a> {
         }
         match end {
             End::Complete => None,
-            End::Starved => self.confirm().err().map(|error| Err(self.exactly(error))),
+            End::Starved => {
+                let told = self.confirm().and_then(|()| self.has_starved());
+                told.err().map(|error| Err(self.exactly(error)))
+            }
             End::Stopped if self.lead.stops() => None,
             end => Some(Err(self.exactly(self.error_of(end)))),
         }
@@ -193,6 +203,9 @@ impl<'a> Motion<'a> {
         if feed.takes() {
             self.limit = self.lead.sendable(self.limit);
             feed.push(self.limit)?;
+            if self.lead.is_withheld(feed.pushed) {
+                self.withheld_at = Some(feed.pushed);
+            }
             let bytes_s = self.board.baud / 10;
             let most = (bytes_s / UNDER_WAY / self.task.sharers) as usize;
             let frames = (most / MAX_PACKED).clamp(1, MOST_FRAMES);
@@ -210,6 +223,7 @@ impl<'a> Motion<'a> {
             let (at, moves) = (feed.begin_at(self.heard_at), self.board.moves());
             let link = &mut self.board.link;
             if link.under_way(Subject::Begin) == 0 {
+                feed.may_move = true;
                 link.request(&Request::Begin { at, moves }, Subject::Begin)?;
             }
         }
@@ -351,7 +365,7 @@ impl<'a> Motion<'a> {
     /// sought or stopped first.
     fn fail(&mut self, error: NodeError, feed: &mut MoveFeed<'a>) -> Option<Fault> {
         let now = self.board.link.now();
-        if matches!(error, NodeError::Quiet { .. }) && self.search.is_none() && self.failed.is_none() {
+        if matches!(error, NodeError::Quiet { .. }) && self.search.is_none() {
             self.search = Some(Search::new(now));
             return None;
         }
@@ -365,6 +379,10 @@ impl<'a> Motion<'a> {
                 return None;
             }
         };
+        let is_at_rest = !feed.may_move && self.place.take().is_none_or(|mut place| place.gives_up());
+        if is_at_rest {
+            return Some(self.exactly(error));
+        }
         let direction = i64::from(self.plan.direction().sign());
         let (one, other) = feed.bracket.range();
         let [one, other] = [one, other].map(|position| (position - self.start) * direction);
@@ -385,6 +403,13 @@ impl<'a> Motion<'a> {
             End::Estop => NodeError::Estop,
             _ => NodeError::StoppedElsewhere,
         }
+    }
+
+    /// Refuses to go on if the board ran out of steps that had leave: the host was not in time. A motor that waits for
+    /// leave goes on once there is some.
+    fn has_starved(&self) -> Result<(), NodeError> {
+        let waited = self.withheld_at.is_some_and(|at| self.made <= at.saturating_add(self.task.brake_steps));
+        if waited || self.is_too_late() { Ok(()) } else { Err(NodeError::HeldUp) }
     }
 
     /// Confirms the faults that the board has counted.

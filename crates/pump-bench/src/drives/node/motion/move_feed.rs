@@ -36,6 +36,8 @@ pub(super) struct MoveFeed<'a> {
     pub(super) state: Option<AxisState>,
     /// True once the board has the order.
     pub(super) is_prepared: bool,
+    /// True once the board was told to begin, by this axis or by another one: it may move.
+    pub(super) may_move: bool,
     /// True once the board has the tick of the begin.
     pub(super) is_begun: bool,
     /// True once the board takes no more segments.
@@ -71,6 +73,7 @@ impl<'a> MoveFeed<'a> {
             tick_hz: tick_hz.into(),
             state: None,
             is_prepared: false,
+            may_move: false,
             is_begun: false,
             is_closed: false,
             earliest: 0,

@@ -13,6 +13,10 @@ const MOST: usize = 64;
 /// Largest distance of a gathered step from its time, 2^-32 tick: half a tick.
 const FIT: i128 = 1 << 31;
 
+/// Most by which a gathered segment is faster than the fastest of its steps, 2^-32 tick: a sixteenth of a tick. The
+/// board is told the shortest interval before.
+const FASTER: i128 = 1 << 28;
+
 /// Segments of a motion, cut to the steps that may be sent.
 pub(super) struct Steps<'a> {
     segments: Box<dyn Iterator<Item = Segment> + Send + 'a>,
@@ -74,6 +78,10 @@ fn even(steps: &[Segment]) -> Option<Segment> {
     let all: i128 = steps.iter().map(interval).sum();
     // The segment ends with its last step.
     let begin = (all - add * (n * (n - 1) / 2)) / n;
+    let shortest = steps.iter().map(interval).min()?;
+    if begin.min(begin + add * (n - 1)) < shortest - FASTER {
+        return None;
+    }
     let (mut due, mut made) = (0, 0);
     for (k, step) in (0..).zip(steps) {
         due += interval(step);

@@ -2,9 +2,10 @@
 
 use pump_ctl::plan::PlannedMotion;
 use pump_ctl::step::{Brake, Segment, TickRate, Ticks};
-use pump_link::message::{Identity, MAX_PACKED};
+use pump_link::message::{AxisConfig, Identity, MAX_PACKED};
 use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
 use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
+use pump_link::timing::rate_hz;
 
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::Lane;
@@ -16,31 +17,48 @@ const SHARE: f64 = 0.8;
 /// Bits of a byte on a serial line: 8, a start and a stop.
 const BITS: u32 = 10;
 
-/// Part of the shortest interval of the plan that the board is told. Steps after a pause, and the rounding of
-/// segments, are no faster than the plan by more than the rest.
-const INTERVAL_SHARE: f64 = 0.98;
+/// Most by which an interval that is sent is shorter than the plan's, 2^-32 tick: a quarter of a tick. The rounding of
+/// segments takes less than a sixth, and the gathering of steps after a pause a sixteenth ([`super::steps`]).
+const SHORTER: u128 = 1 << 30;
 
 /// Number of halvings by which the rate is found that a plan takes of the line.
 const HALVINGS: u32 = 6;
 
-/// Part of the line that a plan may have.
+/// Part of the line and of the board's steps that a plan may have.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::drives::node) struct LineRoom {
+pub(in crate::drives::node) struct Room {
     /// Bytes a second that the segments of all axes may take.
     all_bytes_s: u32,
     /// Bytes a second that the other axes leave.
     free_bytes_s: u32,
     /// Number of axes that share the line.
     sharers: u32,
+    /// Steps a second that the other axes leave.
+    free_steps_s: u32,
+    /// Shortest interval that the pulses of the motor's driver allow, ticks.
+    pulse: u64,
 }
 
-impl LineRoom {
-    /// Returns the part of a line of `baud` that the other axes leave.
-    pub(in crate::drives::node) fn new<'a>(baud: u32, others: impl Iterator<Item = &'a Lane>) -> Self {
+impl Room {
+    /// Returns the part of a line of `baud`, and of the board's steps, that the other axes leave to one with this
+    /// configuration.
+    pub(in crate::drives::node) fn new<'a>(
+        baud: u32,
+        board: &Identity,
+        config: &AxisConfig,
+        others: impl Iterator<Item = &'a Lane>,
+    ) -> Self {
         let all_bytes_s = (f64::from(baud / BITS) * SHARE) as u32;
-        let mut room = Self { all_bytes_s, free_bytes_s: all_bytes_s, sharers: 1 };
+        let mut room = Self {
+            all_bytes_s,
+            free_bytes_s: all_bytes_s,
+            sharers: 1,
+            free_steps_s: board.max_step_hz,
+            pulse: config.least_interval(board.tick_hz),
+        };
         for other in others {
             room.free_bytes_s = room.free_bytes_s.saturating_sub(other.needs_bytes_s);
+            room.free_steps_s = room.free_steps_s.saturating_sub(other.needs_steps_s);
             room.sharers += 1;
         }
         room
@@ -58,40 +76,74 @@ pub(in crate::drives::node) struct Task {
     pub(in crate::drives::node) brake_steps: u64,
     /// Bytes a second that the plan takes of the line, by no more than a part in 64 of the free part too many.
     pub(in crate::drives::node) needs_bytes_s: u32,
+    /// Steps a second that the board counts for the plan.
+    pub(in crate::drives::node) needs_steps_s: u32,
 }
 
 impl Task {
-    /// Returns the task of `plan` on its part of the line, or refuses it before anything moves.
+    /// Returns the task of `plan` in its room, or refuses it before anything moves.
     pub(in crate::drives::node) fn new(
         plan: PlannedMotion<'_>,
         brake: &Brake,
         board: &Identity,
-        room: LineRoom,
+        room: Room,
     ) -> Result<Self, NodeError> {
         let tick_rate = brake.tick_rate();
-        let steps_s = plan.peak_rad_s() / plan.step_rad();
-        if steps_s > f64::from(board.max_step_hz) {
-            return Err(NodeError::Fast { steps_s, most_s: board.max_step_hz });
-        }
+        let shortest_interval = shortest_interval(plan, tick_rate);
+        let needs_steps_s = rate_hz(shortest_interval, board.tick_hz);
+        check_steps(plan, shortest_interval, board, room)?;
         let demanded = |bytes_s: u32| match board.queue {
             256.. => demand::<256>(plan, tick_rate, bytes_s),
             128.. => demand::<128>(plan, tick_rate, bytes_s),
             64.. => demand::<64>(plan, tick_rate, bytes_s),
             _ => demand::<16>(plan, tick_rate, bytes_s),
         };
-        let LineRoom { all_bytes_s, free_bytes_s, .. } = room;
+        let Room { all_bytes_s, free_bytes_s, .. } = room;
         if demanded(free_bytes_s).is_err() {
             return Err(refusal(&demanded, free_bytes_s, all_bytes_s));
         }
         let needs_bytes_s = least(&demanded, 0, free_bytes_s, free_bytes_s >> HALVINGS);
-        let ends = |segment: Segment| {
-            segment.interval_before(1).whole.min(segment.interval_before(segment.steps()).whole)
-        };
-        let shortest = plan.segments(tick_rate).map(ends).min().unwrap_or(1) as f64 * INTERVAL_SHARE;
-        let shortest_interval = (shortest as u32).max(1);
         let fastest = Ticks { whole: shortest_interval.into(), frac: 0 };
         let way = brake.descent(fastest, plan.direction()).map(|segment| u64::from(segment.steps()));
-        Ok(Self { shortest_interval, sharers: room.sharers, brake_steps: way.sum(), needs_bytes_s })
+        let (sharers, brake_steps) = (room.sharers, way.sum());
+        Ok(Self { shortest_interval, sharers, brake_steps, needs_bytes_s, needs_steps_s })
+    }
+}
+
+/// Returns the shortest interval of two steps that the board is told, whole ticks. No segment of the plan is faster,
+/// however it is cut and rounded.
+fn shortest_interval(plan: PlannedMotion<'_>, tick_rate: TickRate) -> u32 {
+    let fractions = |Ticks { whole, frac }: Ticks| (u128::from(whole) << 32) | u128::from(frac);
+    let ends = |segment: Segment| [1, segment.steps()].map(|step| fractions(segment.interval_before(step)));
+    let shortest = plan.segments(tick_rate).flat_map(ends).min().unwrap_or(0);
+    u32::try_from(shortest.saturating_sub(SHORTER) >> 32).unwrap_or(u32::MAX).max(1)
+}
+
+/// Refuses a plan whose shortest interval, in ticks, is one that the board would refuse.
+fn check_steps(
+    plan: PlannedMotion<'_>,
+    shortest_interval: u32,
+    board: &Identity,
+    room: Room,
+) -> Result<(), NodeError> {
+    let steps_s = plan.peak_rad_s() / plan.step_rad();
+    // Most steps a second of a plan whose intervals are this long.
+    let most_of = |interval: u64| {
+        let interval = interval as f64 + SHORTER as f64 / 2_f64.powi(32);
+        (f64::from(board.tick_hz) / interval) as u32
+    };
+    let most_beside = |free_steps_s: u32| match free_steps_s {
+        0 => 0,
+        free_steps_s => most_of(board.tick_hz.div_ceil(free_steps_s).into()),
+    };
+    let (all_s, free_s) = (most_beside(board.max_step_hz), most_beside(room.free_steps_s));
+    match rate_hz(shortest_interval, board.tick_hz) {
+        rate if rate > board.max_step_hz => Err(NodeError::Fast { steps_s, most_s: all_s }),
+        _ if u64::from(shortest_interval) < room.pulse => {
+            Err(NodeError::Pulse { steps_s, most_s: most_of(room.pulse) })
+        }
+        rate if rate > room.free_steps_s => Err(NodeError::StepsTaken { steps_s, free_s, all_s }),
+        _ => Ok(()),
     }
 }
 
