@@ -37,12 +37,12 @@ faults: clock
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
 # All 10,000 random doses on heads whose flow reverses; `make test` draws 1000. Doses of 500 bought heads; `make test`
-# draws 40. Sittings of setup with 100 drawn pumps; `make test` plays 2. An hour of a slow dose by the node's firmware,
+# draws 40. Sittings of setup with 500 drawn pumps; `make test` plays 10. An hour of a slow dose by the node's firmware,
 # 500 stops and 2,000 cuts of its link; `make node` makes 5 minutes, 30 and 200.
 long: node-pico
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads
-	SETUP_DRAWS=100 cargo test --locked --test setup drawn_pump
+	SETUP_DRAWS=500 cargo test --locked --test setup drawn_pump
 	PRIOR_PUMPS=2000 cargo test --locked -p pump-bench --lib prior_coverage
 	cargo run --locked -p check-node $(FIRMWARE) slow 60
 	cargo run --locked -p check-node $(FIRMWARE) stops 500

@@ -233,9 +233,8 @@ fn a_simulation_says_its_fluid_and_that_it_leaves_a_calibration_out() {
 fn a_fluid_that_the_air_does_not_lift_so_high_is_refused_by_the_lift() {
     let user = User::new();
     let own = include_str!("../../examples/pumps/my-pump.toml");
-    std::fs::write(user.path("deep.toml"), own.replacen("reservoir_kpa = 88.637", "lift_mm = 8300.0", 1))
-        .unwrap();
+    std::fs::write(user.path("deep.toml"), own.replacen("lift_mm = 0.0", "lift_mm = 9800.0", 1)).unwrap();
     let run = ["simulate", "--pump", "deep.toml", "--rate", "1mL/s", "--duration", "2s"];
     let refused = user.is_refused(&[&run[..], &["--fluid", "glycerol 50%"]].concat());
-    assert!(refused.contains("[inlet] lift_mm is 8300; allowed: more than"), "{refused}");
+    assert!(refused.contains("[inlet] lift_mm is 9800; allowed: more than"), "{refused}");
 }

@@ -2,6 +2,8 @@
 
 use std::env;
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread;
 
 use pump_bench::displacement::PulsePrior;
 
@@ -11,6 +13,9 @@ use crate::truth::{TrueBoard, TruePump};
 
 /// Law of a drawn pump's pulse over the prior.
 const WIDER: f64 = 1.5;
+
+/// Sittings that are played at once. A sitting mostly waits for its board.
+const AT_ONCE: usize = 10;
 
 /// Answers of somebody whose motor's driver is set to `microsteps`, and who sees what the pump does.
 pub(crate) fn sees<B: TrueBoard>(pump: &mut TruePump<B>, question: &str, microsteps: &str) -> String {
@@ -87,9 +92,13 @@ fn a_bought_head_gets_from_nothing_to_a_calibrated_dose_in_one_sitting() {
     }
 }
 
+/// Pump that was drawn: its volume of a revolution in mL, the share and the angle of its pulse in deg, and the angle of
+/// its rollers in rad.
+type Drawn = (f64, (f64, f64), f64);
+
 /// Returns a true pump behind a board whose data sheet says 0.5 mL and four rollers: its tube within 15 % of that, its
 /// pulse from a law 1.5 times as wide as the prior, and its rollers at any angle.
-fn drawn(random: &mut Random) -> TruePump {
+fn drawn(random: &mut Random) -> Drawn {
     let (prior, pitch_deg) = (PulsePrior::of(4), 90.0);
     let (share, phi_deg) = loop {
         let phi_deg = prior.engagement_deg * (WIDER * prior.engagement_spread * normal(random)).exp();
@@ -102,7 +111,22 @@ fn drawn(random: &mut Random) -> TruePump {
         }
     };
     let ml_per_rev = 0.5 * (0.85 + 0.3 * random.part());
-    TruePump::new(ml_per_rev, 3200.0, (share, phi_deg), TAU * random.part())
+    (ml_per_rev, (share, phi_deg), TAU * random.part())
+}
+
+/// Plays a sitting with a pump that was drawn. Returns how many of the two doses after it lie in their intervals.
+fn doses_inside((ml_per_rev, pulse, zero_rad): Drawn) -> u32 {
+    let (desk, mut pump) = (Desk::new(), TruePump::new(ml_per_rev, 3200.0, pulse, zero_rad));
+    let ended = desk.answers(&["setup", "acid"], &mut |question| Some(sees(&mut pump, question, "16")));
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    let inside = ["5mL", "4.93mL"].map(|volume| {
+        pump.tare();
+        let report = desk.json(&[volume, "--pump", "acid"]);
+        let number = |key: &str| report[key].as_f64().unwrap();
+        let off_ml = (pump.volume_ml() - number("planned_ml")).abs();
+        u32::from(off_ml <= number("expanded_uncertainty_ml"))
+    });
+    inside.iter().sum()
 }
 
 /// Returns a normal number with mean 0 and standard deviation 1 (Box, Muller 1958).
@@ -112,22 +136,21 @@ fn normal(random: &mut Random) -> f64 {
 
 #[test]
 fn doses_after_a_sitting_with_a_drawn_pump_lie_in_their_intervals() {
-    let draws: u32 = env::var("SETUP_DRAWS").map_or(2, |draws| draws.parse().unwrap());
+    let draws: u32 = env::var("SETUP_DRAWS").map_or(10, |draws| draws.parse().unwrap());
     let mut random = Random(0x5e70);
-    let (mut inside, mut doses) = (0, 0);
-    for _ in 0..draws {
-        let (desk, mut pump) = (Desk::new(), drawn(&mut random));
-        let ended = desk.answers(&["setup", "acid"], &mut |question| Some(sees(&mut pump, question, "16")));
-        assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
-        for volume in ["5mL", "4.93mL"] {
-            pump.tare();
-            let report = desk.json(&[volume, "--pump", "acid"]);
-            let number = |key: &str| report[key].as_f64().unwrap();
-            let off_ml = (pump.volume_ml() - number("planned_ml")).abs();
-            doses += 1;
-            inside += u32::from(off_ml <= number("expanded_uncertainty_ml"));
+    let pumps: Vec<Drawn> = (0..draws).map(|_| drawn(&mut random)).collect();
+    let (next, inside) = (AtomicU32::new(0), AtomicU32::new(0));
+    thread::scope(|scope| {
+        for _ in 0..AT_ONCE {
+            scope.spawn(|| {
+                while let Some(pump) = pumps.get(next.fetch_add(1, Ordering::Relaxed) as usize) {
+                    inside.fetch_add(doses_inside(*pump), Ordering::Relaxed);
+                }
+            });
         }
-    }
+    });
+    let (inside, doses) = (inside.into_inner(), 2 * draws);
+    println!("{inside} of {doses} doses lie in their intervals");
     assert!(100 * inside >= 93 * doses, "{inside} of {doses}");
 }
 

@@ -133,3 +133,39 @@ fn a_pump_file_and_a_drawing_may_stand_in_place_of_the_head() {
     let file = desk.configured("pumps/copy.toml").unwrap();
     assert!(file.contains("id = \"copy\"") && file.contains("steps_per_rev = 12800"), "{file}");
 }
+
+#[test]
+fn a_file_of_absolute_pressures_is_asked_for_the_place_and_keeps_its_heights_in_other_air() {
+    let desk = Desk::new();
+    // 88.637 kPa in the paper's air of 85.7 kPa: supply and vessel stand 0.3 m above the pump.
+    std::fs::write(desk.path("paper.toml"), pump_bench::built_in("three-roller").unwrap().to_toml()).unwrap();
+    let copy = [
+        "setup",
+        "copy",
+        "--from",
+        "paper.toml",
+        "--steps-per-rev",
+        "3200",
+        "--driver",
+        "sim",
+        "--no-motion",
+    ];
+    let refused = desk.types(&[&copy[..], &["--yes"]].concat());
+    assert!(refused.code == 2 && refused.err.contains("say --altitude 500m or --ambient"), "{}", refused.err);
+    let copied = desk.types(&[&copy[..], &["--altitude", "0m", "--suction-lift", "0.5m", "--yes"]].concat());
+    assert_eq!(copied.code, 0, "{}", copied.err);
+    assert!(copied.err.contains("air of 101.3 kPa, sucks up 0.5 m, lifts 0.3 m"), "{}", copied.err);
+    let file = desk.configured("pumps/copy.toml").unwrap();
+    for line in ["altitude_m = 0.0", "lift_mm = 500.0", "lift_mm = 300.0"] {
+        assert!(file.contains(line), "{line}: {file}");
+    }
+    assert!(!file.contains("reservoir_kpa"), "{file}");
+    // The example's place is one of its own.
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pumps/my-pump.toml");
+    let words = ["setup", "mine", "--from", example, "--driver", "sim", "--no-motion", "--yes"];
+    let unsaid = desk.types(&words);
+    assert!(unsaid.code == 2 && unsaid.err.contains("--microsteps"), "{}", unsaid.err);
+    let said = desk.types(&[&words[..], &["--microsteps", "16"]].concat());
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(desk.configured("pumps/mine.toml").unwrap().contains("steps_per_rev = 3200"));
+}

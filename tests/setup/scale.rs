@@ -173,3 +173,99 @@ fn a_weight_before_the_first_dose_of_a_real_pump_is_refused() {
     assert!(refused.err.contains("none was made yet; leave it out"), "{}", refused.err);
     assert_eq!((pump.board.rest().steps, desk.configured("config.toml")), (0, None));
 }
+
+/// Prints 3 g while no dose is on record, and then what the file `after` says.
+const AFTER_DOSE: &str = "if grep -q '\"purpose\":\"dose\"' state/acid/sim/journal.jsonl 2>/dev/null; then cat after; \
+                          else echo 3.000 g; fi";
+
+/// Options that set a simulated pump up for a dose of 5 mL.
+const SIM: [&str; 18] = [
+    "setup",
+    "acid",
+    "--ml-per-rev",
+    "0.5mL",
+    "--rollers",
+    "4",
+    "--microsteps",
+    "16",
+    "--driver",
+    "sim",
+    "--altitude",
+    "500m",
+    "--prime",
+    "0",
+    "--volume",
+    "5mL",
+    "--yes",
+    "--scale-wait=2s",
+];
+
+#[test]
+fn a_dose_whose_reading_failed_weighs_what_the_balance_shows_more_than_before_it() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("after"), "garbage\n").unwrap();
+    let failed = desk.types(&[&SIM[..], &["--scale-command", AFTER_DOSE]].concat());
+    assert!(failed.code == 1 && failed.err.contains("`dose setup acid --scale-"), "{}", failed.err);
+    let journal = desk.journal("acid", "sim");
+    // The vessel of 3 g is on the balance still.
+    std::fs::write(desk.path("after"), "8.000 g\n").unwrap();
+    let ended = desk.types(&["setup", "acid", "--yes", "--scale-command", AFTER_DOSE]);
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("  5 g more on the balance"), "{}", ended.err);
+    assert_eq!(desk.journal("acid", "sim"), journal, "nothing is dosed");
+    let calibration = desk.json(&["calibrate", "list", "--pump", "acid"]).to_string();
+    // 5 g of water are 5.02 mL, where the file says 5.
+    assert!(calibration.contains("\"factor\":1.00"), "{calibration}");
+}
+
+#[test]
+fn a_dose_before_which_nobody_read_the_balance_is_weighed_by_hand_or_made_again() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("after"), "8.000 g\n").unwrap();
+    // Somebody leaves where the weight is asked for.
+    let left = desk.answers(&SIM[..16], &mut |question| (!question.starts_with("Reading")).then(String::new));
+    assert!(left.err.contains("say --weight 4.93g, or --again to dose again"), "{}", left.err);
+    let balance = ["setup", "acid", "--yes", "--scale-command", AFTER_DOSE];
+    let refused = desk.types(&balance);
+    assert!(refused.err.contains("the balance was not read before this dose"), "{}", refused.err);
+    assert!(refused.err.contains("--weight") && refused.err.contains("--again"), "{}", refused.err);
+    assert!(desk.configured("setup/acid.toml").unwrap().contains("weighed = 0"));
+    let weighed = desk.types(&["setup", "acid", "--yes", "--weight", "4.93g"]);
+    assert_eq!(weighed.code, 0, "{}", weighed.err);
+    assert!(desk.configured("setup/acid.toml").unwrap().contains("weighed = 1"));
+}
+
+#[test]
+fn a_balance_beside_a_simulated_pump_is_told_that_no_motor_moved() {
+    let desk = Desk::new();
+    let still = desk.types(&[&SIM[..], &["--scale-command", "echo 3.000 g"]].concat());
+    assert_eq!(still.code, 1, "{}", still.err);
+    assert!(
+        still.err.contains(
+            "the balance rose by 0 g where a simulated motor made the steps of 5 mL: no motor moved"
+        ),
+        "{}",
+        still.err
+    );
+    assert!(!still.err.contains("is the vessel on it"), "{}", still.err);
+}
+
+#[test]
+fn an_option_asks_for_one_more_dose_of_a_pump_that_is_set_up() {
+    let desk = Desk::new();
+    assert_eq!(desk.types(&SIM[..17]).code, 0);
+    let doses = |desk: &Desk| desk.journal("acid", "sim").unwrap().matches("\"purpose\":\"dose\"").count();
+    let unasked = desk.types(&["setup", "acid"]);
+    assert!(
+        unasked.code == 2 && unasked.err.contains("say --again for one more, or --yes for none"),
+        "{}",
+        unasked.err
+    );
+    let first = doses(&desk);
+    assert_eq!((desk.types(&["setup", "acid", "--yes"]).code, doses(&desk)), (0, first));
+    let again = desk.types(&["setup", "acid", "--again", "--yes"]);
+    assert!(again.code == 0 && again.out.contains("2 runs at"), "{}{}", again.out, again.err);
+    assert_eq!(doses(&desk), 2 * first);
+    let both = desk.types(&["setup", "acid", "--again", "--weight", "4.93g"]);
+    assert!(both.code == 2 && both.err.contains("cannot be used with"), "{}", both.err);
+}

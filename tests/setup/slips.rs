@@ -125,3 +125,116 @@ fn a_new_file_of_a_volume_per_revolution_is_what_setup_writes() {
         assert!(refused.code == 2 && refused.err.contains(part), "{part}: {}", refused.err);
     }
 }
+
+/// Answers of the paper's head, whose backplate is said as `backplate`.
+fn drawn<'a>(
+    backplate: &'a mut dyn Iterator<Item = &'static str>,
+) -> impl FnMut(&str) -> Option<String> + 'a {
+    let mut react = by_part(&[
+        ("Head:", "drawing"),
+        ("Radius of a roller", "20mm"),
+        ("From the shaft", "40mm"),
+        ("Tube,", "10x14mm"),
+        ("Contact", "30deg"),
+        ("Microsteps", "16"),
+        ("Driver", "sim"),
+        ("Altitude", "0m"),
+    ]);
+    move |question| match question {
+        q if q.starts_with("Radius of the backplate") => backplate.next().map(ToString::to_string),
+        // Enter keeps what was said before.
+        q if q.contains('[') => Some(String::new()),
+        q if q.starts_with("Rollers") => Some("3".to_owned()),
+        q => react(q),
+    }
+}
+
+#[test]
+fn a_wrong_dimension_of_a_drawing_is_said_at_the_drawing_and_can_be_mended_there() {
+    let desk = Desk::new();
+    let mut backplate = ["23mm", "63mm"].into_iter();
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut drawn(&mut backplate));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("mm deeper than the tube's walls"), "{}", ended.err);
+    for kept in ["Rollers, counted [3]", "Radius of a roller [20mm]", "Contact angle [30deg]"] {
+        assert!(ended.err.contains(kept), "{kept}: {}", ended.err);
+    }
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains("radius_mm = 63.0"));
+}
+
+#[test]
+fn a_drawing_that_was_left_wrong_is_asked_anew_and_one_that_was_typed_wrong_too() {
+    let desk = Desk::new();
+    let mut backplate = ["23mm"].into_iter();
+    // The person leaves at the second question for the backplate.
+    let left = desk.answers(&["setup", "acid", "--no-motion"], &mut drawn(&mut backplate));
+    assert!(left.code == 2 && left.err.contains("--backplate 63mm"), "{}", left.err);
+    let mut backplate = ["63mm"].into_iter();
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut drawn(&mut backplate));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(!ended.err.contains("Rollers, counted"), "the rollers are on record: {}", ended.err);
+
+    let typed = [
+        "--tube",
+        "10x14mm",
+        "--backplate",
+        "23mm",
+        "--roller",
+        "20mm",
+        "--offset",
+        "40mm",
+        "--contact",
+        "30deg",
+    ];
+    let mut backplate = ["63mm"].into_iter();
+    let words = [&["setup", "base", "--no-motion"][..], &typed].concat();
+    let ended = desk.answers(&words, &mut drawn(&mut backplate));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("Radius of the backplate (raceway) [23mm]"), "{}", ended.err);
+}
+
+#[test]
+fn one_dimension_alone_changes_the_drawing_on_record() {
+    let desk = Desk::new();
+    let mut backplate = ["63mm"].into_iter();
+    assert_eq!(desk.answers(&["setup", "acid", "--no-motion"], &mut drawn(&mut backplate)).code, 0);
+    let changed = desk.types(&["setup", "acid", "--backplate", "62.5mm", "--yes", "--no-motion"]);
+    assert_eq!(changed.code, 0, "{}", changed.err);
+    let file = desk.configured("pumps/acid.toml").unwrap();
+    assert!(file.contains("radius_mm = 62.5") && file.contains("offset_mm = 40"), "{file}");
+    let refused = desk.types(&["setup", "acid", "--backplate", "59mm", "--yes", "--no-motion"]);
+    assert!(refused.code == 2 && refused.err.contains("1.000 mm deeper"), "{}", refused.err);
+    assert_eq!(desk.configured("pumps/acid.toml").unwrap(), file);
+    let refused = desk.types(&["setup", "base", "--backplate", "63mm", "--yes"]);
+    assert!(
+        refused.code == 2 && refused.err.contains("a drawing takes --tube, --backplate"),
+        "{}",
+        refused.err
+    );
+    let refused = desk.types(&["setup", "acid", "--backplate", "63mm", "--head", "masterflex-ls-16"]);
+    assert!(refused.code == 2 && refused.err.contains("cannot be used with"), "{}", refused.err);
+}
+
+#[test]
+fn a_count_of_rollers_that_no_head_has_is_refused_without_a_word_of_a_file() {
+    let desk = Desk::new();
+    for head in [&["--ml-per-rev", "0.5mL"][..], &["--head", "masterflex-ls-16"]] {
+        let refused = desk.types(&[&["setup", "acid", "--rollers", "0"], head, &SIM].concat());
+        assert_eq!(refused.code, 2, "{}", refused.err);
+        assert!(refused.err.contains("number of rollers is 0; allowed: 1 to 1000"), "{}", refused.err);
+        assert!(!refused.err.contains("file"), "{}", refused.err);
+    }
+}
+
+#[test]
+fn a_rate_that_is_too_fast_at_the_question_names_a_command_and_no_option_that_cannot_be_typed_there() {
+    let desk = Desk::new();
+    let answers =
+        [("Head:", "0.5mL"), ("Rollers", "4"), ("Microsteps", "16"), ("Driver", "sim"), ("Altitude", "0m")];
+    let (mut react, mut rates) = (by_part(&answers), ["5mL/s", ""].iter());
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| {
+        if question.starts_with("Rate") { rates.next().map(ToString::to_string) } else { react(question) }
+    });
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("quit, and `dose setup acid --max-speed 300rpm` says what"), "{}", ended.err);
+}

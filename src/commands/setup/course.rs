@@ -6,6 +6,7 @@ use pump_bench::config::Config;
 use pump_bench::drives::FoundBoard;
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{DriverName, PumpFile};
+use pump_bench::report::Explain;
 use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupFolder};
 use pump_bench::{Bench, Prepared, Session};
 
@@ -105,10 +106,14 @@ impl Course {
         mut set: impl FnMut(&mut Answers, T),
     ) -> Asked<()> {
         let before = self.answers.clone();
+        let (runnable, is_asked) = (self.runnable.clone(), !self.asker.is_silent());
         let answers = self.asker.ask(question, |answer| {
             let mut answers = before.clone();
             set(&mut answers, read(answer)?);
-            answers.check().map_err(|error| advice::told(&error))?;
+            answers.check().map_err(|error| match is_asked {
+                true => runnable.complete(&error.told(Runnable::at_question)),
+                false => advice::told(&error),
+            })?;
             Ok(answers)
         })?;
         Ok(self.take(answers)?)

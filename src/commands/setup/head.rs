@@ -26,6 +26,10 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
         ask_head(course)?;
     }
     tell_of_head(course);
+    if matches!(course.answers.head, Some(HeadAnswer::Drawing { .. })) && !knows_rollers(course) {
+        let drawn = course.answers.head.clone();
+        return ask_drawing(course, drawn);
+    }
     let is_volume = matches!(course.answers.head, Some(HeadAnswer::Volume { .. }));
     if is_volume && course.answers.tube_bore_mm.is_none() {
         ask_bore(course)?;
@@ -69,11 +73,10 @@ fn ask_head(course: &mut Course) -> Asked<()> {
         }
         Ok(named)
     })?;
-    let head = match named {
-        Named::Drawing => ask_drawing(course)?,
-        Named::Head(head) => head,
-    };
-    Ok(course.take(with_head(&before, &head))?)
+    match named {
+        Named::Drawing => ask_drawing(course, None),
+        Named::Head(head) => Ok(course.take(with_head(&before, &head))?),
+    }
 }
 
 /// The answers with another head.
@@ -133,14 +136,21 @@ pub(super) fn length_or_unknown(answer: &str) -> Result<f64, String> {
 
 fn ask_rollers(course: &mut Course) -> Asked<()> {
     let rollers = |other: &Answers| other.rollers.map(|rollers| rollers.to_string());
-    let question = Question {
+    let usual = course.former(rollers).or_else(|| course.suggested_of_head(rollers, None));
+    course.settle(&rollers_question(usual), count, |answers, rollers| answers.rollers = Some(rollers))
+}
+
+fn rollers_question(usual: Option<Usual>) -> Question<'static> {
+    Question {
         text: "Rollers, counted",
         option: "--rollers 4",
-        usual: course.former(rollers).or_else(|| course.suggested_of_head(rollers, None)),
+        usual,
         help: "open the head and count the rollers that squeeze the tube, as 4",
-    };
-    let read = |answer: &str| answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"));
-    course.settle(&question, read, |answers, rollers| answers.rollers = Some(rollers))
+    }
+}
+
+fn count(answer: &str) -> Result<u32, String> {
+    answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"))
 }
 
 const BACKPLATE_HELP: &str = "from the shaft to the surface on which the tube lies, as 63mm: half of the bed's inner \
@@ -149,18 +159,48 @@ const ROLLER_HELP: &str = "half of the roller's diameter, as 20mm";
 const OFFSET_HELP: &str = "measure from the shaft's middle to that of a roller's pin, as 40mm; or half of the width \
                            over two opposite rollers, less the radius of a roller";
 
-/// Asks for the dimensions of a drawing until they contradict one another no more. Those of before are suggested.
-fn ask_drawing(course: &mut Course) -> Asked<HeadAnswer> {
-    tell_person("Dimensions as a caliper gives them; `dose pumps new -h` says more of each.");
+/// Asks for the rollers and the dimensions of a drawing until they contradict one another no more: any of them may be
+/// the wrong one. Those of before are suggested. `drawn` is a drawing whose rollers alone are missing.
+fn ask_drawing(course: &mut Course, mut drawn: Option<HeadAnswer>) -> Asked<()> {
     let mut former = course.corrected.as_ref().and_then(|before| before.head.clone());
+    let mut suggested = course.former(|before| before.rollers.map(|rollers| rollers.to_string()));
+    let mut rollers = course.answers.rollers;
+    if drawn.is_none() {
+        tell_person("Dimensions as a caliper gives them; `dose pumps new -h` says more of each.");
+    }
     loop {
-        let head = ask_dimensions(course, former.as_ref())?;
-        match with_head(&course.answers, &head).check() {
-            Ok(()) => return Ok(head),
-            Err(error) if course.asker.is_silent() => return Err(Failure::of(error).into()),
-            Err(error) => tell_person(&format!("  {}", advice::told(&error))),
+        let counted = match rollers.take() {
+            Some(counted) => counted,
+            None => {
+                let mut without_head = course.answers.clone();
+                without_head.head = None;
+                course.asker.ask(&rollers_question(suggested), |answer| {
+                    let counted = count(answer)?;
+                    without_head.rollers = Some(counted);
+                    without_head.check().map_err(|error| advice::told(&error))?;
+                    Ok(counted)
+                })?
+            }
+        };
+        let mut answers = course.answers.clone();
+        answers.rollers = Some(counted);
+        if answers.head.is_none() {
+            // The rollers are on record before the next question.
+            course.take(answers.clone())?;
         }
-        former = Some(head);
+        let head = match drawn.take() {
+            Some(head) => head,
+            None => ask_dimensions(course, former.as_ref())?,
+        };
+        answers.head = Some(head.clone());
+        match answers.check() {
+            Ok(()) => return Ok(course.take(answers)?),
+            Err(error) if course.asker.is_silent() => return Err(Failure::of(error).into()),
+            Err(error) => {
+                tell_person(&format!("  {}; Enter keeps a dimension that is right", advice::told(&error)));
+            }
+        }
+        (former, suggested) = (Some(head), Some(Usual::new(counted.to_string())));
     }
 }
 

@@ -46,6 +46,9 @@ pub(crate) struct SetupArgs {
     /// Ask nothing: take the suggested answers, and let the motor move
     #[arg(long)]
     yes: bool,
+    /// Dose once more: one more dose to weigh, or another in place of one that nobody has weighed
+    #[arg(long, conflicts_with_all = ["weight", "no_motion"])]
+    again: bool,
     /// Write the pump file, and move nothing
     #[arg(long)]
     no_motion: bool,
@@ -192,6 +195,9 @@ impl SetupArgs {
             return outlook::tell_outlook(course);
         }
         weigh::accept_stopped(course)?;
+        if self.again {
+            weigh::leave_dose(course)?;
+        }
         turn::watch(course, &mut self.answers.turned.clone())?;
         fill::fill(course)?;
         if weigh::weigh(course, &self.answers, &self.balance, balance)? {
@@ -219,7 +225,8 @@ impl SetupArgs {
 
     /// Asks if one more dose is to be weighed, of a pump that is set up.
     fn weighs_more(&self, course: &mut Course) -> Asked<bool> {
-        if course.answers.done.dosed || self.answers.weight.is_some() || self.balance.is_given() {
+        let is_weight_there = self.answers.weight.is_some() || self.balance.is_given();
+        if self.again || course.answers.done.dosed || is_weight_there {
             return Ok(true);
         }
         if course.asker.is_silent() {
@@ -227,7 +234,7 @@ impl SetupArgs {
         }
         let question = Question {
             text: "This pump is set up. Weigh one more dose?",
-            option: "--yes",
+            option: "--again for one more, or --yes for none",
             usual: Some(Usual::new("yes")),
             help: "a second dose shows how much doses scatter, and makes them surer",
         };

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use pump_bench::pump_file::{Axis, DriverName, OutletEnd};
 use pump_bench::setup::{Answers, HeadAnswer};
 use pump_bench::units::{self, Pressure, StatedReading, TubeSize, stated_reading};
@@ -16,6 +16,7 @@ const DRAWING: [&str; 5] = ["tube", "backplate", "roller", "offset", "contact"];
 
 /// The answers that a command line gives.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("drawing").multiple(true).conflicts_with_all(["head", "ml_per_rev", "from"]))]
 pub(super) struct AnswerOptions {
     /// Head of the catalogue, as masterflex-ls-16 (`dose pumps list --catalogue`)
     #[arg(long, value_name = "NAME", help_heading = "Head")]
@@ -35,21 +36,19 @@ pub(super) struct AnswerOptions {
     #[arg(long, value_name = "FILE", help_heading = "Head")]
     from: Option<PathBuf>,
     /// Tube of a drawn head: bore x outer diameter, as 10x14mm
-    #[arg(long, value_name = "SIZE", help_heading = "Head", value_parser = units::tube_size)]
-    #[arg(conflicts_with_all = ["head", "ml_per_rev", "from"])]
-    #[arg(requires_all = ["backplate", "roller", "offset", "contact"])]
+    #[arg(long, value_name = "SIZE", help_heading = "Head", value_parser = units::tube_size, group = "drawing")]
     tube: Option<TubeSize>,
     /// Radius of the backplate, as 63mm
-    #[arg(long, value_name = "RADIUS", help_heading = "Head", value_parser = units::length_mm, requires = "tube")]
+    #[arg(long, value_name = "RADIUS", help_heading = "Head", value_parser = units::length_mm, group = "drawing")]
     backplate: Option<f64>,
     /// Radius of a roller, as 20mm
-    #[arg(long, value_name = "RADIUS", help_heading = "Head", value_parser = units::length_mm, requires = "tube")]
+    #[arg(long, value_name = "RADIUS", help_heading = "Head", value_parser = units::length_mm, group = "drawing")]
     roller: Option<f64>,
     /// From the shaft to a roller's axis, as 40mm
-    #[arg(long, value_name = "LENGTH", help_heading = "Head", value_parser = units::length_mm, requires = "tube")]
+    #[arg(long, value_name = "LENGTH", help_heading = "Head", value_parser = units::length_mm, group = "drawing")]
     offset: Option<f64>,
     /// Contact angle: the backplate spans 180deg and twice this, as 30deg
-    #[arg(long, value_name = "ANGLE", help_heading = "Head", value_parser = units::angle_rad, requires = "tube")]
+    #[arg(long, value_name = "ANGLE", help_heading = "Head", value_parser = units::angle_rad, group = "drawing")]
     #[arg(allow_hyphen_values = true)]
     contact: Option<f64>,
     /// Steps per revolution of the motor, microsteps included, as 3200
@@ -164,7 +163,7 @@ pub(super) fn volume_or_0(text: &str) -> Result<f64, String> {
 impl AnswerOptions {
     /// Writes the answers of the command line over those on record.
     pub(super) fn write_to(&self, answers: &mut Answers) -> Result<(), Failure> {
-        if let Some(head) = self.head()? {
+        if let Some(head) = self.head(answers.head.as_ref())? {
             answers.head = Some(head);
         }
         if self.bore.is_some() && !matches!(answers.head, None | Some(HeadAnswer::Volume { .. })) {
@@ -206,7 +205,8 @@ impl AnswerOptions {
         Ok(())
     }
 
-    fn head(&self) -> Result<Option<HeadAnswer>, Failure> {
+    /// The head that is given. A dimension alone changes the drawing on record.
+    fn head(&self, before: Option<&HeadAnswer>) -> Result<Option<HeadAnswer>, Failure> {
         if let Some(name) = &self.head {
             return Ok(Some(HeadAnswer::Catalogue(name.clone())));
         }
@@ -217,12 +217,37 @@ impl AnswerOptions {
             let path = std::path::absolute(path).map_err(|error| Failure::unread(path, &error))?;
             return Ok(Some(HeadAnswer::File(path)));
         }
-        let Some(tube) = &self.tube else { return Ok(None) };
-        let dimensions = [self.backplate, self.roller, self.offset, self.contact];
-        let [Some(backplate_mm), Some(roller_mm), Some(offset_mm), Some(contact_rad)] = dimensions else {
-            return Err(Failure::refused(format!("a drawing takes --{}", DRAWING.join(", --"))));
+        let tube = self.tube.map(|tube| (tube.bore_mm, tube.outer_mm));
+        let given = (tube, [self.backplate, self.roller, self.offset, self.contact.map(degrees)]);
+        if given == (None, [None; 4]) {
+            return Ok(None);
+        }
+        let (drawn_tube, drawn) = match before {
+            Some(HeadAnswer::Drawing {
+                bore_mm,
+                outer_mm,
+                backplate_mm,
+                roller_mm,
+                offset_mm,
+                contact_deg,
+            }) => (Some((*bore_mm, *outer_mm)), [backplate_mm, roller_mm, offset_mm, contact_deg].map(Some)),
+            _ => (None, [None; 4]),
         };
-        let (bore_mm, outer_mm, contact_deg) = (tube.bore_mm, tube.outer_mm, degrees(contact_rad));
+        let at = |index: usize| given.1[index].or(drawn[index].copied());
+        let dimensions = (given.0.or(drawn_tube), at(0), at(1), at(2), at(3));
+        let (
+            Some((bore_mm, outer_mm)),
+            Some(backplate_mm),
+            Some(roller_mm),
+            Some(offset_mm),
+            Some(contact_deg),
+        ) = dimensions
+        else {
+            return Err(Failure::refused(format!(
+                "a drawing takes --{}; one of them alone changes a drawing that is on record",
+                DRAWING.join(", --")
+            )));
+        };
         Ok(Some(HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg }))
     }
 }

@@ -3,21 +3,30 @@
 use pump_bench::pump_file::OutletEnd;
 use pump_bench::units::{self, Pressure};
 
-use super::asker::{Asked, Question};
-use super::course::{Course, heading};
+use super::asker::{Asked, Question, Usual};
+use super::course::{Course, heading, tell_person};
 use super::head::length_or_unknown;
 use super::options::ambient_kpa;
 
-/// Asks where the pump stands, unless a file knows it, and for the rate of its doses.
+/// Asks where the pump stands, unless a file knows it, and for the rate of its doses. A file whose lines end at absolute
+/// pressures knows no place: in other air they are those of other heights.
 pub(super) fn ask(course: &mut Course) -> Asked<()> {
     let is_of_file = course.answers.is_of_file();
     let answers = &course.answers;
-    let knows_lifts = answers.suction_lift_mm.is_some() && answers.discharge_lift_mm.is_some();
-    let knows_place = is_of_file || answers.has_ambient() && knows_lifts;
-    if !knows_place {
+    let of_file_mm = answers.heights_of_pressures_mm()?;
+    let lifts_mm = [answers.suction_lift_mm, answers.discharge_lift_mm];
+    let asks_height =
+        [0, 1].map(|line| lifts_mm[line].is_none() && (!is_of_file || of_file_mm[line].is_some()));
+    let knows_air = answers.has_ambient() || is_of_file && of_file_mm == [None; 2];
+    if !knows_air || asks_height.contains(&true) {
         heading("The place");
-        ask_ambient(course)?;
-        ask_lifts(course)?;
+        if is_of_file {
+            tell_person("  The file states absolute pressures, which are those of its own place.");
+        }
+        if !knows_air {
+            ask_ambient(course)?;
+        }
+        ask_lifts(course, asks_height, of_file_mm)?;
     }
     if !is_of_file {
         ask_outlet(course)?;
@@ -29,9 +38,6 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
 }
 
 fn ask_ambient(course: &mut Course) -> Asked<()> {
-    if course.answers.has_ambient() {
-        return Ok(());
-    }
     let last = |last: &pump_bench::setup::Answers| {
         let altitude = last.altitude_m.map(|m| format!("{m}m"));
         altitude.or_else(|| last.ambient_kpa.map(|kpa| format!("{kpa}kPaa")))
@@ -58,23 +64,27 @@ fn ask_ambient(course: &mut Course) -> Asked<()> {
     })
 }
 
-fn ask_lifts(course: &mut Course) -> Asked<()> {
+/// Asks for the heights of the supply and of the vessel, each if nobody knows it. `of_file_mm` are those to which a
+/// file's pressures amount.
+fn ask_lifts(course: &mut Course, asks: [bool; 2], of_file_mm: [Option<f64>; 2]) -> Asked<()> {
     let height = |answer: &str| units::height_mm(answer).map_err(|error| error.to_string());
     let shown = |mm: f64| if mm == 0.0 { "0".to_owned() } else { format!("{}m", mm / 1e3) };
-    if course.answers.suction_lift_mm.is_none() {
+    let [of_supply, of_vessel] = of_file_mm.map(|mm| mm.map(|mm| Usual::new(shown(mm.round()))));
+    if asks[0] {
         let question = Question {
             text: "Height of the pump above the supply's surface, as 0.3m",
             option: "--suction-lift 0.3m",
-            usual: course.suggested(|last| last.suction_lift_mm.map(shown), Some("0")),
+            usual: of_supply.or_else(|| course.suggested(|last| last.suction_lift_mm.map(shown), Some("0"))),
             help: "negative if the supply stands above the pump, as -0.3m; 0 if both stand on one bench",
         };
         course.settle(&question, height, |answers, mm| answers.suction_lift_mm = Some(mm))?;
     }
-    if course.answers.discharge_lift_mm.is_none() {
+    if asks[1] {
         let question = Question {
             text: "Height of the vessel above the pump, as 0.3m",
             option: "--discharge-lift 0.3m",
-            usual: course.suggested(|last| last.discharge_lift_mm.map(shown), Some("0")),
+            usual: of_vessel
+                .or_else(|| course.suggested(|last| last.discharge_lift_mm.map(shown), Some("0"))),
             help: "negative if the vessel stands below the pump, as -0.3m",
         };
         course.settle(&question, height, |answers, mm| answers.discharge_lift_mm = Some(mm))?;

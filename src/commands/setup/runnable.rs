@@ -32,6 +32,16 @@ impl Runnable {
         }
     }
 
+    /// The words of a remedy at a question, where no option can be typed.
+    pub(super) fn at_question(remedy: Remedy) -> &'static str {
+        match remedy {
+            Remedy::StateMaxSpeed => {
+                "quit, and `dose setup --max-speed 300rpm` says what your motor and tube allow"
+            }
+            other => advice::words(other),
+        }
+    }
+
     /// Completes the commands of a text, which stand between back quotes.
     pub(super) fn complete(&self, text: &str) -> String {
         let quoted = text.split('`').enumerate();
@@ -44,8 +54,8 @@ impl Runnable {
         let Self { scale, pump } = self;
         let words = command.split_whitespace().collect::<Vec<_>>().join(" ");
         let Some(rest) = words.strip_prefix("dose ") else { return command.to_owned() };
-        if rest == "setup" {
-            return self.command(&format!("dose setup {pump}"));
+        if rest == "setup" || rest.starts_with("setup --") {
+            return self.command(&words.replacen("setup", &format!("setup {pump}"), 1));
         }
         let weighs = WEIGHING.iter().any(|known| words.starts_with(known));
         let scale = if weighs && !words.contains("--weight") { scale.as_str() } else { "" };

@@ -23,6 +23,10 @@ const USUAL_ML: f64 = 10.0;
 const LATER_DOSE: &str = "the pump has dosed again since setup's dose, so nobody can weigh that one any more; empty \
                           and tare the vessel for another";
 
+/// Words for a dose that was made while nobody read the balance.
+const UNKNOWN_BEFORE: &str = "the balance was not read before this dose, so it may show the vessel too; the dose is on \
+                              record: --weight says what it weighs, and --again makes another";
+
 /// Reading of the balance before the dose, if there is a balance.
 type ReadBefore<'a> = dyn FnMut() -> Result<Option<BalanceReading>, Failure> + 'a;
 
@@ -45,10 +49,9 @@ pub(super) fn weigh(
         return Ok(true);
     }
     loop {
-        let (mut shown_g, mut before) = (None, None);
+        let mut shown_g = None;
         if course.answers.done.dosed && !is_last(course)? {
-            course.answers.done.dosed = false;
-            course.keep()?;
+            leave_dose(course)?;
             if given.is_some() {
                 return Err(Failure::refused(LATER_DOSE).into());
             }
@@ -65,19 +68,23 @@ pub(super) fn weigh(
             if course.answers.volume_ml.is_none() {
                 ask_volume(course)?;
             }
-            (shown_g, before) = dose(course, &mut || {
+            shown_g = dose(course, &mut || {
                 balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose()
             })?;
         }
         let reading = match (given.take(), balance.as_mut()) {
             (Some(reading), _) => Some(reading),
-            (None, Some(balance)) => Some(more_on(still(balance.as_mut(), named)?, before)?),
+            (None, Some(balance)) => {
+                let before_g =
+                    course.answers.done.before_g.ok_or_else(|| Failure::refused(UNKNOWN_BEFORE))?;
+                let after = still(balance.as_mut(), named)?;
+                Some(more_on(course, after, before_g)?)
+            }
             (None, None) if course.asker.is_silent() && !course.is_simulated() => return Ok(false),
             (None, None) => ask_weight(course, shown_g)?,
         };
         let Some(reading) = reading else {
-            course.answers.done.dosed = false;
-            course.keep()?;
+            leave_dose(course)?;
             continue;
         };
         match keep(course, &reading, options.temperature, true) {
@@ -129,12 +136,20 @@ pub(super) fn still(balance: &mut dyn Balance, named: &BalanceOptions) -> Result
     read_still(balance, named.longest_wait())
 }
 
-/// The mass that a balance shows more than before the dose. A dose of an earlier call went into a tared vessel.
-fn more_on(after: BalanceReading, before: Option<BalanceReading>) -> Result<StatedReading, Failure> {
-    let mass_g = after.mass_g - before.map_or(0.0, |before| before.mass_g);
+/// The mass that a balance shows more than before the dose.
+fn more_on(course: &Course, after: BalanceReading, before_g: f64) -> Result<StatedReading, Failure> {
+    let mass_g = after.mass_g - before_g;
     tell_person(&format!("  {} g more on the balance", rounded(mass_g)));
     if mass_g > 0.0 {
         return Ok(StatedReading { amount: Amount::Mass(mass_g), resolution: Amount::Mass(after.step_g) });
+    }
+    if course.is_simulated() {
+        return Err(Failure::refused(format!(
+            "the balance rose by {} g where a simulated motor made the steps of {} mL: no motor moved; without a \
+             balance setup asks for a made-up reading",
+            rounded(mass_g),
+            course.answers.volume_ml.unwrap_or(USUAL_ML)
+        )));
     }
     Err(Failure::refused(format!(
         "the balance shows {} g of the dose; is the vessel on it, and the line filled? The dose is on record, and \
@@ -143,8 +158,9 @@ fn more_on(after: BalanceReading, before: Option<BalanceReading>) -> Result<Stat
     )))
 }
 
-/// Doses into the vessel. Returns what a simulated balance shows, g, and what the real one showed before the dose.
-fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>, Option<BalanceReading>)> {
+/// Doses into the vessel. Returns what a simulated balance shows, g. The reading of a real one before the dose is on
+/// record with the dose.
+fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<Option<f64>> {
     let bench = course.bench()?;
     let asked_ml = course.answers.volume_ml.unwrap_or(USUAL_ML);
     let volume_ml = exact_ml(&bench, asked_ml)?;
@@ -181,8 +197,9 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>,
     }
     drop(session);
     (course.answers.done.dosed, course.answers.done.dose) = (true, Some(bench.last_number()?));
+    course.answers.done.before_g = before.map(|before| before.mass_g);
     course.keep()?;
-    Ok((report.balance_g.filter(|_| bench.is_simulated()), before))
+    Ok(report.balance_g.filter(|_| bench.is_simulated()))
 }
 
 /// The volume whose turn is the same from wherever the rollers stand, if nobody knows that: whole pitches. A dose that
@@ -203,7 +220,7 @@ fn exact_ml(bench: &Bench, volume_ml: f64) -> Result<f64, Failure> {
 fn ask_weight(course: &mut Course, balance_g: Option<f64>) -> Asked<Option<StatedReading>> {
     let question = Question {
         text: "Reading of the scale, as 4.93g, or of a cylinder, as 4.9mL (redo: dose again)",
-        option: "--weight 4.93g",
+        option: "--weight 4.93g, or --again to dose again",
         usual: balance_g.map(|grams| Usual::new(format!("{grams:.3}g"))),
         help: "the reading with all digits of the scale: the last one says how sure it is. Water of 25 °C is weighed, \
                --temperature says another. redo doses again, if a drop fell beside the vessel",
@@ -234,6 +251,12 @@ fn keep(
     course.tell(&calibration_text(&bench, &stored, true, course.runnable.words())?)?;
     course.answers.done.dosed = false;
     course.answers.done.weighed += u32::from(is_new);
+    course.keep()
+}
+
+/// Has another dose made in place of one that nobody has weighed.
+pub(super) fn leave_dose(course: &mut Course) -> Result<(), Failure> {
+    course.answers.done.dosed = false;
     course.keep()
 }
 

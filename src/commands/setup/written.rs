@@ -127,13 +127,13 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
         _ => "sim: no motor moves".to_owned(),
     };
     line("board", &board);
-    let lift = |reservoir: Reservoir, what: &str| match reservoir {
+    let lift = |reservoir: Reservoir, what: &str, place: &str| match reservoir {
         Reservoir::Lift(0.0) => String::new(),
         Reservoir::Lift(mm) => format!(", {what} {} m", rounded(1e-3 * mm)),
-        Reservoir::Pressure(kpa) => format!(", {what} by {kpa} kPa"),
+        Reservoir::Pressure(kpa) => format!(", {place} at {kpa} kPa absolute"),
     };
     let (inlet, outlet) = (file.inlet.reservoir, file.outlet.line.reservoir);
-    let lifts = format!("{}{}", lift(inlet, "sucks up"), lift(outlet, "lifts"));
+    let lifts = format!("{}{}", lift(inlet, "sucks up", "supply"), lift(outlet, "lifts", "vessel"));
     let end = match (file.outlet.end, file.outlet.nozzle_bore_mm) {
         (Some(OutletEnd::Immersed), _) => ", outlet immersed".to_owned(),
         (_, Some(mm)) => format!(", outlet of {mm} mm in air"),

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use pump_bench::pump_file::Reservoir;
+
 use crate::user::{User, number};
 
 #[test]
@@ -129,7 +131,8 @@ fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
 }
 
 #[test]
-fn the_example_pump_file_is_the_built_in_pump_under_another_name_weighed_by_nobody() {
+fn the_example_pump_file_has_the_built_in_pumps_head_and_claims_neither_its_steps_nor_its_place_nor_its_weighing()
+ {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pumps/my-pump.toml");
     let mut example = pump_bench::pump_file::PumpFile::read(&path).unwrap();
     let built_in = pump_bench::built_in("three-roller").unwrap();
@@ -140,10 +143,31 @@ fn the_example_pump_file_is_the_built_in_pump_under_another_name_weighed_by_nobo
     let unsure = &mut example.uncertainty;
     assert_eq!((unsure.model_percent, unsure.speed_percent), (13.0, Some(8.7)));
     (unsure.model_percent, unsure.speed_percent) = (built_in.uncertainty.model_percent, None);
-    // What stands in a file is its owner's word.
-    assert_eq!((example.motor.confirmed, built_in.motor.confirmed), (None, Some(false)));
-    example.motor.confirmed = built_in.motor.confirmed;
+    assert_eq!((example.motor.confirmed, built_in.motor.confirmed), (Some(false), Some(false)));
+    assert_eq!((example.inlet.reservoir, example.outlet.line.reservoir), (Reservoir::OPEN, Reservoir::OPEN));
+    example.inlet.reservoir = built_in.inlet.reservoir;
+    example.outlet.line.reservoir = built_in.outlet.line.reservoir;
+    assert_eq!(example.ambient.pressure_kpa, 101.325);
+    example.ambient = built_in.ambient;
     assert_eq!(example, built_in);
+}
+
+#[test]
+fn a_copy_of_the_example_moves_no_real_motor_before_somebody_has_said_its_steps() {
+    let user = User::new();
+    let text = include_str!("../../../examples/pumps/my-pump.toml");
+    fs::write(user.path("my.toml"), text).unwrap();
+    let check = user.types(&["pumps", "check", "my.toml"]).out;
+    assert!(check.contains("assumed: a real motor does not move until they are said"), "{check}");
+    let real = ["5mL", "--driver", "grbl", "--port", "/dev/none"];
+    let refused = user.is_refused(&[&real[..], &["--pump", "my.toml"]].concat());
+    assert!(refused.contains("12800") && refused.contains("my.toml"), "{refused}");
+    // Without the line the port is the next thing that is missing.
+    let said: String =
+        text.lines().filter(|line| !line.starts_with("confirmed")).map(|line| format!("{line}\n")).collect();
+    fs::write(user.path("said.toml"), said).unwrap();
+    let refused = user.is_refused(&[&real[..], &["--pump", "said.toml"]].concat());
+    assert!(refused.contains("/dev/none") && !refused.contains("12800"), "{refused}");
 }
 
 #[test]

@@ -206,6 +206,15 @@ impl PumpFile {
         table.reservoir.pressure_kpa(side, self.fluid.density_kg_m3, self.ambient.pressure_kpa)
     }
 
+    /// Returns the heights of the lines that state an absolute pressure, in mm, suction first: those of the columns of
+    /// the file's fluid in its air. `None` for a line that states its height.
+    pub(crate) fn heights_of_pressures_mm(&self) -> [Option<f64>; 2] {
+        [(&self.inlet, Side::Inlet), (&self.outlet.line, Side::Outlet)].map(|(table, side)| {
+            let (density_kg_m3, ambient_kpa) = (self.fluid.density_kg_m3, self.ambient.pressure_kpa);
+            table.reservoir.height_of_pressure_mm(side, density_kg_m3, ambient_kpa)
+        })
+    }
+
     /// Returns the default pulse of a head that is known by its volume alone, or `None` for a head that is drawn.
     pub(crate) fn pulse_prior(&self) -> Option<PulsePrior> {
         self.head.as_ref().map(|_| PulsePrior::of(self.rollers.count))

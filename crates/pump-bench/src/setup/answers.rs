@@ -108,7 +108,7 @@ pub enum HeadAnswer {
 }
 
 /// Steps of a first run that are done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Done {
@@ -129,6 +129,9 @@ pub struct Done {
     /// Number of the last dose of the run, in the pump's log. `None` before it, and in answers of an early version.
     #[serde(default)]
     pub dose: Option<u64>,
+    /// Reading of the balance before the last dose of the run, in g. `None` for a dose that no balance stood ready for.
+    #[serde(default)]
+    pub before_g: Option<f64>,
     /// Number of doses that were weighed.
     #[serde(default)]
     pub weighed: u32,

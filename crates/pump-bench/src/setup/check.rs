@@ -1,7 +1,7 @@
 //! Answers that contradict one another.
 
-use pump_model::Fluid;
 use pump_model::units::{rad_s, rpm};
+use pump_model::{Fluid, Geometry};
 
 use super::answers::{Answers, HeadAnswer};
 use super::error::SetupError;
@@ -110,6 +110,9 @@ impl Answers {
     }
 
     fn check_rollers(&self) -> Result<(), SetupError> {
+        if let Some(rollers) = self.rollers {
+            Geometry::of_rollers(rollers).validate_rollers()?;
+        }
         let published = self.catalogued()?.and_then(|head| Some((head, head.rollers?)));
         match (published, self.rollers) {
             (Some((head, published)), Some(rollers)) if published != rollers => {

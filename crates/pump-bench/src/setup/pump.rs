@@ -54,8 +54,19 @@ impl Answers {
                 )
             }
         };
-        let file = PumpFile::parse(&text, &format!("of {}", self.name))?;
+        let file = PumpFile::parse(&text, "of these answers")?;
         Ok((file, text))
+    }
+
+    /// Returns the heights that a copied pump file states as absolute pressures, in mm: those of the columns of its
+    /// fluid in the air that it states, suction first. A line whose height the file states itself has `None`, and so
+    /// have both of a pump without such a file. They say how far a file's pressures stay true in other air.
+    ///
+    /// # Errors
+    /// [`SetupError::PumpFile`] if the file cannot be read.
+    pub fn heights_of_pressures_mm(&self) -> Result<[Option<f64>; 2], SetupError> {
+        let Some(HeadAnswer::File(path)) = &self.head else { return Ok([None; 2]) };
+        Ok(PumpFile::read(path)?.heights_of_pressures_mm())
     }
 
     /// Returns the head of the catalogue that the answers name, if they name one.

@@ -107,8 +107,12 @@ impl Geometry {
         self.validate_seal(0.0)
     }
 
-    /// Refuses a number of rollers that no pump has.
-    pub(crate) fn validate_rollers(&self) -> Result<(), ModelError> {
+    /// Checks the number of rollers alone.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`ModelError::OutOfRange`] for a number of rollers that no pump has.
+    pub fn validate_rollers(&self) -> Result<(), ModelError> {
         within(Parameter::Rollers, f64::from(self.rollers), 1.0..=1000.0)
     }
 

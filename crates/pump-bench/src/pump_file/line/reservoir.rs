@@ -49,6 +49,22 @@ impl Reservoir {
         }
     }
 
+    /// Returns the height whose column makes a pressure that is stated as such, in mm, or `None` for a height. It is the
+    /// inverse of [`Self::pressure_kpa`].
+    pub(crate) fn height_of_pressure_mm(
+        self,
+        side: Side,
+        density_kg_m3: f64,
+        ambient_kpa: f64,
+    ) -> Option<f64> {
+        let Self::Pressure(kpa) = self else { return None };
+        let lifted_kpa = match side {
+            Side::Inlet => ambient_kpa - kpa,
+            Side::Outlet => kpa - ambient_kpa,
+        };
+        Some(lifted_kpa / column_kpa(1.0, density_kg_m3))
+    }
+
     /// Reads the keys `reservoir_kpa` and `lift_mm`, at most one of which is given. `None` without either.
     pub(super) fn of_keys(reservoir_kpa: Option<f64>, lift_mm: Option<f64>) -> Result<Option<Self>, String> {
         match (reservoir_kpa, lift_mm) {
@@ -183,6 +199,17 @@ mod tests {
                 .contains("[inlet] is missing; allowed: R, C and L, or a hose, and reservoir_kpa or lift_mm"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_pressure_is_the_height_of_its_column_in_the_air_that_the_file_states() {
+        // 2.937 kPa above the air's 85.7 kPa are 300 mm of water of 997 kg/m³.
+        let [suction_mm, discharge_mm] =
+            crate::catalogue::built_in("three-roller").unwrap().heights_of_pressures_mm();
+        assert!((suction_mm.unwrap() + 300.39).abs() < 0.01, "{suction_mm:?}");
+        assert!((discharge_mm.unwrap() - 300.39).abs() < 0.01, "{discharge_mm:?}");
+        let lifted = parsed("lift_mm = 1200.0", "lift_mm = 500.0").unwrap();
+        assert_eq!(lifted.heights_of_pressures_mm(), [None; 2]);
     }
 
     #[test]
