@@ -10,6 +10,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
+use crate::options::unattended::has_no_terminal;
 use crate::terminal::{noted, print, warn};
 use crate::warned::Warned;
 
@@ -71,6 +72,22 @@ pub(in crate::commands) fn find_angle(
     if !options.unattended.is_unattended() || options.start_angle.angle_rad().is_some() {
         return Ok(());
     }
+    obey_home(session, interrupt)
+}
+
+/// Does as the pump file says if the angle of an unfinished dose was disturbed and nobody is there.
+pub(in crate::commands) fn find_angle_of_rest(
+    session: &mut Session<'_>,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    if !has_no_terminal() || !is_unfinished(session) {
+        return Ok(());
+    }
+    obey_home(session, interrupt).map_err(|failure| failure.of_session(session))
+}
+
+/// Does as the pump file says if the angle was disturbed.
+fn obey_home(session: &mut Session<'_>, interrupt: &Interrupt) -> Result<(), Failure> {
     let found = session.follow_home_policy(|_| interrupt.flow());
     noted(session, found).map_err(Failure::from)
 }

@@ -21,7 +21,7 @@ use crate::progress::MotionBar;
 use crate::terminal::{announced, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
-pub(in crate::commands) use before_dose::{before_dose, find_angle};
+pub(in crate::commands) use before_dose::{before_dose, find_angle, find_angle_of_rest};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =

@@ -107,7 +107,7 @@ fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrup
             let failure = failure.after(&format!("pump `{}` of the rack: ", member.name));
             failure.of_pump(Some(member.name.clone()))
         };
-        let bench = options.unattended.change(member.bench.clone()).stopping_on(interrupt::stop_request());
+        let bench = member.bench.clone().stopping_on(interrupt::stop_request());
         let mut session =
             bench.session().map_err(|error| of_member(Failure::from(error).after_earlier_motion(moved)))?;
         if session.state().is_none_or(|state| state.unfinished.is_none()) {
