@@ -52,6 +52,8 @@ pub struct RackPumpReport {
     pub steps: usize,
     /// Number of steps that the pump has completed.
     pub steps_completed: usize,
+    /// Number of steps that the pump has not begun.
+    pub steps_not_begun: usize,
     /// True if the pump has completed every step.
     pub completed: bool,
     /// True if a dose is unfinished: its rest is on record.
@@ -98,6 +100,7 @@ impl RackPumpReport {
             carry_ml: doses.last().map(|dose| dose.dose.carry_ml),
             steps,
             steps_completed,
+            steps_not_begun: steps - doses.len(),
             completed: steps_completed == steps,
             unfinished: doses.last().is_some_and(|dose| dose.unfinished),
             error: None,
@@ -118,6 +121,9 @@ impl RackPumpReport {
                 | DoseError::NotJournalled { .. }
         );
         let (least_ml, most_ml) = error.delivered_ml().unwrap_or((0.0, 0.0));
+        if self.unfinished || (least_ml, most_ml) != (0.0, 0.0) {
+            self.steps_not_begun = self.steps_not_begun.saturating_sub(1);
+        }
         self.delivered_least_ml += least_ml;
         self.delivered_most_ml += most_ml;
         if (least_ml, most_ml) != (0.0, 0.0) {

@@ -63,12 +63,16 @@ impl RackPumpReport {
         };
         let carry = self.carry_ml.map_or(String::new(), |carry| format!(", carry {}", microlitres(carry)));
         let state = match (&self.error, self.unfinished) {
-            (Some(_), true) => ", FAILED, its rest is on record",
+            (Some(_), true) => ", FAILED, the rest of the unfinished step is on record",
             (Some(_), false) => ", FAILED",
-            (None, true) => ", its rest is on record",
+            (None, true) => ", the rest of the unfinished step is on record",
             (None, false) => "",
         };
-        format!("{name:<width$}  {volume}{range}, {requested} mL asked, {done}{carry}{state}\n")
+        let undone = match self.steps_not_begun {
+            0 => String::new(),
+            steps => format!(", {} not begun", counted(steps, "step")),
+        };
+        format!("{name:<width$}  {volume}{range}, {requested} mL asked, {done}{carry}{state}{undone}\n")
     }
 }
 
