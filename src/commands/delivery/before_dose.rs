@@ -101,6 +101,11 @@ fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Noti
     });
     let AcceptedReport { requested_ml, delivered_least_ml, delivered_most_ml, dropped_carry_ml, .. } =
         AcceptedReport::new(bench, &accepted, Vec::new());
+    let whole = if accepted.dose.is_endless() {
+        "an interrupted run until stopped".to_owned()
+    } else {
+        format!("an interrupted dose of {requested_ml} mL")
+    };
     let delivered = if delivered_most_ml - delivered_least_ml < 1e-4 {
         format!("{delivered_least_ml:.4} mL")
     } else {
@@ -112,7 +117,7 @@ fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Noti
         format!(", and {dropped_carry_ml:.4} mL of carry are dropped")
     };
     Ok(Notice::from(format!(
-        "an interrupted dose of {requested_ml} mL was accepted as it is ({reason}): {delivered} were \
+        "{whole} was accepted as it is ({reason}): {delivered} were \
          delivered{dropped}{unasked}"
     )))
 }
