@@ -218,6 +218,18 @@ mod tests {
             ("ratio = { acid = 1, base = 1 }\nvolume = \"1mL\"", "step 1 is `a ratio without rate`"),
             ("at = \"-1s\"\npump = \"acid\"\nvolume = \"1mL\"", "step 1, at: `-1s`"),
             ("at = \"1s\"\nafter = \"1s\"\npump = \"acid\"\nvolume = \"1mL\"", "step 1 is `at and after`"),
+            (
+                "at = \"1e300s\"\npump = \"acid\"\nvolume = \"1mL\"",
+                "step 1, at is `1e300s`; allowed: 5e6 s (58 days) at most",
+            ),
+            (
+                "after = \"6e6s\"\npump = \"acid\"\nvolume = \"1mL\"",
+                "step 1, after is `6e6s`; allowed: 5e6 s",
+            ),
+            (
+                "ratio = { acid = 1e300, base = 1 }\nvolume = \"1mL\"\nrate = \"1mL/s\"",
+                "ratio of acid is `1e300`; allowed",
+            ),
             ("speed = 1", "unknown field `speed`"),
             (
                 &over_time("gradient = { acid = [1, 0], base = [nan, 1] }"),
