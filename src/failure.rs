@@ -214,6 +214,12 @@ impl Failure {
         Self { message: message.into(), ..self }
     }
 
+    /// The failure with its commands completed, as those of the pump that is meant now.
+    pub(crate) fn completed(self) -> Self {
+        let message = completed(&self.message).into_owned();
+        self.saying(message)
+    }
+
     /// The message for people.
     pub(crate) fn message(&self) -> &str {
         &self.message

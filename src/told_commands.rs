@@ -2,6 +2,7 @@
 //! typed.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::sync::OnceLock;
 
 use clap::parser::ValueSource;
@@ -19,15 +20,43 @@ const OF_SEVERAL: [&str; 2] = ["rack", "all"];
 const NAME: &str = "NAME";
 
 /// The pump of the command line, its places that the next command needs too, and the definitions of all commands.
+#[derive(Clone)]
 struct Told {
     /// Options that were typed, with their values.
     typed: Vec<(&'static str, String)>,
     /// Name of the pump; none where a command means several.
     pump: Option<String>,
+    /// Pump that a command without `--pump` means.
+    usual: Option<String>,
     root: Command,
 }
 
+impl Told {
+    /// The places of a command that means this one of several pumps.
+    fn of_pump(&self, pump: &str) -> Self {
+        let mut typed = self.typed.clone();
+        typed.retain(|(option, _)| *option != "--pump");
+        if self.usual.as_deref() != Some(pump) {
+            typed.insert(0, ("--pump", pump.to_owned()));
+        }
+        Self { typed, pump: Some(pump.to_owned()), ..self.clone() }
+    }
+}
+
 static TOLD: OnceLock<Told> = OnceLock::new();
+
+thread_local! {
+    /// The one of several pumps that the words of this thread are about.
+    static MEANT: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Does something whose words are about this one of several pumps: commands that are told meanwhile mean that pump.
+pub(crate) fn meaning<T>(pump: &str, does: impl FnOnce() -> T) -> T {
+    let before = MEANT.replace(Some(pump.to_owned()));
+    let done = does();
+    MEANT.set(before);
+    done
+}
 
 /// Notes the options of the command line that the next command needs too. The pump that a command without `--pump`
 /// means anyway is left out.
@@ -53,18 +82,21 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
     };
     let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(is_typed));
     typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
-    let _ = TOLD.set(Told { typed, pump, root });
+    let _ = TOLD.set(Told { typed, pump, usual, root });
 }
 
 /// Completes the commands of a text, which stand between back quotes.
 pub(crate) fn completed(text: &str) -> Cow<'_, str> {
     match TOLD.get() {
-        Some(told) if text.contains("`dose ") => Cow::Owned(completed_with(text, told)),
+        Some(told) if text.contains("`dose ") => Cow::Owned(match MEANT.with_borrow(Clone::clone) {
+            Some(pump) => completed_with(text, &told.of_pump(&pump)),
+            None => completed_with(text, told),
+        }),
         _ => Cow::Borrowed(text),
     }
 }
 
-fn completed_with(text: &str, Told { typed, pump, root }: &Told) -> String {
+fn completed_with(text: &str, Told { typed, pump, root, .. }: &Told) -> String {
     let parts = text.split('`').enumerate();
     let parts = parts.map(|(at, part)| match part.strip_prefix("dose ") {
         Some(rest) if at % 2 == 1 => match named(rest, pump.as_deref()) {
@@ -140,7 +172,8 @@ mod tests {
     #[test]
     fn commands_mean_the_pump_and_the_record_that_were_typed() {
         let typed = [("--pump", "my acid.toml".to_owned()), ("--state-dir", "/srv/state".to_owned())];
-        let told = Told { typed: typed.to_vec(), pump: Some("my acid.toml".to_owned()), root: definitions() };
+        let pump = Some("my acid.toml".to_owned());
+        let told = Told { typed: typed.to_vec(), pump, usual: None, root: definitions() };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(
             told("`dose resume NAME --reason <TEXT>`"),
@@ -159,6 +192,18 @@ mod tests {
         assert_eq!(told("`dose home  --mark 'a  b'`"), format!("`dose home  --mark 'a  b' {places}`"));
         // Some commands mean no pump, and what is no command stays.
         assert_eq!(told("`dose pumps list`, `acid`, dose resume"), "`dose pumps list`, `acid`, dose resume");
+    }
+
+    #[test]
+    fn commands_of_one_of_several_pumps_mean_that_pump_and_are_completed_once() {
+        let typed = vec![("--state-dir", "/srv/state".to_owned())];
+        let told = Told { typed, pump: None, usual: Some("acid".to_owned()), root: definitions() };
+        let of = |pump: &str, text: &str| completed_with(text, &told.of_pump(pump));
+        let base = "`dose resume --pump racks/base.toml --state-dir /srv/state`";
+        assert_eq!(of("racks/base.toml", "`dose resume`"), base);
+        assert_eq!(completed_with(base, &told), base);
+        assert_eq!(of("acid", "`dose resume`"), "`dose resume --state-dir /srv/state`");
+        assert_eq!(of("acid", "`dose pumps NAME`"), "`dose pumps acid`");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::cell::LazyCell;
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, PreparedByWeight, Session};
 
-use super::delivery::{Said, before_dose, report_once};
+use super::delivery::{Said, before_dose, find_angle_of_rest, report_once};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
@@ -59,7 +59,8 @@ pub(super) fn resume(
     said: &Said<'_>,
 ) -> Result<(), Failure> {
     let order = options.order(request, balance);
-    make(bench, said, options, balance, |session, scale, _| {
+    make(bench, said, options, balance, |session, scale, interrupt| {
+        find_angle_of_rest(session, interrupt)?;
         let found = at_rest(said.json, || session.prepare_rest_by_weight(&order, scale));
         of_session(session, found)
     })

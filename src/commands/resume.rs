@@ -4,7 +4,7 @@ use clap::Args;
 use pump_bench::{DoseError, DoseRequest};
 
 use super::by_weight;
-use super::delivery::{Said, deliver, report};
+use super::delivery::{Said, deliver, find_angle_of_rest, report};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::on_fail::OnFail;
@@ -85,13 +85,16 @@ impl ResumeArgs {
         }
         let interrupt = Interrupt::watch()?;
         let mut session = bench.session()?;
+        find_angle_of_rest(&mut session, &interrupt)?;
         let prepared = match session.prepare_rest(request) {
             // The dose is done, as was asked.
             Err(done @ DoseError::WasFinished) => {
                 warn(&session.notes());
                 return finished(&done, json);
             }
-            prepared => noted(&mut session, prepared)?,
+            prepared => {
+                noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?
+            }
         };
         let delivered = deliver(&bench, &mut session, &prepared, &interrupt, json, &mut Warned::default())?;
         report(&bench, &prepared, Some(delivered), &said)

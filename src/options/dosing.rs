@@ -106,7 +106,7 @@ impl DosingOptions {
         self.tube_limit.change(&mut file);
         self.day_limit.change(&mut file)?;
         self.fluid.change(&mut file)?;
-        let bench = self.unattended.change(self.bench.bench_of(file)?);
+        let bench = self.bench.bench_of(file)?;
         let config = self.config()?;
         if config.pumps().contains_key(self.bench.pump.name(&config)) {
             self.expect_record(&bench, &config)?;

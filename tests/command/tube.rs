@@ -225,6 +225,24 @@ fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
 }
 
 #[test]
+fn calibrations_of_one_time_show_no_drift_and_no_course_and_the_reason_says_so() {
+    let user = User::new();
+    user.json(&["25mL"]);
+    fs::write(user.path("runs.csv"), "speed_rpm,revolutions,volume_ml\n40,3,64.0\n40,3,64.1\n").unwrap();
+    for _ in 0..3 {
+        assert_eq!(user.types(&["calibrate", "run", "--from", "runs.csv"]).code, 0);
+    }
+    for path in calibrations(&user) {
+        let mut stored: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        stored["date"] = "2026-01-01T12:00:00Z".into();
+        fs::write(path, stored.to_string()).unwrap();
+    }
+    let text = user.types(&["tube"]).out;
+    assert!(text.contains("unknown, since the 3 calibrations of this tube were made at one time"), "{text}");
+    assert!(!text.contains("0 to 0 s") && !text.contains("3 of 3"), "{text}");
+}
+
+#[test]
 fn a_calibration_without_the_number_of_its_tube_is_told_by_its_date() {
     let user = User::new();
     user.json(&["25mL"]);

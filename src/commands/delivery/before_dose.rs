@@ -12,6 +12,7 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
+use crate::options::unattended::has_no_terminal;
 use crate::terminal::{noted, print, warn};
 use crate::warned::Warned;
 
@@ -93,6 +94,22 @@ pub(in crate::commands) fn find_angle(
     if !options.unattended.is_unattended() || options.start_angle.angle_rad().is_some() {
         return Ok(());
     }
+    obey_home(session, interrupt)
+}
+
+/// Does as the pump file says if the angle of an unfinished dose was disturbed and nobody is there.
+pub(in crate::commands) fn find_angle_of_rest(
+    session: &mut Session<'_>,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    if !has_no_terminal() || !is_unfinished(session) {
+        return Ok(());
+    }
+    obey_home(session, interrupt).map_err(|failure| failure.of_session(session))
+}
+
+/// Does as the pump file says if the angle was disturbed.
+fn obey_home(session: &mut Session<'_>, interrupt: &Interrupt) -> Result<(), Failure> {
     let found = session.follow_home_policy(|_| interrupt.flow());
     noted(session, found).map_err(Failure::from)
 }
@@ -106,6 +123,11 @@ fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Noti
     });
     let AcceptedReport { requested_ml, delivered_least_ml, delivered_most_ml, dropped_carry_ml, .. } =
         AcceptedReport::new(bench, &accepted, Vec::new());
+    let whole = if accepted.dose.is_endless() {
+        "an interrupted run until stopped".to_owned()
+    } else {
+        format!("an interrupted dose of {requested_ml} mL")
+    };
     let delivered = if delivered_most_ml - delivered_least_ml < 1e-4 {
         format!("{delivered_least_ml:.4} mL")
     } else {
@@ -117,7 +139,7 @@ fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Noti
         format!(", and {dropped_carry_ml:.4} mL of carry are dropped")
     };
     Ok(Notice::from(format!(
-        "an interrupted dose of {requested_ml} mL was accepted as it is ({reason}): {delivered} were \
+        "{whole} was accepted as it is ({reason}): {delivered} were \
          delivered{dropped}{unasked}"
     )))
 }

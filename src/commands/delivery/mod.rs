@@ -21,7 +21,7 @@ use crate::progress::MotionBar;
 use crate::terminal::{announced, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
-pub(in crate::commands) use before_dose::{Untold, before_dose, find_angle};
+pub(in crate::commands) use before_dose::{Untold, before_dose, find_angle, find_angle_of_rest};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =
@@ -166,6 +166,13 @@ pub(super) fn report_once(
     tell(&format!("{headline}{summary}{details}{warnings}"))
 }
 
+/// The failure of a report that could not be printed, after the pump moved.
+pub(super) fn unprinted(failure: &Failure, volume_ml: f64, range_ml: (f64, f64)) -> Failure {
+    let message = failure.message();
+    let message = format!("{volume_ml:.4} mL were delivered and recorded, but {message}");
+    Failure::fault(ErrorKind::Output, message).delivered(range_ml)
+}
+
 /// The end of the command after a dose (none: a dry run) whose report was printed or not. The dose delivered a volume
 /// within `range_ml`, in mL.
 pub(super) fn ended(
@@ -175,9 +182,7 @@ pub(super) fn ended(
 ) -> Result<(), Failure> {
     match (printed, delivered) {
         (Err(failure), Some((Delivered { volume_ml, .. }, _))) if failure.is_refusal() => {
-            let message = failure.message();
-            let message = format!("{volume_ml:.4} mL were delivered and recorded, but {message}");
-            Err(Failure::fault(ErrorKind::Output, message).delivered(range_ml))
+            Err(unprinted(&failure, volume_ml, range_ml))
         }
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
             let words = if delivered.unfinished { STOPPED } else { RUN_STOPPED };

@@ -4,7 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pump_bench::record::{BackedUp, BackupError, Clock, SystemClock, backup, restore};
+use pump_bench::record::{BackedUp, BackupError, Clock, SystemClock, backup, is_backup, restore};
+use pump_bench::report::ErrorKind;
 
 use crate::failure::Failure;
 use crate::options::files::Files;
@@ -40,6 +41,7 @@ impl BackupArgs {
         let outputs: [(&'static str, Option<&Path>); 1] = [("the backup", Some(&self.file))];
         let config = self.config.path();
         Files { outputs: &outputs, inputs: &[], config, state_dir: Some(state_dir.clone()) }.check()?;
+        self.check_place(&state_dir)?;
         let mut made: Option<Result<BackedUp, BackupError>> = None;
         let mut written = Outputs::default();
         let staged = written.write(&self.file, |to| {
@@ -59,6 +61,29 @@ impl BackupArgs {
             state_dir.display(),
             self.file.display()
         ))
+    }
+}
+
+impl BackupArgs {
+    /// Refuses a place among the records, where the next backup would hold this one, and a file that is no backup.
+    fn check_place(&self, state_dir: &Path) -> Result<(), Failure> {
+        let refused = |why: &str| {
+            let message = format!("the backup {}: {why}", self.file.display());
+            Err(Failure::refused(message).kind(ErrorKind::Output).value(self.file.display()))
+        };
+        let folder = self.file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize();
+        let is_among =
+            folder.ok().zip(state_dir.canonicalize().ok()).is_some_and(|(at, of)| at.starts_with(of));
+        if is_among {
+            return refused("it would lie in the folder of the records; name a file elsewhere");
+        }
+        if self.file.exists()
+            && !is_backup(&self.file).map_err(|error| Failure::unread(&self.file, &error))?
+        {
+            return refused("there is a file that is no backup, and it would be lost; name another file");
+        }
+        Ok(())
     }
 }
 

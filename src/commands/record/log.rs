@@ -51,10 +51,19 @@ enum LogFormat {
 impl LogArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let now = SystemClock::default().now();
+        // A minus of the command line passes the parser as U+2212.
         let read = |text: &Option<String>| {
-            text.as_deref().map(|text| moment(text, now)).transpose().map_err(Failure::of)
+            let text = text.as_deref().map(|text| text.replace('\u{2212}', "-"));
+            text.map(|text| moment(&text, now)).transpose().map_err(Failure::of)
         };
         let (since, until) = (read(&self.since)?.unwrap_or(0), read(&self.until)?.unwrap_or(u64::MAX));
+        if let Some((from, to)) = self.since.as_ref().zip(self.until.as_ref()).filter(|_| until <= since) {
+            let message = format!(
+                "--until {to} is not after --since {from}, so that no dose lies between; exchange the two, or give a \
+                 later --until"
+            );
+            return Err(Failure::refused(message).value(to));
+        }
         let bench = self.record.bench()?;
         let lines = bench.log().map_err(Failure::of)?;
         let span = LogSpan::new(since, until, now.unix_s);
@@ -95,11 +104,13 @@ struct Listing<'a> {
     /// The span of the doses that are listed.
     span: LogSpan,
     listed: u64,
+    /// Number of doses in the log, those outside the span among them.
+    logged: u64,
 }
 
 impl<'a> Listing<'a> {
     fn new(bench: &'a Bench, format: LogFormat, only_totals: bool, span: LogSpan) -> Self {
-        Self { bench, format, only_totals, totals: LogTotals::default(), span, listed: 0 }
+        Self { bench, format, only_totals, totals: LogTotals::default(), span, listed: 0, logged: 0 }
     }
 
     fn begin(&self, to: &mut dyn Write) -> io::Result<()> {
@@ -111,6 +122,7 @@ impl<'a> Listing<'a> {
     }
 
     fn dose(&mut self, to: &mut dyn Write, entry: &LogEntry) -> io::Result<()> {
+        self.logged += 1;
         let LogPlace { is_within, went_back, .. } = self.span.look(entry);
         if !is_within {
             return Ok(());
@@ -135,11 +147,18 @@ impl<'a> Listing<'a> {
     fn end(&self, to: &mut dyn Write) -> io::Result<()> {
         let text = match self.format {
             LogFormat::Text if self.listed == 0 => {
-                format!(
-                    "no dose of {} is in the log of the drive {}\n",
-                    self.bench.file().pump.id,
-                    self.bench.drive_id()
-                )
+                let (pump, driver) = (&self.bench.file().pump.id, self.bench.drive_id());
+                match self.logged {
+                    0 => format!("no dose of {pump} is in the log of the drive {driver}\n"),
+                    1 => {
+                        format!("no dose of {pump} in that time; the log of the drive {driver} has 1 dose\n")
+                    }
+                    doses => {
+                        format!(
+                            "no dose of {pump} in that time; the log of the drive {driver} has {doses} doses\n"
+                        )
+                    }
+                }
             }
             LogFormat::Text => self.totals.text(),
             LogFormat::Csv if self.only_totals => self.totals.csv(),

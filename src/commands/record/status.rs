@@ -1,9 +1,12 @@
 //! `dose status`: what is on record.
 
+use std::path::Path;
+
 use clap::Args;
+use pump_bench::Bench;
+use pump_bench::config::Config;
 use pump_bench::rack::RackFile;
 use pump_bench::report::{Explain, Status, StatusRow};
-use pump_bench::{Bench, PumpFile};
 
 use crate::advice;
 use crate::failure::Failure;
@@ -12,6 +15,7 @@ use crate::options::limits::TubeLimit;
 use crate::options::motor::PortOption;
 use crate::options::report::FormatOption;
 use crate::terminal::{print_json, tell};
+use crate::told_commands::{completed, meaning};
 
 #[derive(Debug, Args)]
 pub(crate) struct StatusArgs {
@@ -59,23 +63,39 @@ impl StatusArgs {
         let config = self.record.pump.config()?;
         let path = config.find_rack(name).map_err(Failure::of)?;
         let rack = RackFile::read(&path).map_err(Failure::of)?;
-        let (files, state_dir) = (rack.pump_files(&config).map_err(Failure::of)?, self.record.folder()?);
-        let row = |(name, file): (&str, PumpFile)| {
-            let bench = Bench::new(file, self.record.driver(), &state_dir);
-            let status = bench.and_then(|bench| Status::of(&bench));
-            StatusRow::new(name, status.map_err(|error| error.told(advice::words)))
-        };
-        self.tell_rows(&rack.pump_names().zip(files).map(row).collect::<Vec<_>>())
+        let state_dir = self.record.folder()?;
+        let named = rack.pump_names().zip(rack.pump_places());
+        let rows = named.map(|(name, place)| NamedRow::read(name, place, &config, &self.record, &state_dir));
+        self.tell_rows(&rows.collect::<Vec<_>>())
     }
 
-    fn tell_rows(&self, rows: &[StatusRow]) -> Result<(), Failure> {
+    fn tell_rows(&self, rows: &[NamedRow]) -> Result<(), Failure> {
         tell_rows(rows, self.format.json(), StatusRow::text)
     }
 }
 
-/// The record of each pump that the configuration names. A pump that cannot be read has a row too, and hides none of
-/// the others.
-pub(crate) fn rows_of_all(record: &RecordOptions) -> Result<Vec<StatusRow>, Failure> {
+/// The record of one of several pumps.
+pub(crate) struct NamedRow {
+    /// Pump as a user types it.
+    place: String,
+    row: StatusRow,
+}
+
+impl NamedRow {
+    /// Reads the record of a pump. One that cannot be read has a row too, and hides none of the others.
+    fn read(name: &str, place: String, config: &Config, record: &RecordOptions, state_dir: &Path) -> Self {
+        let status = || {
+            let file = config.pump(&place).map_err(|error| error.told(advice::words))?;
+            let bench = Bench::new(file, record.driver(), state_dir);
+            bench.and_then(|bench| Status::of(&bench)).map_err(|error| error.told(advice::words))
+        };
+        let status = status().map_err(|error| meaning(&place, || completed(&error).into_owned()));
+        Self { row: StatusRow::new(name, status), place }
+    }
+}
+
+/// The record of each pump that the configuration names.
+pub(crate) fn rows_of_all(record: &RecordOptions) -> Result<Vec<NamedRow>, Failure> {
     let config = record.pump.config()?;
     if config.pumps().is_empty() {
         return Err(Failure::refused(
@@ -83,28 +103,27 @@ pub(crate) fn rows_of_all(record: &RecordOptions) -> Result<Vec<StatusRow>, Fail
         ));
     }
     let state_dir = record.folder()?;
-    let read = |name: &str| {
-        let file = config.pump(name).map_err(|error| error.told(advice::words))?;
-        let bench = Bench::new(file, record.driver(), &state_dir);
-        bench.and_then(|bench| Status::of(&bench)).map_err(|error| error.told(advice::words))
-    };
-    Ok(config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect())
+    let names = config.pumps().keys();
+    Ok(names.map(|name| NamedRow::read(name, name.clone(), &config, record, &state_dir)).collect())
 }
 
 /// Tells rows, in words that are padded to a width, and then fails if a pump cannot be read.
 pub(crate) fn tell_rows(
-    rows: &[StatusRow],
+    rows: &[NamedRow],
     json: bool,
     text: impl Fn(&StatusRow, usize) -> String,
 ) -> Result<(), Failure> {
     if json {
-        print_json(&rows.iter().map(|row| row.json() + "\n").collect::<String>())?;
+        print_json(&rows.iter().map(|named| named.row.json() + "\n").collect::<String>())?;
     } else {
-        let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
-        tell(&rows.iter().map(|row| text(row, width) + "\n").collect::<String>())?;
+        let width = rows.iter().map(|named| named.row.name.chars().count()).max().unwrap_or(0);
+        let line = |NamedRow { place, row }: &NamedRow| {
+            meaning(place, || completed(&text(row, width)).into_owned()) + "\n"
+        };
+        tell(&rows.iter().map(line).collect::<String>())?;
     }
-    let unread: Vec<&str> =
-        rows.iter().filter(|row| row.error.is_some()).map(|row| row.name.as_str()).collect();
+    let unread = rows.iter().map(|named| &named.row).filter(|row| row.error.is_some());
+    let unread: Vec<&str> = unread.map(|row| row.name.as_str()).collect();
     if unread.is_empty() {
         return Ok(());
     }

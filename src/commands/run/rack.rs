@@ -6,19 +6,17 @@ use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use indicatif::ProgressBar;
+use pump_bench::notice::Notice;
 use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackProgress, RackReport};
 use pump_bench::safety::UnfinishedPolicy;
 
 use crate::advice;
-use crate::commands::delivery::before_dose;
+use crate::commands::delivery::{before_dose, unprinted};
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::options::dosing::DosingOptions;
 use crate::terminal::{announce, print_json, tell, waiting, warn};
-
-/// The message after a signal.
-const STOPPED: &str = "stopped by the user; `dose resume --pump NAME` makes the rest of a pump, `dose discard --pump \
-                       NAME` leaves it";
+use crate::told_commands::{completed, meaning};
 
 /// Options that mean nothing to a rack, whose file says them: by clap's ids.
 const NOT_OF_RACKS: [&str; 21] = [
@@ -68,35 +66,81 @@ impl RackArgs {
         let json = options.format.json();
         let config = options.config()?;
         let path = config.find_rack(name).map_err(Failure::of)?;
-        let file = RackFile::read(&path).map_err(refused)?;
+        let file = RackFile::read(&path).map_err(Failure::of)?;
+        let places = Places(file.pump_names().map(str::to_owned).zip(file.pump_places()).collect());
+        let refused = |error| places.refused(error);
         let benches = options.benches_of_rack(file.pump_files(&config).map_err(refused)?)?;
         let rack = Rack::new(file, benches).map_err(refused)?.paced(options.rack_pace());
         if options.dry_run {
-            return said(rack.rehearse().map_err(refused)?, json, &BTreeSet::new()).map(drop);
+            return said(rack.rehearse().map_err(refused)?, json, &BTreeSet::new(), &places).map(drop);
         }
         let interrupt = Interrupt::watch()?;
         let rack = rack.stopping_on(interrupt::stop_request()).unattended(options.unattended.is_unattended());
-        let moved = finish_interrupted(&rack, options, &interrupt)?;
-        let shown = Shown::new(&rack, json);
+        let moved = finish_interrupted(&rack, &places, options, &interrupt)?;
+        let shown = Shown::new(&rack, &places, json);
         let report = rack.run(|progress| shown.show(&progress));
         shown.bar.finish_and_clear();
         let report = report.map_err(|error| refused(error).after_earlier_motion(moved))?;
-        ended(said(report, json, &shown.warned())?, &interrupt)
+        let (has_moved, total) = (report.has_moved(), report.total);
+        let report = said(report, json, &shown.warned(), &places).map_err(|failure| {
+            if has_moved { unprinted(&failure, total.delivered_ml, total.delivered_range_ml()) } else { failure }
+        })?;
+        ended(report, &interrupt, &places)
     }
 }
 
-/// The failure of a rack, with the name of the pump that refuses it.
-fn refused(error: RackError) -> Failure {
-    let pump = match &error {
-        RackError::Dose { pump, .. } | RackError::Pump { pump, .. } => Some(pump.clone()),
-        _ => None,
-    };
-    Failure::of(error).of_pump(pump)
+/// The pumps of a rack as a user types them, by their names in the rack.
+struct Places(BTreeMap<String, String>);
+
+impl Places {
+    /// Does something whose words are about this pump of the rack.
+    fn meaning<T>(&self, pump: &str, does: impl FnOnce() -> T) -> T {
+        meaning(self.0.get(pump).map_or(pump, String::as_str), does)
+    }
+
+    /// The failure of a pump of the rack.
+    fn failed(&self, pump: &str, failure: Failure) -> Failure {
+        self.meaning(pump, || failure.completed()).of_pump(Some(pump.to_owned()))
+    }
+
+    /// The failure of a rack, with the name of the pump that refuses it.
+    fn refused(&self, error: RackError) -> Failure {
+        let pump = match &error {
+            RackError::Dose { pump, .. } | RackError::Pump { pump, .. } => pump.clone(),
+            RackError::Several { .. } => return self.refused_by_several(error),
+            _ => return Failure::of(error),
+        };
+        self.failed(&pump, Failure::of(error))
+    }
+
+    /// The failure of a rack that several pumps refuse, each with its own commands. No single pump has failed.
+    fn refused_by_several(&self, error: RackError) -> Failure {
+        let told: Vec<String> = error
+            .each()
+            .map(|error| {
+                let told = advice::told(error);
+                let told = || completed(&told).into_owned();
+                error.pump().map_or_else(told, |pump| self.meaning(pump, told))
+            })
+            .collect();
+        Failure::of(error).saying(told.join("; "))
+    }
+
+    /// A warning of a pump of the rack, as `pump: text`.
+    fn warning(&self, pump: &str, warning: &Notice) -> String {
+        let text = warning.worded(advice::words);
+        self.meaning(pump, || format!("{pump}: {}", completed(&text)))
+    }
 }
 
 /// Does as `--unfinished` says with the interrupted dose of each pump, one after the other, before the rack is planned.
 /// Returns true if a pump moved.
-fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrupt) -> Result<bool, Failure> {
+fn finish_interrupted(
+    rack: &Rack,
+    places: &Places,
+    options: &DosingOptions,
+    interrupt: &Interrupt,
+) -> Result<bool, Failure> {
     let mut moved = false;
     if options.unattended.unfinished() == UnfinishedPolicy::Ask {
         // Planning refuses it.
@@ -104,19 +148,18 @@ fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrup
     }
     for member in rack.members() {
         let of_member = |failure: Failure| {
-            let failure = failure.after(&format!("pump `{}` of the rack: ", member.name));
-            failure.of_pump(Some(member.name.clone()))
+            places.failed(&member.name, failure.after(&format!("pump `{}` of the rack: ", member.name)))
         };
-        let bench = options.unattended.change(member.bench.clone()).stopping_on(interrupt::stop_request());
+        let bench = member.bench.clone().stopping_on(interrupt::stop_request());
         let mut session =
             bench.session().map_err(|error| of_member(Failure::from(error).after_earlier_motion(moved)))?;
         if session.state().is_none_or(|state| state.unfinished.is_none()) {
             continue;
         }
-        let told = before_dose(&bench, &mut session, options, interrupt);
+        let told = places.meaning(&member.name, || before_dose(&bench, &mut session, options, interrupt));
         moved |= session.has_moved();
         let mut told = told.map_err(|failure| of_member(failure.after_earlier_motion(moved)))?;
-        warn(&told.take().iter().map(|notice| format!("{}: {notice}", member.name)).collect::<Vec<_>>());
+        warn(&told.take().iter().map(|notice| places.warning(&member.name, notice)).collect::<Vec<_>>());
         if let Some(signal) = interrupt.signal() {
             let stopped = "stopped by the user before the rack began; what was moved is on record";
             return Err(Failure::stopped(signal, moved, stopped));
@@ -128,6 +171,7 @@ fn finish_interrupted(rack: &Rack, options: &DosingOptions, interrupt: &Interrup
 /// Progress bar and words of the pumps, which their threads show.
 struct Shown<'a> {
     rack: &'a Rack,
+    places: &'a Places,
     json: bool,
     bar: ProgressBar,
     told: Mutex<Told>,
@@ -145,9 +189,9 @@ struct Told {
 }
 
 impl<'a> Shown<'a> {
-    fn new(rack: &'a Rack, json: bool) -> Self {
+    fn new(rack: &'a Rack, places: &'a Places, json: bool) -> Self {
         let bar = if json { ProgressBar::hidden() } else { waiting("checking every pump") };
-        Self { rack, json, bar, told: Mutex::default() }
+        Self { rack, places, json, bar, told: Mutex::default() }
     }
 
     /// Shows the progress of a pump. That a motor moves is said before it does.
@@ -160,7 +204,7 @@ impl<'a> Shown<'a> {
                 let _ = announce(&member.bench, self.json);
             }
             for warning in progress.warnings {
-                let text = format!("{}: {}", progress.pump, warning.worded(advice::words));
+                let text = self.places.warning(progress.pump, warning);
                 if told.warned.insert(text.clone()) {
                     warn(&[text]);
                 }
@@ -183,8 +227,17 @@ impl<'a> Shown<'a> {
 }
 
 /// Prints the report. Warnings in `warned` were told before.
-fn said(report: RackReport, json: bool, warned: &BTreeSet<String>) -> Result<RackReport, Failure> {
-    let report = report.worded(advice::words);
+fn said(
+    report: RackReport,
+    json: bool,
+    warned: &BTreeSet<String>,
+    places: &Places,
+) -> Result<RackReport, Failure> {
+    let mut report = report.worded(advice::words);
+    for row in &mut report.pumps {
+        let told = |warning: &Notice| Notice::from(completed(warning.text()).into_owned());
+        row.warnings = places.meaning(&row.name, || row.warnings.iter().map(told).collect());
+    }
     let lines = report.warning_lines();
     let untold = lines.lines().filter(|line| !warned.contains(line.trim_start_matches("warning: ")));
     let untold: Vec<&str> = untold.collect();
@@ -206,19 +259,41 @@ fn said(report: RackReport, json: bool, warned: &BTreeSet<String>) -> Result<Rac
 }
 
 /// The end of the command after a rack whose report was printed.
-fn ended(report: RackReport, interrupt: &Interrupt) -> Result<(), Failure> {
-    let (moved, range_ml) =
-        (report.has_moved(), (report.total.delivered_least_ml, report.total.delivered_most_ml));
+fn ended(report: RackReport, interrupt: &Interrupt, places: &Places) -> Result<(), Failure> {
+    let (moved, range_ml) = (report.has_moved(), report.total.delivered_range_ml());
+    let rests = rests(&report, places);
     match (report.end, report.fault) {
         (RackEnd::Fault, Some(fault)) => {
             let failure = Failure::of(&fault.error).after(&format!("pump `{}` of the rack: ", fault.pump));
-            let failure = failure.with("; every other pump was stopped").of_pump(Some(fault.pump));
+            let failure = places.failed(&fault.pump, failure);
+            let failure = failure.with(&format!("; every other pump was stopped{rests}"));
             Err(if moved { failure.after_motion() } else { failure })
         }
         (RackEnd::Stopped, _) => {
             let signal = interrupt.signal().unwrap_or(0);
-            Err(Failure::stopped(signal, moved, STOPPED).delivered(range_ml))
+            let stopped = format!("stopped by the user{rests}");
+            Err(Failure::stopped(signal, moved, stopped).delivered(range_ml))
         }
         _ => Ok(()),
     }
+}
+
+/// The ways out of each unfinished dose of a stopped rack, and the steps that have none, as the rest of a message. The
+/// message of a fault has the ways out of the pump that failed.
+fn rests(report: &RackReport, places: &Places) -> String {
+    let failed = report.fault.as_ref().map(|fault| fault.pump.as_str());
+    let mut text = String::new();
+    for row in report.pumps.iter().filter(|row| row.unfinished && failed != Some(row.name.as_str())) {
+        let way = format!("; `dose resume` makes the rest of {}, `dose discard` leaves it", row.name);
+        text += &places.meaning(&row.name, || completed(&way).into_owned());
+    }
+    if !report.pumps.iter().any(|row| row.unfinished) {
+        text += "; no dose is unfinished";
+    }
+    let undone = report.pumps.iter().filter(|row| row.steps_not_begun > 0);
+    let undone: Vec<String> = undone.map(|row| format!("{} of {}", row.steps_not_begun, row.name)).collect();
+    if !undone.is_empty() {
+        let _ = write!(text, "; steps that did not begin are in no rest: {}", undone.join(", "));
+    }
+    text
 }

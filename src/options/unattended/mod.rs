@@ -3,8 +3,6 @@
 use std::io::{self, IsTerminal};
 
 use clap::Args;
-use pump_bench::Bench;
-use pump_bench::pump_file::{HomePolicy, PumpFile};
 use pump_bench::safety::UnfinishedPolicy;
 
 use super::choice::choice;
@@ -87,19 +85,8 @@ impl UnattendedOptions {
         self.unattended || has_no_terminal()
     }
 
-    /// The bench that may find the angle of an interrupted dose before it makes the rest.
-    pub(crate) fn change(&self, bench: Bench) -> Bench {
-        let seeks = self.is_unattended() && by_sensor(bench.file());
-        bench.homing_unfinished(seeks && self.unfinished() == UnfinishedPolicy::Resume)
-    }
-
     /// The command to run if the dose fails; none without one.
     pub(crate) fn on_fail(&self, pump: &PumpOption) -> Option<OnFail> {
         self.on_fail.or_configured(pump, self.is_unattended())
     }
-}
-
-/// True for a pump whose rotor turns to its index sensor if its angle was disturbed.
-fn by_sensor(file: &PumpFile) -> bool {
-    file.safety.home == Some(HomePolicy::Sensor)
 }

@@ -217,6 +217,12 @@ fn a_profile_that_was_killed_cannot_be_resumed_and_its_bounds_hold_what_was_deli
     let unfinished = &status["unfinished"];
     let (least, most) = (number(unfinished, "delivered_least_ml"), number(unfinished, "delivered_most_ml"));
     assert!(0.0 < least && least < most && most - least < 2.0 && most < 5998.5, "{status}");
+    assert_eq!((&unfinished["over_time"], &unfinished["until_stopped"]), (&true.into(), &false.into()));
+    let told = user.types(&["status"]).out;
+    assert!(told.contains("a flow over time of 5998.5 mL, of which"), "{told}");
+    assert!(told.contains("no rest of it can be made") && !told.contains("dose resume"), "{told}");
+    let dose = user.types(&["1mL"]);
+    assert!(dose.code == 4 && !dose.err.contains("dose resume"), "{}", dose.err);
     let refused = user.types(&["resume"]);
     assert_eq!(refused.code, 4, "{}", refused.err);
     assert!(refused.err.contains("its times have passed, so no rest can be made"), "{}", refused.err);

@@ -310,5 +310,6 @@ fn nobody_resumes_a_run_that_had_no_end() {
     assert_eq!(next.code, 0, "{}", next.err);
     let told = next.out + &next.err;
     assert!(told.contains("a run until stopped has no rest to resume"), "{told}");
+    assert!(told.contains("an interrupted run until stopped was accepted as it is"), "{told}");
     assert_eq!(user.json(&["status"])["unfinished"], Value::Null);
 }

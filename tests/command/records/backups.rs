@@ -48,6 +48,41 @@ fn records_come_back_to_the_last_byte_and_doses_go_on() {
 }
 
 #[test]
+fn a_log_whose_journal_was_lost_is_not_turned_back() {
+    let user = User::new();
+    user.types(&["5mL"]);
+    user.types(&["3mL"]);
+    assert_eq!(user.types(&["backup", "two.backup"]).code, 0);
+    user.types(&["1mL"]);
+    assert_eq!(user.types(&["backup", "three.backup"]).code, 0);
+    fs::remove_file(user.path("state/three-roller/sim/journal.jsonl")).unwrap();
+    let before = files(&user.path("state"));
+    let message = user.is_refused(&["restore", "two.backup"]);
+    assert!(message.contains("the record stands at dose 3 of the log, without a journal"), "{message}");
+    assert!(message.contains("dose 2"), "{message}");
+    assert_eq!(files(&user.path("state")), before);
+    assert_eq!(user.types(&["restore", "three.backup"]).code, 0);
+    assert_eq!(user.types(&["log", "--format", "csv"]).out.lines().count(), 4, "a head and three doses");
+}
+
+#[test]
+fn a_backup_replaces_a_backup_alone_and_never_lies_among_the_records() {
+    let user = User::new();
+    user.types(&["5mL"]);
+    fs::write(user.path("mix.toml"), "schema = \"rack/1\"\n").unwrap();
+    let message = user.is_refused(&["backup", "mix.toml"]);
+    assert!(message.contains("there is a file that is no backup"), "{message}");
+    assert_eq!(fs::read_to_string(user.path("mix.toml")).unwrap(), "schema = \"rack/1\"\n");
+    for inside in ["state/all.backup", "state/three-roller/all.backup"] {
+        let message = user.is_refused(&["backup", inside]);
+        assert!(message.contains("it would lie in the folder of the records"), "{message}");
+    }
+    for _ in 0..2 {
+        assert_eq!(user.types(&["backup", "all.backup"]).code, 0);
+    }
+}
+
+#[test]
 fn an_older_record_goes_on_and_a_pump_that_the_backup_lacks_stays() {
     let user = User::new();
     user.types(&["5mL"]);

@@ -61,6 +61,14 @@ fn a_time_leaves_out_the_doses_before_it_and_nonsense_is_refused() {
     assert_eq!(count(&["--until", "2d"]), 0);
     assert_eq!(count(&["--since", "2999-01-01"]), 0);
     assert_eq!(count(&["--since", "1970-01-02", "--until", "2999-01-01T00:00:00+01:00"]), 1);
+    for words in [&["--since", "2999-01-01"][..], &["--until", "2d"]] {
+        let none = user.types(&[&["log"][..], words].concat()).out;
+        assert_eq!(none, "no dose of three-roller in that time; the log of the drive sim has 1 dose\n");
+    }
+    let turned = user.is_refused(&["log", "--since", "1h", "--until", "2h"]);
+    assert!(turned.contains("--until 2h is not after --since 1h"), "{turned}");
+    let minus = user.is_refused(&["log", "--since", "-2d"]);
+    assert!(minus.contains("`-2d` is no moment"), "with the minus that was typed: {minus}");
     let message = user.is_refused(&["log", "--since", "last week"]);
     assert!(message.contains("`last week` is no moment") && message.contains("2d"), "{message}");
 }

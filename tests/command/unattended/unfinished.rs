@@ -13,7 +13,17 @@ const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
 
 /// Leaves a dose of 3 L that was killed on its way.
 fn killed(user: &User) {
-    let mut child = user.command(&["3L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    killed_with(user, &[]);
+}
+
+/// Leaves a dose of 3 L with these options that was killed on its way.
+fn killed_with(user: &User, options: &[&str]) {
+    let mut child = user
+        .command(&[&["3L"][..], options].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
     let deadline = Instant::now() + Duration::from_secs(120);
     while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
         assert!(Instant::now() < deadline, "no progress on record");
@@ -82,4 +92,35 @@ fn a_dose_that_is_refused_says_that_the_interrupted_one_was_accepted() {
     let told = "warning: an interrupted dose of 3000 mL was accepted as it is (--unfinished accept)";
     assert_eq!(refused.err.matches(told).count(), 1, "{}", refused.err);
     assert!(user.json(&["status"])["unfinished"].is_null());
+}
+
+#[test]
+fn a_rest_without_a_person_obeys_home_once_the_angle_was_disturbed() {
+    let user = User::new();
+    let pump = user.types(&["pumps", "show", "three-roller"]).out;
+    let obeys = |home: &str| {
+        fs::write(user.path("pump.toml"), format!("{pump}\n[safety]\nhome = \"{home}\"\n")).unwrap();
+    };
+    obeys("refuse");
+    killed_with(&user, &["--pump", "pump.toml"]);
+    assert_eq!(user.types(&["release", "--pump", "pump.toml"]).code, 0);
+    let resume = || {
+        let mut command = user.command(&["resume", "--pump", "pump.toml", "--format", "json"]);
+        command.stdin(Stdio::null()).output().unwrap()
+    };
+    let stands = || {
+        let status = user.json(&["status", "--pump", "pump.toml"]);
+        (status["wear"].clone(), status["unfinished"].clone())
+    };
+    let before = stands();
+    let refused = resume();
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    let error: Value = serde_json::from_slice(&refused.stderr).unwrap();
+    assert_eq!((&error["kind"], &error["moved"]), (&"angle".into(), &false.into()));
+    assert_eq!(stands(), before, "nothing moved, and the dose is still unfinished");
+    obeys("accept");
+    let made = resume();
+    assert_eq!(made.status.code(), Some(0), "{made:?}");
+    let report: Value = serde_json::from_slice(&made.stdout).unwrap();
+    assert!(report["warnings"].to_string().contains("[safety] home = \\\"accept\\\""), "{report}");
 }

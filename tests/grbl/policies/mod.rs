@@ -4,6 +4,8 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use pump_bench::pump_file::{DriveTable, DriverName, HomePolicy};
 use pump_bench::{Bench, PumpFile, built_in};
@@ -71,6 +73,33 @@ fn a_dose_without_a_person_does_as_the_pump_file_says_once_the_angle_was_disturb
             }
         }
     }
+}
+
+#[test]
+fn a_rest_without_a_person_turns_to_the_sensor_first_once_the_angle_was_disturbed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (board, pump) = bench(folder.path(), HomePolicy::Sensor);
+    assert_eq!(types(folder.path(), &pump, &["home", "--set", "0deg"]).status.code(), Some(0));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
+    command
+        .args(["20mL", "--rate", "2mL/s", "--pump"])
+        .arg(&pump)
+        .env("DOSE_STATE_DIR", folder.path().join("state"));
+    command.env("XDG_CONFIG_HOME", folder.path()).env_remove("DOSE_CONFIG").stdin(Stdio::null());
+    let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while board.truth().steps < 500 {
+        assert!(Instant::now() < deadline, "the board does not move");
+        sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    assert_eq!(types(folder.path(), &pump, &["release"]).status.code(), Some(0));
+    let output = types(folder.path(), &pump, &["resume", "--format", "json"]);
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{out}{err}");
+    assert!(err.contains("turned to its index sensor first and pumped"), "{err}");
+    assert!(out.contains("\"completed\":true"), "{out}");
 }
 
 /// A dose waits for the port that a pump of another name has, says for whom, and goes on once the port is free.

@@ -417,6 +417,9 @@ impl Bench {
         if dose.intent.terms.until_stopped {
             return Err(DoseError::UnfinishedRun { least_ml, most_ml });
         }
+        if dose.intent.terms.profile {
+            return Err(DoseError::NoRestOfProfile { least_ml, most_ml });
+        }
         Err(DoseError::Unfinished { requested_ml: dose.intent.whole_requested_ml(), least_ml, most_ml })
     }
 

@@ -216,13 +216,13 @@ impl Session<'_> {
         }
     }
 
-    /// Returns the state of the pump, if the angle may be found: no dose is unfinished, or the bench may home
+    /// Returns the state of the pump, if the angle may be found: no dose is unfinished, or the session may home
     /// with an unfinished dose whose angle is not known exactly.
     fn may_find_angle(&self) -> Result<PumpState, DoseError> {
         let state = self.stands();
         match state.unfinished {
-            Some(_) if self.bench.may_home_unfinished() && state.half_width_rad > 0.0 => Ok(state),
-            Some(_) if self.bench.may_home_unfinished() => Err(DoseError::AngleIsKnown),
+            Some(_) if self.may_home_unfinished && state.half_width_rad > 0.0 => Ok(state),
+            Some(_) if self.may_home_unfinished => Err(DoseError::AngleIsKnown),
             _ => self.finished(),
         }
     }

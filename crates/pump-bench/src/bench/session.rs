@@ -47,6 +47,8 @@ pub struct Session<'a> {
     pub(super) before_motion: Option<BeforeMotion<'a>>,
     /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<Notice>,
+    /// True if the angle may be found while a dose is unfinished.
+    pub(super) may_home_unfinished: bool,
     /// True if this session has turned the motor.
     pub(super) moved: bool,
     /// Log of the doses.
@@ -116,6 +118,7 @@ impl<'a> Session<'a> {
             place: None,
             before_motion: None,
             notes: note.into_iter().collect(),
+            may_home_unfinished: bench.may_home_unfinished(),
             moved: false,
             log,
             patience,

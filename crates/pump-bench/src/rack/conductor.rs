@@ -100,7 +100,7 @@ impl Rack {
         timings: &mut [Vec<Timing>],
         answers: usize,
     ) -> Result<(), RackError> {
-        let mut refused: Option<RackError> = None;
+        let mut refused: Vec<(usize, RackError)> = Vec::new();
         for _ in 0..answers {
             let Ok((pump, answer)) = heard.recv() else { break };
             match answer {
@@ -108,11 +108,12 @@ impl Rack {
                 Err((_, error)) if error.is_stop() => {}
                 Err(error) => {
                     stop.make(Stop::Fault(pump));
-                    refused.get_or_insert(self.refused(pump, error));
+                    refused.push((pump, self.refused(pump, error)));
                 }
             }
         }
-        match refused {
+        refused.sort_by_key(|(pump, _)| *pump);
+        match RackError::of_several(refused.into_iter().map(|(_, error)| error).collect()) {
             Some(error) => Err(error),
             None if stop.cause().is_some() => Err(RackError::Stopped),
             None => Ok(()),

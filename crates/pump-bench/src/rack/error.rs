@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::config::ConfigError;
 use crate::dosing::DoseError;
 use crate::notice::Remedy;
-use crate::report::{Ending, ErrorFacts, ErrorKind, Explain};
+use crate::report::{Ending, ErrorFacts, ErrorKind, Explain, with_sources};
 use crate::units::QuantityError;
 
 /// Rack that cannot be run. Nothing has moved.
@@ -122,9 +122,45 @@ pub enum RackError {
         /// Refusal.
         source: Box<DoseError>,
     },
+    /// Several pumps refuse their parts until a person has decided about each of them.
+    #[error("{}", self.each().map(|error| with_sources(error)).collect::<Vec<_>>().join("; "))]
+    Several {
+        /// Refusal of the first pump in the order of the rack.
+        first: Box<RackError>,
+        /// Refusals of the other pumps.
+        others: Vec<RackError>,
+    },
     /// Somebody asked to stop before anything moved.
     #[error("stopped by the user before anything moved")]
     Stopped,
+}
+
+impl RackError {
+    /// Returns the refusal of each pump, or this one error.
+    pub fn each(&self) -> impl Iterator<Item = &RackError> {
+        let (first, others) = match self {
+            Self::Several { first, others } => (first.as_ref(), others.as_slice()),
+            error => (error, [].as_slice()),
+        };
+        std::iter::once(first).chain(others)
+    }
+
+    /// Returns the name of the one pump of the rack that refuses. `None` if no single one does.
+    pub fn pump(&self) -> Option<&str> {
+        match self {
+            Self::Pump { pump, .. } | Self::Dose { pump, .. } => Some(pump),
+            _ => None,
+        }
+    }
+
+    /// Returns the first of some refusals, or all of those that wait for a person if there are several.
+    pub(super) fn of_several(refusals: Vec<Self>) -> Option<Self> {
+        let mut refusals = refusals.into_iter();
+        let first = refusals.next()?;
+        let waits = |error: &Self| matches!(error.ending(), Ending::Stands | Ending::Unfinished);
+        let others: Vec<Self> = refusals.filter(waits).collect();
+        Some(if others.is_empty() { first } else { Self::Several { first: Box::new(first), others } })
+    }
 }
 
 impl Explain for RackError {
@@ -145,6 +181,7 @@ impl Explain for RackError {
                 facts.value(format!("{at_s} s")).allowed(format!("{done_s:.3} s or later"))
             }
             Self::Dose { source, .. } => source.facts(),
+            Self::Several { first, .. } => first.facts(),
             Self::Stopped => ErrorFacts::of(ErrorKind::Stopped),
         }
     }
@@ -152,6 +189,7 @@ impl Explain for RackError {
     fn ending(&self) -> Ending {
         match self {
             Self::Dose { source, .. } => source.ending(),
+            Self::Several { first, .. } => first.ending(),
             Self::Stopped => Ending::Stopped,
             _ => Ending::Refused,
         }
@@ -162,6 +200,7 @@ impl Explain for RackError {
             Self::Dose { source, .. } => source.remedies(),
             Self::Pump { source, .. } => source.remedies(),
             Self::Quantity { source, .. } => source.remedies(),
+            Self::Several { first, .. } => first.remedies(),
             _ => Vec::new(),
         }
     }

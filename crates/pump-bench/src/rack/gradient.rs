@@ -38,14 +38,15 @@ impl Gradient {
         Ok(Self { rate_ml_s, time_s, ramp_s })
     }
 
-    /// Returns the volume and the flow over time of a pump whose share goes from `first` to `last`, as parts of 1.
-    pub(super) fn flow(&self, number: usize, first: f64, last: f64, sign: f64) -> (f64, FlowProfile) {
+    /// Returns the volume and the flow over time of a pump whose share goes from `first` to `last`, as parts of 1. The
+    /// flow has what was asked for as its name.
+    pub(super) fn flow(&self, asked: &str, (first, last): (f64, f64), sign: f64) -> (f64, FlowProfile) {
         let Self { rate_ml_s, time_s, ramp_s } = *self;
         let at = |at_s: f64| sign * rate_ml_s * (first + (last - first) * at_s / time_s);
         let falls_s = time_s - ramp_s;
         let times_s = [0.0, ramp_s, falls_s, time_s];
         let flows_ml_s = [0.0, at(ramp_s), at(falls_s), 0.0];
-        let profile = FlowProfile::from_columns(&format!("step {number}"), &times_s, &flows_ml_s)
+        let profile = FlowProfile::from_columns(asked, &times_s, &flows_ml_s)
             .unwrap_or_else(|error| unreachable!("four rows: {error}"));
         (profile.volume_ml(), profile)
     }
@@ -59,8 +60,8 @@ mod tests {
     fn the_flows_of_a_gradient_add_up_to_its_rate_and_its_volume() {
         let gradient = Gradient::of(1, (Some(18.0), None, Some(10.0)), 1.0).unwrap();
         assert_eq!(gradient.rate_ml_s, 2.0);
-        let (one_ml, one) = gradient.flow(1, 1.0, 0.25, 1.0);
-        let (other_ml, other) = gradient.flow(1, 0.0, 0.75, 1.0);
+        let (one_ml, one) = gradient.flow("one", (1.0, 0.25), 1.0);
+        let (other_ml, other) = gradient.flow("other", (0.0, 0.75), 1.0);
         assert!((one_ml + other_ml - 18.0).abs() < 1e-12, "{one_ml} {other_ml}");
         for (row, (one, other)) in one.rows().iter().zip(other.rows()).enumerate() {
             let sum = if row == 1 || row == 2 { 2.0 } else { 0.0 };

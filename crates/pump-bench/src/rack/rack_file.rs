@@ -109,6 +109,12 @@ impl RackFile {
         self.pumps.iter().map(|(name, _)| name.as_str())
     }
 
+    /// Returns the pump of each name of [`RackFile::pump_names`] as a user of this process types it: a name, or the path
+    /// of a pump file.
+    pub fn pump_places(&self) -> impl Iterator<Item = String> {
+        self.pumps.iter().map(|(_, pump)| self.place(pump))
+    }
+
     /// Returns the steps.
     pub fn steps(&self) -> &[RackStep] {
         &self.steps
@@ -212,6 +218,18 @@ mod tests {
             ("ratio = { acid = 1, base = 1 }\nvolume = \"1mL\"", "step 1 is `a ratio without rate`"),
             ("at = \"-1s\"\npump = \"acid\"\nvolume = \"1mL\"", "step 1, at: `-1s`"),
             ("at = \"1s\"\nafter = \"1s\"\npump = \"acid\"\nvolume = \"1mL\"", "step 1 is `at and after`"),
+            (
+                "at = \"1e300s\"\npump = \"acid\"\nvolume = \"1mL\"",
+                "step 1, at is `1e300s`; allowed: 5e6 s (58 days) at most",
+            ),
+            (
+                "after = \"6e6s\"\npump = \"acid\"\nvolume = \"1mL\"",
+                "step 1, after is `6e6s`; allowed: 5e6 s",
+            ),
+            (
+                "ratio = { acid = 1e300, base = 1 }\nvolume = \"1mL\"\nrate = \"1mL/s\"",
+                "ratio of acid is `1e300`; allowed",
+            ),
             ("speed = 1", "unknown field `speed`"),
             (
                 &over_time("gradient = { acid = [1, 0], base = [nan, 1] }"),

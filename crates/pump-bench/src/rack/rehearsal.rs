@@ -7,7 +7,7 @@ use super::report::{RackDose, RackEnd, RackPumpReport, RackReport};
 use super::timetable::{LineSpeeds, Timetable, Timing};
 use crate::bench::{Bench, Delivered, SeriesMotion, SeriesRequest, TimedVolume};
 use crate::dosing::DoseError;
-use crate::report::DoseReport;
+use crate::report::{DoseReport, Ending};
 
 impl Rack {
     /// Plans every step of every pump from the records and checks it against all limits. Moves and records nothing, and
@@ -77,16 +77,15 @@ impl Rack {
 
     /// Returns the refusal of a pump's part, by its place among the pump's parts.
     pub(super) fn refused(&self, pump: usize, (place, source): (usize, DoseError)) -> RackError {
-        let is_of_step = !matches!(
+        let is_of_record = matches!(
             source,
             DoseError::Folder(_)
                 | DoseError::Journal(_)
                 | DoseError::Stands { .. }
                 | DoseError::Connection(_)
-                | DoseError::Unfinished { .. }
-                | DoseError::UnfinishedRun { .. }
                 | DoseError::Unconfirmed { .. }
         );
+        let is_of_step = !is_of_record && source.ending() != Ending::Unfinished;
         let step = self.parts(pump).nth(place).filter(|_| is_of_step).map(|step| step + 1);
         self.dose_error(pump, step, source)
     }

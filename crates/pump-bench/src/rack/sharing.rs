@@ -93,11 +93,13 @@ mod tests {
     use super::*;
     use crate::dosing::FlowProfile;
     use crate::rack::step::{Begin, Flow};
+    use crate::record::ShortText;
 
     #[test]
     fn every_flow_of_every_step_is_looked_at() {
         let profile = FlowProfile::from_columns("ramp", &[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]);
-        let flow = |pump, profile| Flow { pump, volume_ml: 1.0, rate_ml_s: None, profile };
+        let asked = ShortText::new("1 mL");
+        let flow = |pump, profile| Flow { pump, asked, volume_ml: 1.0, rate_ml_s: None, profile };
         let step = |flows, smooth| RackStep { begin: Begin::After { time_s: 0.0 }, flows, smooth };
         let dose = || step(vec![flow(0, None), flow(1, None)], false);
         let mixed = step(vec![flow(0, None), flow(1, Some(profile.unwrap()))], false);

@@ -4,7 +4,7 @@ use pump_ctl::plan::Cruise;
 
 use crate::bench::SeriesRequest;
 use crate::dosing::{DoseRequest, FlowProfile};
-use crate::record::Purpose;
+use crate::record::{Purpose, ShortText};
 
 /// Step of a rack.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +39,8 @@ pub enum Begin {
 pub struct Flow {
     /// Number of the pump in the rack, from 0.
     pub pump: usize,
+    /// Amount of the step as it is typed, with the share of the pump, for the report and the log.
+    pub asked: ShortText,
     /// Volume, in mL. Negative in reverse.
     pub volume_ml: f64,
     /// Cruise flow, in mL/s. `None` takes the pump file's default rate.
@@ -55,6 +57,7 @@ impl Flow {
             None => DoseRequest::dose(self.volume_ml).with_cruise(cruise).with_smooth(smooth),
             Some(_) => DoseRequest::new(Purpose::Run, self.volume_ml),
         };
+        let request = request.with_asked(self.asked.as_str());
         SeriesRequest { request, profile: self.profile.clone() }
     }
 }

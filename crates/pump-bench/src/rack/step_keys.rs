@@ -3,11 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use pump_ctl::plan::MAX_DURATION_S;
+use pump_model::Shown;
 use serde::Deserialize;
 
 use super::error::RackError;
 use super::gradient::Gradient;
 use super::step::{Begin, Flow, RackStep};
+use crate::record::ShortText;
 use crate::units::{QuantityError, flow_ml_s, instant_s, time_s, volume_ml};
 
 /// Keys of a step.
@@ -89,6 +92,10 @@ impl StepKeys {
         let sum: f64 = shares.iter().map(|share| share.first).sum();
         let flow = |share: &Share| Flow {
             pump: share.pump,
+            asked: match shares {
+                [_] => self.asked(""),
+                _ => self.asked(&format!(", {} of {}", Shown(share.first), Shown(sum))),
+            },
             volume_ml: self.sign() * whole_ml * share.first / sum,
             rate_ml_s: rate_ml_s.map(|rate_ml_s| rate_ml_s * share.first / sum),
             profile: None,
@@ -111,11 +118,28 @@ impl StepKeys {
             return Err(WrongKey::value(&format!("step {number}, gradient"), "nothing flows", allowed));
         }
         let flow = |share: &Share| {
-            let (volume_ml, profile) =
-                gradient.flow(number, share.first / first, share.last / last, self.sign());
-            Flow { pump: share.pump, volume_ml, rate_ml_s: None, profile: Some(profile) }
+            let asked = match shares {
+                [_] => self.asked(""),
+                _ if self.gradient.is_some() => {
+                    self.asked(&format!(", {} to {}", Shown(share.first), Shown(share.last)))
+                }
+                _ => self.asked(&format!(", {} of {}", Shown(share.first), Shown(first))),
+            };
+            let ends = (share.first / first, share.last / last);
+            let (volume_ml, profile) = gradient.flow(asked.as_str(), ends, self.sign());
+            Flow { pump: share.pump, asked, volume_ml, rate_ml_s: None, profile: Some(profile) }
         };
         Ok(shares.iter().map(flow).collect())
+    }
+
+    /// Returns the amount of the step as it is typed, with the share of a pump after it.
+    fn asked(&self, share: &str) -> ShortText {
+        let typed = |text: &Option<String>| text.as_deref().unwrap_or_default().trim().to_owned();
+        let amount = match &self.volume {
+            Some(_) => typed(&self.volume),
+            None => format!("{} for {}", typed(&self.rate), typed(&self.time)),
+        };
+        ShortText::new(&format!("{}{amount}{share}", if self.reverse { "-" } else { "" }))
     }
 
     fn sign(&self) -> f64 {
@@ -127,8 +151,8 @@ impl StepKeys {
             (Some(_), Some(_)) => {
                 Err(WrongKey::value(&format!("step {number}"), "at and after", "one of at and after"))
             }
-            (Some(at), None) => Ok(Begin::At { time_s: read(number, "at", at, instant_s)? }),
-            (None, Some(after)) => Ok(Begin::After { time_s: read(number, "after", after, instant_s)? }),
+            (Some(at), None) => Ok(Begin::At { time_s: instant(number, "at", at)? }),
+            (None, Some(after)) => Ok(Begin::After { time_s: instant(number, "after", after)? }),
             (None, None) => Ok(Begin::After { time_s: 0.0 }),
         }
     }
@@ -246,7 +270,17 @@ fn of_range(
     if (least..=MOST_SHARE).contains(&share) {
         return Ok(share);
     }
-    Err(WrongKey::value(&format!("step {number}, {key} of {name}"), &share.to_string(), allowed))
+    Err(WrongKey::value(&format!("step {number}, {key} of {name}"), &Shown(share).to_string(), allowed))
+}
+
+/// Reads the time at which a step begins, which is no longer than any dose may take.
+fn instant(number: usize, key: &str, text: &str) -> Result<f64, WrongKey> {
+    let at_s = read(number, key, text, instant_s)?;
+    if at_s <= MAX_DURATION_S {
+        return Ok(at_s);
+    }
+    let allowed = format!("{MAX_DURATION_S:e} s (58 days) at most");
+    Err(WrongKey::value(&format!("step {number}, {key}"), text, &allowed))
 }
 
 /// Reads a quantity of a step.

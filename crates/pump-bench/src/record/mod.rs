@@ -19,7 +19,7 @@ mod whole;
 
 pub(crate) use account::Account;
 pub use after_stop::AfterStop;
-pub use backup::{BackedUp, BackupError, Position, Restored, backup, restore};
+pub use backup::{BackedUp, BackupError, Position, Restored, backup, is_backup, restore};
 pub(crate) use delivered_range::DeliveredRange;
 pub(crate) use folder::BOARDS;
 pub use folder::{Folder, FolderError, Lock, default_state_dir, is_of_record};

@@ -53,6 +53,16 @@ impl DoseReport {
         format!("{}, {asked}{carry_in}", self.volume())
     }
 
+    /// True if the volume is that of one angle, or a balance's.
+    fn is_sure(&self) -> bool {
+        self.phase.is_stated() || self.by_weight.is_some()
+    }
+
+    /// Volume that the text and the log tell, mL.
+    pub(crate) fn told_ml(&self) -> f64 {
+        self.delivered_ml.filter(|_| self.is_sure()).unwrap_or(self.booked_ml)
+    }
+
     /// True for a run that goes on until somebody stops it.
     fn is_endless(&self) -> bool {
         self.run.is_some_and(|run| run.is_endless())
@@ -61,8 +71,8 @@ impl DoseReport {
     /// The volume that was delivered or planned, and its uncertainty. Of an angle that is not known it is the volume
     /// that the log books: a simulated vessel knows more, and does not tell.
     fn volume(&self) -> String {
-        let is_sure = self.phase.is_stated() || self.by_weight.is_some();
-        let volume_ml = self.delivered_ml.filter(|_| is_sure).unwrap_or(self.booked_ml);
+        let is_sure = self.is_sure();
+        let volume_ml = self.told_ml();
         let verb = match (self.delivered_ml, self.purpose) {
             (None, _) if self.is_endless() => "at most (dry run, nothing recorded)",
             (None, _) => "planned (dry run, nothing recorded)",

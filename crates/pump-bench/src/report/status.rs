@@ -127,6 +127,8 @@ pub struct UnfinishedStatus {
     pub began_unix_s: u64,
     /// True if it is a run that was to go on until it is stopped: `requested_ml` is then the most that one run makes.
     pub until_stopped: bool,
+    /// True if it is a flow over time, of which no rest can be made: its times have passed. It can be accepted alone.
+    pub over_time: bool,
     /// True if a balance was to end it. Its rest is made by volume.
     pub by_weight: bool,
     /// Mass that the balance was to show, g; null if no balance was to end it.
@@ -178,6 +180,7 @@ impl Status {
                 steps_made_most: dose.made_most,
                 began_unix_s: dose.intent.unix_s,
                 until_stopped: dose.intent.terms.until_stopped,
+                over_time: dose.intent.terms.profile,
                 by_weight: dose.intent.terms.by_weight,
                 target_g: Weighing::of(bench.file())
                     .reading_g(dose.intent.whole_requested_ml())

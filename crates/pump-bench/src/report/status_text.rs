@@ -69,6 +69,7 @@ impl Status {
         let (asked_ml, made) =
             (significant(dose.requested_ml, 6), between(dose.delivered_least_ml, dose.delivered_most_ml));
         let (weighed, remedy) = match (dose.by_weight, dose.target_g) {
+            (false, _) if dose.over_time => (String::new(), Remedy::Accept),
             (false, _) => (String::new(), Remedy::FinishOrLeave),
             (true, None) => (" by weight".to_owned(), Remedy::FinishByVolumeOrWeigh),
             (true, Some(target_g)) => {
@@ -77,9 +78,13 @@ impl Status {
         };
         let asked = if dose.until_stopped {
             "a run until it is stopped".to_owned()
+        } else if dose.over_time {
+            format!("a flow over time of {asked_ml} mL")
         } else {
             format!("a dose of {asked_ml} mL{weighed}")
         };
+        let no_rest =
+            if dose.over_time { "; no rest of it can be made, as its times have passed" } else { "" };
         let by_model = match dose.by_weight {
             true => " by the model",
             false => " by the motor's steps, the pump's own \u{b1} besides",
@@ -90,7 +95,10 @@ impl Status {
                  the end of this stretch"
             ),
             None => {
-                format!("unfinished: {asked}, of which {made} were delivered{by_model}; {}", words(remedy))
+                format!(
+                    "unfinished: {asked}, of which {made} were delivered{by_model}{no_rest}; {}",
+                    words(remedy)
+                )
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Claims about racks that run to their end.
 
 use pump_bench::rack::RackEnd;
+use pump_bench::record::LogLine;
 
 use crate::rig::Desk;
 
@@ -22,6 +23,29 @@ fn a_ratio_of_three_pumps_delivers_its_shares_together() {
         assert!((state.wear.volume_ml - asked_ml).abs() < 0.002 && state.unfinished.is_none());
     }
     assert!((report.total.delivered_ml - 12.0).abs() < 0.004);
+}
+
+#[test]
+fn each_dose_of_a_rack_tells_what_was_typed_in_its_report_and_its_log() {
+    let desk = Desk::new();
+    let steps = "[[step]]\nratio = { acid = 2, base = 1 }\nvolume = \"30mL\"\nrate = \"6 mL/s\"\n[[step]]\npump = \
+                 \"acid\"\nrate = \"2mL/s\"\nfor = \"3s\"\nreverse = true\n[[step]]\ngradient = { acid = [1, 0], base = \
+                 [0, 1] }\nrate = \"2mL/s\"\nfor = \"10s\"\n";
+    let rack = desk.rack(steps).unwrap();
+    let report = rack.run(|_| {}).unwrap();
+    for (pump, told) in [
+        (0, &["30mL, 2 of 3", "-2mL/s for 3s", "2mL/s for 10s, 1 to 0"][..]),
+        (1, &["30mL, 1 of 3", "2mL/s for 10s, 0 to 1"]),
+    ] {
+        let asked = |dose: &pump_bench::rack::RackDose| dose.dose.asked.unwrap().as_str().to_owned();
+        let reported: Vec<String> = report.pumps[pump].doses.iter().map(asked).collect();
+        assert_eq!(reported, told);
+        let logged = rack.members()[pump].bench.log().unwrap().map(|line| match line.unwrap() {
+            LogLine::Dose(entry) => entry.asked.unwrap().as_str().to_owned(),
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(logged.collect::<Vec<_>>(), told);
+    }
 }
 
 #[test]

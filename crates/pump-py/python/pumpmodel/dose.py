@@ -334,7 +334,7 @@ class Unfinished(Record):
     """A dose or a run that was begun and not finished.
 
     A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one
-    run makes.
+    run makes. A flow over time has `over_time`: no rest of it can be made, and it can be accepted alone.
     """
 
     requested_ml: float
@@ -346,6 +346,7 @@ class Unfinished(Record):
     steps_made_most: int
     began_unix_s: int
     until_stopped: bool
+    over_time: bool
     by_weight: bool
     target_g: float | None
 

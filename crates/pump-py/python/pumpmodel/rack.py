@@ -50,6 +50,7 @@ class RackPump(Record):
     carry_ml: float | None
     steps: int
     steps_completed: int
+    steps_not_begun: int
     completed: bool
     unfinished: bool
     error: str | None

@@ -180,7 +180,10 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(Purpose::Dose, &self.weighing())?;
-        self.run(py, progress, move |session, _| session.prepare_rest(request))
+        self.run(py, progress, move |session, signal| {
+            find_angle_of_rest(session, signal)?;
+            session.prepare_rest(request)
+        })
     }
 
     /// Makes the motor of the call under way decelerate and hold.
@@ -225,6 +228,14 @@ impl Bench {
         error.value(py).call_method1("add_note", (ran.note,))?;
         Err(error)
     }
+}
+
+/// Does as the pump file says if the angle of an unfinished dose was disturbed: no person watches its rest.
+pub(super) fn find_angle_of_rest(session: &mut Session<'_>, signal: &Signal) -> Result<(), DoseError> {
+    if session.state().is_none_or(|state| state.unfinished.is_none()) {
+        return Ok(());
+    }
+    session.follow_home_policy(|_| signal.flow())
 }
 
 /// Runs a dose that `session` prepared.

@@ -9,7 +9,7 @@ use pump_bench::{
 use pyo3::prelude::*;
 
 use super::balance::{Balance, lock};
-use super::bench::Bench;
+use super::bench::{Bench, find_angle_of_rest};
 use super::request::AskedDose;
 use super::worker::Signal;
 use crate::argument::{cruise, text};
@@ -92,7 +92,8 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
-        self.weighed(py, &by_weight, progress, move |session, balance, _| {
+        self.weighed(py, &by_weight, progress, move |session, balance, signal| {
+            find_angle_of_rest(session, signal)?;
             session.prepare_rest_by_weight(&order, balance)
         })
     }

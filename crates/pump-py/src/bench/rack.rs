@@ -233,6 +233,14 @@ fn raised(py: Python<'_>, error: RackError) -> PyErr {
         RackError::Read { path, source } if source.raw_os_error().is_some() => errors::file(&path, &source),
         RackError::Pump { source, .. } => errors::within(place, errors::config(*source)),
         RackError::Dose { source, .. } => errors::within(place, errors::dose(py, *source)),
+        RackError::Several { first, others } => {
+            let raised = raised(py, *first);
+            for other in &others {
+                // A note that cannot be added must not hide the refusal.
+                let _ = raised.value(py).call_method1("add_note", (advice::told(other),));
+            }
+            raised
+        }
         RackError::Stopped => PumpError::new_err("the rack was stopped before it began; nothing moved"),
         error => value(advice::told(&error)),
     }

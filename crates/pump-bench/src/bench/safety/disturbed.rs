@@ -33,8 +33,9 @@ impl Session<'_> {
         Err(DoseError::Disturbed { within_deg: is_known.then(|| degrees(state.half_width_rad)) })
     }
 
-    /// Does as the pump file's `[safety] home` says before a dose without a person, if the rollers' angle was disturbed
-    /// since it was found, or is unknown. The next dose that is prepared tells what was done.
+    /// Does as the pump file's `[safety] home` says before a dose without a person, or before the rest of an unfinished
+    /// one, if the rollers' angle was disturbed since it was found, or is unknown. The next dose that is prepared tells
+    /// what was done. An unfinished dose stays on record, and so does its carry.
     ///
     /// `watch` ends a turn to the index sensor, as in [`Session::seek_index`].
     ///
@@ -67,7 +68,11 @@ impl Session<'_> {
             }
             HomePolicy::Sensor => {
                 let worn_ml = state.wear.volume_ml;
-                if self.seek_index(watch)?.is_none() {
+                // The rest of an unfinished dose begins where the sensor finds the rotor.
+                let may_home = std::mem::replace(&mut self.may_home_unfinished, true);
+                let sought = self.seek_index(watch);
+                self.may_home_unfinished = may_home;
+                if sought?.is_none() {
                     return Err(DoseError::Connection(DriveError::Interrupted));
                 }
                 let text = format!(

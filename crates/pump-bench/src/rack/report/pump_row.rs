@@ -52,6 +52,8 @@ pub struct RackPumpReport {
     pub steps: usize,
     /// Number of steps that the pump has completed.
     pub steps_completed: usize,
+    /// Number of steps that the pump has not begun.
+    pub steps_not_begun: usize,
     /// True if the pump has completed every step.
     pub completed: bool,
     /// True if a dose is unfinished: its rest is on record.
@@ -83,6 +85,12 @@ impl RackPumpReport {
         }
         let volume_ml = |dose: &RackDose| dose.dose.delivered_ml.unwrap_or(dose.dose.planned_ml);
         let delivered_ml = sum(doses.iter().map(volume_ml));
+        let range_ml = |dose: &RackDose| match dose.dose.delivered_ml {
+            Some(_) => dose.dose.delivered_range_ml(),
+            None => (dose.dose.planned_ml, dose.dose.planned_ml),
+        };
+        let delivered_least_ml = sum(doses.iter().map(|dose| range_ml(dose).0));
+        let delivered_most_ml = sum(doses.iter().map(|dose| range_ml(dose).1));
         let steps_completed = doses.iter().filter(|dose| dose.dose.completed).count();
         Self {
             name: member.name.clone(),
@@ -92,12 +100,13 @@ impl RackPumpReport {
             device: bench.board_port().map(|port| port.display().to_string()),
             requested_ml,
             delivered_ml,
-            delivered_least_ml: delivered_ml,
-            delivered_most_ml: delivered_ml,
+            delivered_least_ml,
+            delivered_most_ml,
             expanded_uncertainty_ml: sum(doses.iter().map(|dose| dose.dose.expanded_uncertainty_ml)),
             carry_ml: doses.last().map(|dose| dose.dose.carry_ml),
             steps,
             steps_completed,
+            steps_not_begun: steps - doses.len(),
             completed: steps_completed == steps,
             unfinished: doses.last().is_some_and(|dose| dose.unfinished),
             error: None,
@@ -118,12 +127,23 @@ impl RackPumpReport {
                 | DoseError::NotJournalled { .. }
         );
         let (least_ml, most_ml) = error.delivered_ml().unwrap_or((0.0, 0.0));
+        if self.unfinished || (least_ml, most_ml) != (0.0, 0.0) {
+            self.steps_not_begun = self.steps_not_begun.saturating_sub(1);
+        }
         self.delivered_least_ml += least_ml;
         self.delivered_most_ml += most_ml;
         if (least_ml, most_ml) != (0.0, 0.0) {
             self.expanded_uncertainty_ml += expanded_ml + 0.5 * (most_ml - least_ml).abs();
         }
-        self.delivered_ml = 0.5 * (self.delivered_least_ml + self.delivered_most_ml);
+        self.delivered_ml += 0.5 * (least_ml + most_ml);
+    }
+
+    /// Returns the volume that the text and the log tell, mL.
+    pub(super) fn told_ml(&self) -> f64 {
+        let more = |dose: &RackDose| {
+            dose.dose.delivered_ml.map_or(0.0, |delivered_ml| dose.dose.told_ml() - delivered_ml)
+        };
+        self.delivered_ml + sum(self.doses.iter().map(more))
     }
 
     /// Returns the row with its remedies in a front end's words.

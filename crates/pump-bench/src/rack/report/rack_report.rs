@@ -62,6 +62,13 @@ pub struct RackTotal {
     pub expanded_uncertainty_ml: f64,
 }
 
+impl RackTotal {
+    /// Returns the smallest and the largest volume that may have been delivered, in mL.
+    pub fn delivered_range_ml(&self) -> (f64, f64) {
+        (self.delivered_least_ml, self.delivered_most_ml)
+    }
+}
+
 /// The report of a rack (`schema` `rack/1`).
 #[derive(Debug, Serialize)]
 #[non_exhaustive]

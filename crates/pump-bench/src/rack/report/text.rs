@@ -1,6 +1,6 @@
 //! The report of a rack in words: a row a pump, and the total.
 
-use super::pump_row::RackPumpReport;
+use super::pump_row::{RackPumpReport, sum};
 use super::rack_report::{RackEnd, RackReport};
 use crate::numbers::{microlitres, significant};
 
@@ -10,7 +10,8 @@ impl RackReport {
         let width = self.pumps.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max(5);
         let rows: String = self.pumps.iter().map(|row| row.line(width, self.end)).collect();
         let total = &self.total;
-        let volume = volume(total.delivered_ml, total.expanded_uncertainty_ml);
+        let told_ml = sum(self.pumps.iter().map(RackPumpReport::told_ml));
+        let volume = volume(told_ml, total.expanded_uncertainty_ml);
         let requested = significant(total.requested_ml, 6);
         let ended = match (self.end, &self.fault) {
             (RackEnd::Planned, _) => "planned (dry run, nothing recorded)".to_owned(),
@@ -45,9 +46,9 @@ impl RackPumpReport {
     fn line(&self, width: usize, end: RackEnd) -> String {
         let name = &self.name;
         let unsure_ml = self.expanded_uncertainty_ml;
-        let volume = volume(self.delivered_ml, unsure_ml);
+        let volume = volume(self.told_ml(), unsure_ml);
         let (least_ml, most_ml) = (self.delivered_least_ml, self.delivered_most_ml);
-        let range = if most_ml - least_ml > 1e-9 {
+        let range = if self.error.is_some() && most_ml - least_ml > 1e-9 {
             format!(
                 ", between {} and {} by the steps",
                 digits(least_ml, unsure_ml),
@@ -63,12 +64,16 @@ impl RackPumpReport {
         };
         let carry = self.carry_ml.map_or(String::new(), |carry| format!(", carry {}", microlitres(carry)));
         let state = match (&self.error, self.unfinished) {
-            (Some(_), true) => ", FAILED, its rest is on record",
+            (Some(_), true) => ", FAILED, the rest of the unfinished step is on record",
             (Some(_), false) => ", FAILED",
-            (None, true) => ", its rest is on record",
+            (None, true) => ", the rest of the unfinished step is on record",
             (None, false) => "",
         };
-        format!("{name:<width$}  {volume}{range}, {requested} mL asked, {done}{carry}{state}\n")
+        let undone = match self.steps_not_begun {
+            0 => String::new(),
+            steps => format!(", {} not begun", counted(steps, "step")),
+        };
+        format!("{name:<width$}  {volume}{range}, {requested} mL asked, {done}{carry}{state}{undone}\n")
     }
 }
 

@@ -1,7 +1,7 @@
 //! The file of a backup: a line that names each file, its bytes, and a last line that tells that it is whole.
 
 use std::fs;
-use std::io::{self, BufRead, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -79,6 +79,16 @@ pub fn backup(state_dir: &Path, time: Stamp, to: &mut dyn Write) -> Result<Backe
     let tail = Tail { files: made.files, crc32: format!("{:08x}", names.finalize()) };
     write_line(to, &tail).map_err(unwritten())?;
     Ok(made)
+}
+
+/// Returns true if the file at `path` begins as a backup does.
+///
+/// # Errors
+///
+/// The [`io::Error`] of a file that cannot be read.
+pub fn is_backup(path: &Path) -> io::Result<bool> {
+    let mut from = BufReader::new(fs::File::open(path)?);
+    Ok(read_line::<Head>(&mut from)?.is_ok_and(|(head, _)| head.schema == SCHEMA))
 }
 
 /// Reads a backup and gives each file to `take`. The error describes the damage.

@@ -1,5 +1,6 @@
 //! The files of a folder of records.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -10,6 +11,9 @@ use crate::record::{Folder, Lock};
 
 /// Name of a journal.
 pub(super) const JOURNAL: &str = "journal.jsonl";
+
+/// Name of a log.
+pub(super) const LOG: &str = "log.jsonl";
 
 /// Lock of a pump, which is no part of its record.
 const LOCK: &str = "lock";
@@ -52,19 +56,17 @@ fn collect(root: &Path, below: &Path, found: &mut Vec<PathBuf>) -> Result<(), Ba
     Ok(())
 }
 
-/// Takes every pump that has a journal among `files` of `root`, so that nothing moves meanwhile.
+/// Takes every pump that has a journal or a log among `files` of `root`, so that nothing moves meanwhile.
 pub(super) fn lock_all(root: &Path, files: &[PathBuf]) -> Result<Vec<Lock>, BackupError> {
-    let folders = journals(files).filter_map(|folder| {
+    let folders = records(files).into_iter().filter_map(|folder| {
         let (pump, driver) = (folder.parent()?.to_str()?, folder.file_name()?.to_str()?);
         Some(Folder::new(root, pump, driver))
     });
     folders.map(|folder| folder.lock().map_err(BackupError::from)).collect()
 }
 
-/// Returns the folders among `files` that have a journal.
-pub(super) fn journals(files: &[PathBuf]) -> impl Iterator<Item = &Path> {
-    files
-        .iter()
-        .filter(|file| file.file_name().is_some_and(|name| name == JOURNAL))
-        .filter_map(|file| file.parent())
+/// Returns the folders among `files` that have a journal or a log, each once.
+pub(super) fn records(files: &[PathBuf]) -> BTreeSet<&Path> {
+    let is_of_record = |file: &&PathBuf| file.file_name().is_some_and(|name| name == JOURNAL || name == LOG);
+    files.iter().filter(is_of_record).filter_map(|file| file.parent()).collect()
 }

@@ -6,7 +6,7 @@ mod folders;
 mod position;
 mod restore;
 
-pub use archive::{BackedUp, backup};
+pub use archive::{BackedUp, backup, is_backup};
 pub use error::BackupError;
 pub use position::Position;
 pub use restore::{Restored, restore};

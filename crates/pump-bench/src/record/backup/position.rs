@@ -10,14 +10,15 @@ use serde_json::Value;
 
 use crate::files::open_plain;
 use crate::record::journal::{decode_numbered, parts};
+use crate::record::log::Log;
 
-/// Position of a record: the last entry of its journal.
+/// Position of a record: the last entry of its journal, and the last dose of its journal or its log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Position {
     /// Number of the journal's last line. `None` without a journal, or in a journal of version 0.1.0.
     pub line: Option<u64>,
-    /// Number of doses that the log has.
+    /// Number of the last dose, by the journal or the log.
     pub doses: u64,
 }
 
@@ -25,15 +26,17 @@ impl fmt::Display for Position {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.line {
             Some(line) => write!(to, "line {line} of the journal, dose {}", self.doses),
+            None if self.doses > 0 => write!(to, "dose {} of the log, without a journal", self.doses),
             None => write!(to, "no numbered line of a journal"),
         }
     }
 }
 
-/// Reads the position of the journal at `path`, and its last whole line. The line is empty without a journal.
-pub(super) fn position(path: &Path) -> io::Result<(Position, Vec<u8>)> {
+/// Reads the position of the record with this journal and this log, and the journal's last whole line. The line is empty
+/// without a journal.
+pub(super) fn position(journal: &Path, log: &Path) -> io::Result<(Position, Vec<u8>)> {
     let (mut found, mut last) = (Position::default(), Vec::new());
-    each_line(path, |line| {
+    each_line(journal, |line| {
         last.clear();
         last.extend_from_slice(line);
         if let Some((line, entry)) = decoded(line) {
@@ -42,6 +45,9 @@ pub(super) fn position(path: &Path) -> io::Result<(Position, Vec<u8>)> {
         }
         true
     })?;
+    // The log of a journal that was lost goes further than the journal that began after it.
+    let logged = Log::new(log.to_owned()).tail().map_err(|error| error.source)?;
+    found.doses = found.doses.max(logged.number);
     Ok((found, last))
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::BackupError;
 use super::archive::unpack;
-use super::folders::{JOURNAL, failed, files_of, journals, lock_all};
+use super::folders::{JOURNAL, LOG, failed, files_of, lock_all, records};
 use super::position::{has_line, position};
 use crate::files::{create_folders, folder_of, sync_folder};
 
@@ -53,7 +53,7 @@ pub fn restore(state_dir: &Path, path: &Path) -> Result<Restored, BackupError> {
     let here = files_of(state_dir)?;
     let _locks = lock_all(state_dir, &here)?;
     let here = files_of(state_dir)?;
-    for folder in journals(&here) {
+    for folder in records(&here) {
         check(state_dir, &root, folder)?;
     }
     for file in here.iter().filter(|file| !root.join(file).exists()) {
@@ -82,14 +82,15 @@ pub fn restore(state_dir: &Path, path: &Path) -> Result<Restored, BackupError> {
 
 /// Refuses a backup in `root` that would turn back the record in `folder` of `state_dir`.
 fn check(state_dir: &Path, root: &Path, folder: &Path) -> Result<(), BackupError> {
+    let [old_log, new_log] = [state_dir, root].map(|root| root.join(folder).join(LOG));
     let [old, new] = [state_dir, root].map(|root| root.join(folder).join(JOURNAL));
-    if !new.exists() {
+    if !new.exists() && !new_log.exists() {
         return Ok(());
     }
-    let (here, last) = position(&old).map_err(failed("read", &old))?;
-    let (there, newest) = position(&new).map_err(failed("read", &new))?;
+    let (here, last) = position(&old, &old_log).map_err(failed("read", &old))?;
+    let (there, newest) = position(&new, &new_log).map_err(failed("read", &new))?;
     let record = || folder.display().to_string();
-    if here.line > there.line {
+    if here.line > there.line || here.doses > there.doses {
         return Err(BackupError::TurnsBack { record: record(), here, there });
     }
     if !last.is_empty() && !has_line(&new, &last).map_err(failed("read", &new))? {

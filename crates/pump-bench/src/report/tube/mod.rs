@@ -159,6 +159,11 @@ impl TubeReport {
                  exceed the uncertainty of the last calibration\n"
             ),
             (Some((drift, unsure)), None) => format!("drift {drift} % ± {unsure} % in 30 days (k = 2)\n"),
+            (None, _) if self.calibrations.len() >= DRIFT_NEEDS => format!(
+                "calibrate again by: unknown, since the {} calibrations of this tube were made at one time or have no \
+                 uncertainty; a drift shows after days\n",
+                self.calibrations.len()
+            ),
             (None, _) => format!(
                 "calibrate again by: unknown, since {} of {DRIFT_NEEDS} calibrations of this tube are on record\n",
                 self.calibrations.len()

@@ -31,7 +31,8 @@ impl TubeReport {
         tube_svg(&title, &self.points())
     }
 
-    /// Returns the picture for a terminal. It is empty with fewer than two calibrations.
+    /// Returns the picture for a terminal. It is empty with fewer than two calibrations, and with all at
+    /// one time.
     pub(super) fn picture(&self) -> String {
         let points = self.points();
         if points.len() < LEAST {
@@ -40,14 +41,15 @@ impl TubeReport {
         let low = points.iter().map(|(_, factor, unsure)| factor - unsure).fold(f64::INFINITY, f64::min);
         let high = points.iter().map(|(_, factor, unsure)| factor + unsure).fold(f64::NEG_INFINITY, f64::max);
         let days = points.iter().map(|(day, ..)| *day).fold(0.0, f64::max);
+        if days <= 0.0 {
+            // Calibrations of one time have no course.
+            return String::new();
+        }
         let line = |factor: f64| {
             let part = if high > low { (high - factor) / (high - low) } else { 0.5 };
             (part * (LINES - 1) as f64).round() as usize
         };
-        let column = |day: f64| {
-            let part = if days > 0.0 { day / days } else { 0.0 };
-            (part * (COLUMNS - 1) as f64).round() as usize
-        };
+        let column = |day: f64| (day / days * (COLUMNS - 1) as f64).round() as usize;
         let mut cells = vec![vec![' '; COLUMNS]; LINES];
         for (day, factor, unsure) in &points {
             let place = column(*day);

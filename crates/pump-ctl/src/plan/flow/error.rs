@@ -132,7 +132,7 @@ pub enum FlowError {
         least_s: f64,
     },
     /// The flow takes more than 1e9 motor steps.
-    #[error("the flow would take more than 1e9 motor steps by {time_s:.4} s, in row {row}")]
+    #[error("the flow would take more than 1e9 motor steps by {:.4} s, in row {row}", Shown(*time_s))]
     TooManySteps {
         /// Number of the row.
         row: u64,
