@@ -83,7 +83,11 @@ impl RackArgs {
         let report = report.map_err(|error| refused(error).after_earlier_motion(moved))?;
         let (has_moved, total) = (report.has_moved(), report.total);
         let report = said(report, json, &shown.warned(), &places).map_err(|failure| {
-            if has_moved { unprinted(&failure, total.delivered_ml, total.delivered_range_ml()) } else { failure }
+            if has_moved {
+                unprinted(&failure, total.delivered_ml, total.delivered_range_ml())
+            } else {
+                failure
+            }
         })?;
         ended(report, &interrupt, &places)
     }
