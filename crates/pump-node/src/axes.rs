@@ -259,16 +259,10 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
         Ok(())
     }
 
-    pub(crate) fn stop(&mut self, moves: [u32; AXES]) -> Result<[Option<Stopping>; AXES], Refusal> {
-        self.named(moves)?;
+    /// Stops a move of an axis, and every earlier one.
+    pub(crate) fn stop(&mut self, axis: u8, move_number: u32) -> Result<Option<Stopping>, Refusal> {
         let now = self.board.now();
-        let mut ends = [None; AXES];
-        for ((axis, number), end) in self.axes.iter_mut().zip(moves).zip(&mut ends) {
-            if number != 0 {
-                *end = axis.stop(number, End::Stopped, now);
-            }
-        }
-        Ok(ends)
+        Ok(self.axis(axis)?.stop(move_number, End::Stopped, now))
     }
 
     pub(crate) fn confirm(&mut self, axis: u8, read: FaultCounts) -> Result<FaultCounts, Refusal> {
@@ -276,7 +270,7 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
     }
 
     /// Checks that moves are named for axes that are there, and for one at least.
-    fn named(&self, moves: [u32; AXES]) -> Result<(), Refusal> {
+    pub(crate) fn named(&self, moves: [u32; AXES]) -> Result<(), Refusal> {
         let missing = moves.iter().skip(A).any(|number| *number != 0);
         if missing || moves == [0; AXES] { Err(no_such_axis::<A>()) } else { Ok(()) }
     }

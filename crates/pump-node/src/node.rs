@@ -2,7 +2,7 @@
 
 use pump_ctl::step::{BRAKE_ENTRIES, Brake, Segment, TickRate};
 use pump_link::frame::{AnswerHeader, Encoded, FrameError, RequestHeader, VERSION, body};
-use pump_link::message::{Answer, AxisConfig, Identity, Refusal, Request};
+use pump_link::message::{AXES, Answer, AxisConfig, Identity, Refusal, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::receiver::{Arrival, DeadMan, Expected};
 
@@ -192,9 +192,7 @@ impl Node {
                 Ok(Answer::Accepted { next, room })
             }
             Request::Begin { at, moves } => shared.with(|axes| axes.begin(at, moves)).map(|()| Answer::Begun),
-            Request::Stop { moves } => {
-                shared.with(|axes| axes.stop(moves)).map(|ends| Answer::Stopped { ends })
-            }
+            Request::Stop { moves } => stop(moves, shared),
             Request::FaultsRead { axis, read } => {
                 shared.with(|axes| axes.confirm(axis, read)).map(|unread| Answer::Faults { unread })
             }
@@ -298,6 +296,21 @@ impl Node {
         }
         Ok(Answer::Configured { brake_entries: there as u8 })
     }
+}
+
+/// Stops the moves that are named, one at a time, so that the interrupt is kept off only for short times.
+fn stop<P: Pins, B: Board, const Q: usize, const A: usize>(
+    moves: [u32; AXES],
+    shared: &mut impl Shared<P, B, Q, A>,
+) -> Result<Answer, Refusal> {
+    shared.with(|axes| axes.named(moves))?;
+    let mut ends = [None; AXES];
+    for ((axis, number), end) in (0..).zip(moves).zip(&mut ends) {
+        if number != 0 {
+            *end = shared.with(|axes| axes.stop(axis, number))?;
+        }
+    }
+    Ok(Answer::Stopped { ends })
 }
 
 /// Takes the segments of a request, one at a time, so that the interrupt is kept off only for short times.

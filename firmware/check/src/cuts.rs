@@ -10,7 +10,7 @@ use pump_ctl::step::Segment;
 use pump_link::message::{AXES, Answer, AxisState, AxisStatus, Request};
 
 use crate::board::host::{Host, Move, TICK_RATE};
-use crate::board::motor::{Motor, rises};
+use crate::board::motor::Motor;
 use crate::board::noise::Noise;
 use crate::board::random::Random;
 use crate::check;
@@ -20,10 +20,6 @@ const DEAD_MAN_MS: u16 = 100;
 
 /// Longest silence of a host, ms. About half of them are longer than the dead-man time.
 const LONGEST_SILENCE_MS: u64 = 250;
-
-/// Longest time for which a stop and a configuration may keep interrupts off, in ns. Steps of other axes wait for it.
-const MOST_STOP_OFF_NS: f64 = 40e3;
-const MOST_CONFIGURED_OFF_NS: f64 = 30e3;
 
 /// Cuts the link of so many moves, and holds the board's count against the edges each time. In every second one single
 /// bytes change on the line, in both directions.
@@ -97,46 +93,4 @@ fn stopped(host: &mut Host, case: u32) -> Result<AxisStatus, Box<dyn Error>> {
             return Ok(status);
         }
     }
-}
-
-/// Stops moves at random instants. The deceleration begins within 1 ms of the end of the frame.
-pub(crate) fn stops(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> {
-    /// Interval of the steps, us.
-    const INTERVAL: u64 = 200;
-    let mut host = Host::new(firmware, 500)?;
-    let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
-    host.emulator.extremes()?;
-    host.configure(0, &brake)?;
-    let configured_ns = host.emulator.extremes()?.off_ns;
-    let mut random = Random(0x0bad_cafe_1234_5671);
-    let (mut latest_us, mut off_ns): (f64, f64) = (0.0, 0.0);
-    for case in 1..=number {
-        let even = Segment { count: 400, interval: INTERVAL, add: 0, frac: 0 };
-        check(host.begin(case, &Move::new(0, [even; 10])?, 10)?, "that a move begins")?;
-        host.emulator.sleep(Duration::from_micros(50_000 + random.below(300_000)));
-        host.emulator.take_edges();
-        host.emulator.extremes()?;
-        let frame = host.frame(&Request::Stop { moves: [case, 0, 0, 0] })?;
-        let ends_us = 1e6 * host.emulator.now().as_secs_f64() + frame.len() as f64 * 1e7 / 460_800.0;
-        host.emulator.write(&frame)?;
-        host.emulator.sleep(Duration::from_millis(100));
-        off_ns = off_ns.max(host.emulator.extremes()?.off_ns);
-        let rises: Vec<f64> = rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
-        let slower = rises.windows(2).find(|pair| pair[1] - pair[0] > INTERVAL as f64 + 2.0);
-        let Some(slower) = slower else { return Err("a stop did nothing".into()) };
-        latest_us = latest_us.max(slower[1] - ends_us);
-        while !matches!(host.status(0)?.state, AxisState::Ended(_)) {}
-    }
-    println!(
-        "{number} stops at 5,000 steps/s: slower {:.2} ms after the end of the frame, at most",
-        1e-3 * latest_us
-    );
-    println!(
-        "  interrupts are off for {:.0} us at most while an axis is configured, for {:.0} us in a stop",
-        1e-3 * configured_ns,
-        1e-3 * off_ns
-    );
-    check(latest_us < 1000.0, "a stop within 1 ms of its frame")?;
-    check(off_ns > 0.0 && off_ns <= MOST_STOP_OFF_NS, "the time for which a stop keeps interrupts off")?;
-    check(configured_ns <= MOST_CONFIGURED_OFF_NS, "the time for which a configuration keeps interrupts off")
 }

@@ -31,7 +31,10 @@ pub(crate) const START_RAD: f64 = 0.3;
 
 /// Doses with axis X: mL, mL/s, and true if smooth.
 const DOSES: [(f64, f64, bool); 5] =
-    [(1.0, 4.0, false), (0.5, 1.0, true), (2.0, 4.0, true), (10.0, 8.0, true), (-1.0, 4.0, true)];
+    [(1.0, 4.0, false), (8.0, 1.0, true), (8.0, 4.0, true), (10.0, 8.0, true), (-1.0, 4.0, true)];
+
+/// Least volume of a smooth dose that has a whole pitch of cruise, mL.
+const PITCH_ML: f64 = 8.0;
 
 /// Makes whole doses, stops one and resets the board in another.
 pub(crate) fn doses(firmware: &Path) -> Result<(), Box<dyn Error>> {
@@ -42,6 +45,11 @@ pub(crate) fn doses(firmware: &Path) -> Result<(), Box<dyn Error>> {
     dose(firmware, Axis::A, 1.0, 4.0, true)?;
     stop(firmware)?;
     reset(firmware)
+}
+
+/// Makes one dose.
+pub(crate) fn one(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    dose(firmware, Axis::X, 2.0, 4.0, true)
 }
 
 /// Board that was met, with the pump of the plans.
@@ -112,7 +120,7 @@ fn dose(firmware: &Path, axis: Axis, volume_ml: f64, ml_s: f64, smooth: bool) ->
     check(made == plan.steps().unsigned_abs() && rises.len() as u64 == made, "the number of steps")?;
     check(half_us <= MOST_OFF_US, "the times of the steps")?;
     // A whole pitch of cruise.
-    if smooth && volume_ml >= 10.0 {
+    if smooth && volume_ml >= PITCH_ML {
         ripple::hold(&met.pump, &plan, &rises)?;
     }
     let direction = step_pin(axis as u8) + 1;

@@ -17,6 +17,7 @@ mod ripple;
 mod sensors;
 mod size;
 mod slow;
+mod stops;
 mod together;
 mod uf2;
 mod usb;

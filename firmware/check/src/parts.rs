@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use crate::{axes, command, cuts, doses, retarget, sensors, slow, together, uf2, usb};
+use crate::{axes, command, cuts, doses, retarget, sensors, slow, stops, together, uf2, usb};
 
 /// Names of the parts, those that take longest first.
 const PARTS: [&str; 11] =
@@ -25,6 +25,7 @@ const SLOW_MIN: f64 = 5.0;
 pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<(), Box<dyn Error>> {
     let count = |usual| number.map_or(Ok(usual), str::parse);
     match part {
+        "one" => doses::one(firmware),
         "doses" => doses::doses(firmware),
         "command" => command::command(firmware, number),
         "usb" => usb::dose(firmware),
@@ -33,11 +34,11 @@ pub(crate) fn make(firmware: &Path, part: &str, number: Option<&str>) -> Result<
         "sensors" => sensors::sensors(firmware),
         "retarget" => retarget::retarget(firmware),
         "smooth" => together::smooth(firmware),
-        "stops" => cuts::stops(firmware, count(STOPS)?),
+        "stops" => stops::stops(firmware, count(STOPS)?),
         "cuts" => cuts::cuts(firmware, count(CUTS)?),
         "slow" => slow::slow(firmware, number.map_or(Ok(SLOW_MIN), str::parse)?),
         "uf2" => uf2::hold(firmware, number),
-        other => Err(format!("'{other}' is no part; allowed are uf2, {}", PARTS.join(", ")).into()),
+        other => Err(format!("'{other}' is no part; allowed are one, uf2, {}", PARTS.join(", ")).into()),
     }
 }
 

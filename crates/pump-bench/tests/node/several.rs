@@ -339,7 +339,7 @@ fn a_plan_that_the_line_does_not_carry_beside_the_others_is_refused_with_the_fig
                 let (board, state) = (&board, state.path());
                 scope.spawn(move || {
                     let mut drive = drive(board, &slow(axis), state, axis).unwrap();
-                    let plan = crate::rig::dose(30.0, 2.0, true);
+                    let plan = crate::rig::dose(30.0, 1.5, true);
                     pump_bench::drives::Drive::run(&mut drive, &plan, &mut crate::rig::go)
                 })
             })

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use pump_ctl::plan::PlannedMotion;
-use pump_link::message::{Answer, AxisState, AxisStatus, End, MAX_PACKED, MoveOrder, Refusal, Request};
+use pump_link::message::{Answer, AxisState, AxisStatus, End, MoveOrder, PROMPT_PACKED, Refusal, Request};
 
 use super::lead::SentLead;
 use super::move_feed::MoveFeed;
@@ -28,7 +28,7 @@ const STATUS: Duration = Duration::from_millis(20);
 const STOP_LIMIT: Duration = Duration::from_secs(15);
 
 /// Most frames of segments of an axis under way.
-const MOST_FRAMES: usize = 4;
+const MOST_FRAMES: usize = 6;
 
 /// Parts of a second that frames under way may take on the line: 1/40 s, half the time after which they are sent
 /// again.
@@ -208,10 +208,10 @@ impl<'a> Motion<'a> {
             }
             let bytes_s = self.board.baud / 10;
             let most = (bytes_s / UNDER_WAY / self.task.sharers) as usize;
-            let frames = (most / MAX_PACKED).clamp(1, MOST_FRAMES);
-            let mut packed = [0; MAX_PACKED];
+            let frames = (most / PROMPT_PACKED).clamp(1, MOST_FRAMES);
+            let mut packed = [0; PROMPT_PACKED];
             while link.under_way(Subject::Segments) < frames {
-                let room = packed.get_mut(..most.clamp(32, MAX_PACKED)).unwrap_or_default();
+                let room = packed.get_mut(..most.clamp(32, PROMPT_PACKED)).unwrap_or_default();
                 let Some(chunk) = feed.stream.chunk(room) else { break };
                 feed.bracket.sent(chunk.end);
                 let packed = packed.get(..chunk.bytes).unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use pump_ctl::plan::PlannedMotion;
 use pump_ctl::step::{Brake, Segment, TickRate, Ticks};
-use pump_link::message::{AxisConfig, Identity, MAX_PACKED};
+use pump_link::message::{AxisConfig, Identity, PROMPT_PACKED};
 use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
 use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
 use pump_link::timing::rate_hz;
@@ -200,7 +200,7 @@ fn demand<const Q: usize>(
         codec.write(&segment, &mut room).map_err(StreamError::Pack)?;
         let used = MAX_PACKED_SEGMENT - room.len();
         // Each segment takes its share of the frame around it.
-        let bytes = used + (used * FRAME_OVERHEAD).div_ceil(MAX_PACKED);
+        let bytes = used + (used * FRAME_OVERHEAD).div_ceil(PROMPT_PACKED);
         demand.segment(&segment, bytes as u32).map_err(|error: TooFast| NodeError::from(error))?;
     }
     Ok(())
