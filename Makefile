@@ -16,6 +16,7 @@ test-rust:
 	cargo test --locked
 
 test-python: $(VENV)/installed
+	cargo build --locked --example simulated_node
 	cd crates/pump-py && $(BIN)/python -m pytest -q
 
 # Installed anew whenever a source of the Python module has changed.
@@ -130,7 +131,7 @@ pulse-prior:
 
 # The integrator too must do without std; what firmware needs must link without a panic, for size and for speed. The last
 # line is the test of that test: an index that may be out of range must not link.
-embedded:
+embedded: node-pico
 	rustup target add $(TARGETS)
 	for target in $(TARGETS); do cargo build --locked -p pump-model --features experimental,identification --target $$target || exit 1; done
 	cargo build --locked -p pump-ctl --features serde,defmt --target thumbv7em-none-eabihf
@@ -151,8 +152,10 @@ embedded:
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
 	cargo build --locked -p check-node --bin check-node-mps2
 	timeout 120 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED) one
+	timeout 120 cargo run --locked -p check-node $(FIRMWARE) one
 
-# The node's firmware for the mps2-an386, which QEMU emulates. `make embedded` makes one dose with it, `make node` more.
+# The node's firmware for the mps2-an386, which QEMU emulates. `make embedded` makes one dose with it and one with the
+# Pico's, `make node` more.
 EMULATED := target/thumbv7em-none-eabihf/release/pump-node-emulated
 
 # The node's firmware for the Raspberry Pi Pico, to be dragged onto its drive.
@@ -171,8 +174,8 @@ node-pico:
 	cd firmware/pico && cargo build --locked --release --target-dir ../../target
 
 # Doses by the drive of the node with the firmware of two boards in emulators, and holds the edges of their pins against
-# the plan. Time is the boards', so a slow computer makes this slow and changes no result; the limits end a computer that
-# hangs. The part `command` runs the command in real time. `check-node FIRMWARE.elf PART [NUMBER]` makes one part.
+# the plan. Time is the boards', so a slow computer makes this slow and changes no result. Two idle cores take less than
+# 15 minutes in all, and each part says its own time; the limits leave them twice as long. The part `command` runs the command in real time. `check-node FIRMWARE.elf PART [NUMBER]` makes one part.
 node: node-pico
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
@@ -180,11 +183,11 @@ node: node-pico
 	cargo build --locked -p check-node
 	$(MAKE) firmware
 	cargo run --locked -p check-node $(FIRMWARE) uf2 target/pump-node.uf2
-	timeout 3600 cargo run --locked -p check-node $(FIRMWARE)
+	timeout 1500 cargo run --locked -p check-node $(FIRMWARE)
 	rustup target add thumbv7em-none-eabihf
 	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
-	timeout 3600 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
+	timeout 300 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
 
 docs:
 	cargo doc --locked --workspace --no-deps --open
