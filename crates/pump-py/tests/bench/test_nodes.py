@@ -12,17 +12,15 @@ import pumpmodel as pm
 
 NODE = Path(__file__).parents[4] / "target" / "debug" / "examples" / "simulated_node"
 
-pytestmark = [
-    pytest.mark.skipif(not NODE.exists(), reason="`cargo build --example simulated_node` makes the node"),
-    # What a dose warns of is not the matter here.
-    pytest.mark.filterwarnings("ignore::UserWarning"),
-]
+# What a dose warns of is not the matter here.
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 
 
 class Node:
     """A simulated node in a process of its own."""
 
     def __init__(self, number: int = 1) -> None:
+        assert NODE.exists(), f"{NODE} is missing: `cargo build --example simulated_node` makes it"
         self._process = subprocess.Popen(
             [NODE, "--piped", "--number", str(number)],
             stdin=subprocess.PIPE,
