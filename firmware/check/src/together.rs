@@ -85,7 +85,7 @@ pub(crate) fn evens(firmware: &Path) -> Result<(), Box<dyn Error>> {
     for apart in [250, 27, 1_000_000 / HELD_HZ] {
         even(firmware, 4, 4 * apart, apart)?;
     }
-    // One axis at the shortest interval of whole us that the board accepts, and four between that rate and the held one.
+    // One axis at the shortest interval that the board accepts, and four between that rate and the held one.
     let allowed = Host::new(firmware, 500)?.identity.max_step_hz;
     even(firmware, 1, 1_000_000_u64.div_ceil(u64::from(allowed)), 0)?;
     even(firmware, 4, 4 * 22, 22)?;

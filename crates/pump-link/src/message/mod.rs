@@ -26,8 +26,8 @@ pub const AXES: usize = 4;
 /// Largest number of bytes of packed segments or entries in a request.
 pub const MAX_PACKED: usize = 208;
 
-/// Most bytes of packed segments in a request behind which a stop still acts within 1 ms of its frame, while four motors
-/// turn (measured with an emulated RP2040, docs/node.md). The node takes the segments one by one between the steps.
+/// Most bytes of packed segments in a request behind which a stop of four motors still acts within 1 ms of its frame,
+/// as measured with an emulated RP2040 (docs/node.md). The node takes segments one by one, between the steps.
 pub const PROMPT_PACKED: usize = 64;
 
 /// Shortest dead-man time that a host may set, ms.
