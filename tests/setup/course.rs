@@ -150,7 +150,6 @@ fn doses_after_a_sitting_with_a_drawn_pump_lie_in_their_intervals() {
         }
     });
     let (inside, doses) = (inside.into_inner(), 2 * draws);
-    println!("{inside} of {doses} doses lie in their intervals");
     assert!(100 * inside >= 93 * doses, "{inside} of {doses}");
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use pump_bench::catalogue::unusual;
 use pump_bench::config::Config;
 use pump_bench::drives::FoundBoard;
 use pump_bench::notice::{Notice, Remedy};
@@ -233,8 +234,9 @@ fn still_done(before: &Answers, after: &Answers) -> Done {
     still
 }
 
-/// Leaves the warnings out that the course is there to answer: that nobody knows the angle or has weighed the pump.
-pub(super) fn quieten(prepared: &mut Prepared) {
+/// Leaves the warnings out that the course is there to answer, that nobody knows the angle or has weighed the pump, and
+/// those that the summary of the answers has said.
+pub(super) fn quieten(bench: &Bench, prepared: &mut Prepared) {
     const ANSWERED: [Remedy; 6] = [
         Remedy::TurnAndSayAngle,
         Remedy::FindAngle,
@@ -243,9 +245,12 @@ pub(super) fn quieten(prepared: &mut Prepared) {
         Remedy::WeighToBeSurer,
         Remedy::CalibrateRuns,
     ];
+    let said = unusual(bench.file());
     prepared.warnings.retain(|warning| {
         let is_of_angle = warning.text().starts_with("the rollers' angle is unknown");
-        !is_of_angle && !warning.remedies().iter().any(|remedy| ANSWERED.contains(remedy))
+        !is_of_angle
+            && !said.contains(warning)
+            && !warning.remedies().iter().any(|remedy| ANSWERED.contains(remedy))
     });
 }
 

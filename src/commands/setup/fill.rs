@@ -55,7 +55,7 @@ fn prime(course: &mut Course, volume_ml: f64) -> Asked<()> {
     let mut session = bench.session()?;
     let prepared = session.prepare(DoseRequest::new(Purpose::Prime, volume_ml));
     let mut prepared = noted(&mut session, prepared)?;
-    quieten(&mut prepared);
+    quieten(&bench, &mut prepared);
     course.tell_time(prepared.motion_s());
     let delivered =
         deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false, &mut Warned::default());

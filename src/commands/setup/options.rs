@@ -10,6 +10,7 @@ use pump_model::units::{degrees, rpm};
 
 use crate::failure::Failure;
 use crate::options::choice::choice;
+use crate::options::limits::ambient_kpa;
 
 /// Dimensions that a head has if it is drawn.
 const DRAWING: [&str; 5] = ["tube", "backplate", "roller", "offset", "contact"];
@@ -256,18 +257,5 @@ impl AnswerOptions {
 fn put<T>(answer: &mut Option<T>, given: Option<T>) {
     if given.is_some() {
         *answer = given;
-    }
-}
-
-/// Reads the pressure of the air, which is absolute.
-pub(super) fn ambient_kpa(pressure: Pressure) -> Result<f64, Failure> {
-    match pressure {
-        Pressure::Absolute(kpa) => Ok(kpa),
-        Pressure::Gauge(kpa) => {
-            let refused = Failure::refused(
-                "the air's pressure is what gauge pressures are measured against; give it absolute",
-            );
-            Err(refused.value(format!("{kpa} kPa gauge")).allowed("an absolute pressure, as 98.2kPaa"))
-        }
     }
 }

@@ -184,7 +184,7 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<Option<f64>> 
     let mut session = bench.session()?;
     let prepared = session.prepare(DoseRequest::dose(volume_ml));
     let mut prepared = noted(&mut session, prepared)?;
-    quieten(&mut prepared);
+    quieten(&bench, &mut prepared);
     course.tell_time(prepared.motion_s());
     let delivered =
         deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false, &mut Warned::default());
