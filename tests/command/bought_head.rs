@@ -91,7 +91,10 @@ fn lines_make_pressures_known_and_limits_possible() {
 
     let unknown = pump(&user, ["count = 4", "count = 4"]);
     let said = user.is_refused(&["5mL", "--pump", unknown, "--max-outlet-pressure", "200kPaa"]);
-    assert!(said.contains("[inlet] is missing") && said.contains("a pressure limit"), "{said}");
+    assert!(
+        said.contains("[inlet] resistance_kpa_s_ml is missing") && said.contains("a pressure limit"),
+        "{said}"
+    );
 }
 
 #[test]

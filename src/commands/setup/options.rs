@@ -118,7 +118,7 @@ pub(super) struct AnswerOptions {
     pub(super) turned: Option<f64>,
     /// Volume that fills the line, as 5mL; 0 for a line that is full
     #[arg(long, value_name = "VOLUME", help_heading = "First dose", value_parser = volume_or_0)]
-    prime: Option<f64>,
+    pub(super) prime: Option<f64>,
     /// Volume of the dose that is weighed, as 5mL [default: what fits the head]
     #[arg(long, value_name = "VOLUME", help_heading = "First dose", value_parser = units::volume_ml)]
     volume: Option<f64>,
