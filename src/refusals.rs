@@ -102,6 +102,7 @@ pub(crate) fn misplaced(error: &clap::Error, path: &[String], root: &Command) ->
         [] => return None,
         [owner] => format!("it belongs to {owner}"),
         [first, second] => format!("{first} and {second} do"),
+        [first, second, third] => format!("{first}, {second} and {third} do"),
         [first, second, more @ ..] => {
             format!("leave it out; {first}, {second} and {} other commands take it", more.len())
         }

@@ -61,6 +61,7 @@ impl ResumeArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.by_weight.check(&self.balance)?;
         let mut file = self.bench.pump.file()?;
+        self.limits.change(&mut file)?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
         let request = DoseRequest::dose(0.0)

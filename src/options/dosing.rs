@@ -105,6 +105,7 @@ impl DosingOptions {
         let mut file = self.bench.pump.file()?;
         self.tube_limit.change(&mut file);
         self.day_limit.change(&mut file)?;
+        self.limits.change(&mut file)?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
         let config = self.config()?;

@@ -1,7 +1,7 @@
 //! The limits of a dose.
 
 use clap::Args;
-use pump_bench::pump_file::PumpFile;
+use pump_bench::pump_file::{AmbientTable, PumpFile};
 use pump_bench::units::{self, Pressure};
 use pump_ctl::plan::PressureLimits;
 
@@ -17,6 +17,26 @@ pub(crate) struct PressureOptions {
     /// Smallest pressure at the port that sucks, as 45kPaa
     #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
     min_inlet_pressure: Option<Pressure>,
+    /// Pressure of the air today, as 98.2kPaa [default: the pump file's]
+    #[arg(
+        long_help = "Pressure of the air today, as 98.2kPaa, in place of the pump file's [ambient]: gauge pressures \
+        are measured against it, and lifts begin at it. A reservoir whose absolute pressure the file states keeps it."
+    )]
+    #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
+    ambient: Option<Pressure>,
+}
+
+/// Reads the pressure of the air, which is absolute.
+pub(crate) fn ambient_kpa(pressure: Pressure) -> Result<f64, Failure> {
+    match pressure {
+        Pressure::Absolute(kpa) => Ok(kpa),
+        Pressure::Gauge(kpa) => {
+            let refused = Failure::refused(
+                "the air's pressure is what gauge pressures are measured against; give it absolute",
+            );
+            Err(refused.value(format!("{kpa} kPa gauge")).allowed("an absolute pressure, as 98.2kPaa"))
+        }
+    }
 }
 
 /// The most volume in 24 hours.
@@ -89,6 +109,14 @@ fn tube_life(text: &str) -> Result<AskedLife, units::QuantityError> {
 }
 
 impl PressureOptions {
+    /// Puts the air's pressure that is named in place of the pump file's.
+    pub(crate) fn change(&self, file: &mut PumpFile) -> Result<(), Failure> {
+        if let Some(kpa) = self.ambient.map(ambient_kpa).transpose()? {
+            file.ambient = AmbientTable::of_pressure_kpa(kpa);
+        }
+        Ok(())
+    }
+
     /// The limits that are named, kPa absolute.
     pub(crate) fn pressures(&self, file: &PumpFile) -> PressureLimits {
         let absolute_kpa = |pressure: Pressure| pressure.absolute_kpa(file.ambient.pressure_kpa);

@@ -91,7 +91,10 @@ fn lines_make_pressures_known_and_limits_possible() {
 
     let unknown = pump(&user, ["count = 4", "count = 4"]);
     let said = user.is_refused(&["5mL", "--pump", unknown, "--max-outlet-pressure", "200kPaa"]);
-    assert!(said.contains("[inlet] is missing") && said.contains("a pressure limit"), "{said}");
+    assert!(
+        said.contains("[inlet] resistance_kpa_s_ml is missing") && said.contains("a pressure limit"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -179,4 +182,40 @@ fn the_docs_table_of_bounds_is_what_doses_state() {
             assert!((found_ml / stated_ml - 1.0).abs() < 0.01, "{volume}, column {column}: {found_ml}");
         }
     }
+}
+
+#[test]
+fn a_dose_repeats_what_the_check_doubts_of_a_head_until_it_is_weighed() {
+    let user = User::new();
+    let one = pump(&user, ["count = 4", "count = 1"]);
+    let text = fs::read_to_string(user.path(one)).unwrap();
+    // 9.5 m of water are 92.9 kPa.
+    fs::write(user.path(one), format!("{text}\n[inlet]\nlift_mm = 9500.0\n")).unwrap();
+    let check = user.types(&["pumps", "check", one]).out;
+    let dose = ["25mL", "--pump", one, "--dry-run"];
+    let warned = |report: &Value| report["warnings"].to_string();
+    let report = user.json(&dose);
+    for part in
+        ["one roller seals the tube only on a bed", "the pump sucks with 92.9 kPa below the air's pressure"]
+    {
+        assert!(check.contains(&format!("warning   {part}")), "{part}: {check}");
+        assert_eq!(warned(&report).matches(part).count(), 1, "{part}: {report}");
+    }
+    let four = pump(&user, ["count = 4", "count = 4"]);
+    let report = warned(&user.json(&["25mL", "--pump", four, "--dry-run"]));
+    assert!(!report.contains("one roller") && !report.contains("sucks with"), "{report}");
+}
+
+#[test]
+fn a_head_that_was_changed_in_a_copy_of_the_built_in_file_is_warned_of_by_check_and_dose() {
+    let user = User::new();
+    let shown = user.types(&["pumps", "show", "three-roller"]).out;
+    let text = shown.replace("id = \"three-roller\"", "id = \"mine\"").replace("count = 3", "count = 4");
+    fs::write(user.path("mine.toml"), text).unwrap();
+    let said = "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs";
+    let check = user.types(&["pumps", "check", "mine.toml"]);
+    assert!(check.out.contains(&format!("  warning   {said}")), "{}{}", check.out, check.err);
+    let dose = user.json(&["25mL", "--pump", "mine.toml", "--dry-run"]);
+    assert!(dose["warnings"].to_string().contains(said), "{dose}");
+    assert!(!user.types(&["pumps", "check", "three-roller"]).out.contains(said));
 }

@@ -150,7 +150,6 @@ fn doses_after_a_sitting_with_a_drawn_pump_lie_in_their_intervals() {
         }
     });
     let (inside, doses) = (inside.into_inner(), 2 * draws);
-    println!("{inside} of {doses} doses lie in their intervals");
     assert!(100 * inside >= 93 * doses, "{inside} of {doses}");
 }
 
@@ -195,6 +194,9 @@ fn a_pump_that_turns_the_wrong_way_is_turned_round() {
         ended.err
     );
     assert!(desk.configured("pumps/acid.toml").unwrap().contains("invert = true"));
+    // Setup itself has turned the direction round.
+    assert!(ended.err.contains("its direction was turned round"), "{}", ended.err);
+    assert!(!ended.err.contains("something else has moved it"), "{}", ended.err);
     // Once forward and once back.
     assert_eq!(pump.board.rest().steps, 0);
 }

@@ -241,3 +241,98 @@ fn a_correction_that_is_left_changes_nothing() {
     assert_eq!(ended.asked.len(), 1, "{:?}", ended.asked);
     assert!(desk.configured("pumps/acid.toml").unwrap().contains("altitude_m = 500"));
 }
+
+#[test]
+fn a_filling_that_was_stopped_is_asked_for_again_with_the_rest() {
+    let desk = Desk::new();
+    let pump = TruePump::left_alone(0.5, 3200.0, (0.23, 50.0), 0.2);
+    let port = pump.port();
+    let head = ["--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--altitude", "500m"];
+    let board =
+        ["--driver", "grbl", "--port", &port, "--axis", "X", "--turned", "1", "--direction", "forward"];
+    let words = [&["setup", "acid"][..], &head, &board].concat();
+    let stopped = thread::scope(|scope| {
+        desk.answers(&words, &mut |question| {
+            if question.starts_with("Volume that fills") {
+                let (desk, pump, from) = (&desk, &pump, pump.board.rest().steps);
+                scope.spawn(move || {
+                    // 10 mL are 64000 steps.
+                    while pump.board.truth().steps - from < 6400 {
+                        thread::sleep(Duration::from_millis(2));
+                    }
+                    let process = desk.process.load(Ordering::SeqCst).to_string();
+                    assert!(Command::new("kill").args(["-INT", &process]).status().unwrap().success());
+                });
+                return Some("10mL".to_owned());
+            }
+            Some(if question.starts_with("May the motor") { "yes".to_owned() } else { String::new() })
+        })
+    });
+    assert_eq!(stopped.code, 130, "{}{}", stopped.out, stopped.err);
+    let steps = pump.board.rest().steps;
+    let mut suggested = String::new();
+    let ended = desk.answers(&["setup", "acid"], &mut |question| {
+        if question.starts_with("Volume that fills") {
+            suggested = question.to_owned();
+            return None;
+        }
+        Some(String::new())
+    });
+    assert!(ended.code == 2 && ended.err.contains("--prime"), "{}", ended.err);
+    let rest = suggested.split(['[', ']']).nth(1).and_then(|rest| rest.strip_suffix("mL")).unwrap();
+    let rest_ml: f64 = rest.parse().unwrap();
+    let pumped_ml = (steps - 3200) as f64 / 3200.0 * 0.5;
+    assert!((rest_ml - (10.0 - pumped_ml)).abs() < 0.3, "{suggested}: {pumped_ml} mL were pumped");
+    assert_eq!(pump.board.rest().steps, steps, "nothing moves before the volume is said");
+}
+
+#[test]
+fn a_motion_that_takes_long_is_asked_for_and_one_beyond_an_hour_is_a_slip() {
+    let desk = Desk::new();
+    let moved = |desk: &Desk| desk.journal("acid", "sim").unwrap().matches("\"purpose\":\"prime\"").count();
+    let mut react = by_part(&ANSWERS);
+    let no = desk.answers(&["setup", "acid"], &mut |question| match question {
+        q if q.starts_with("Volume that fills") => Some("100mL".to_owned()),
+        q if q.starts_with("That is long for a line") => Some("no".to_owned()),
+        q => react(q),
+    });
+    assert_eq!(no.code, 0, "{}", no.err);
+    assert!(no.err.contains("A real pump would take 476 s."), "{}", no.err);
+    assert_eq!(moved(&desk), 0);
+    let refused = desk.types(&["setup", "acid", "--prime", "5L", "--yes"]);
+    assert!(refused.code == 2 && refused.err.contains("5000 mL take longer than an hour"), "{}", refused.err);
+    assert_eq!(moved(&desk), 0);
+    let (mut fills, mut doses) = (["1mL"].iter(), ["5L", "5mL"].iter());
+    let ended = desk.answers(&["setup", "acid"], &mut |question| match question {
+        q if q.starts_with("Volume that fills") => fills.next().map(ToString::to_string),
+        q if q.starts_with("Volume of the dose") => doses.next().map(ToString::to_string),
+        q => react(q),
+    });
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("5000 mL take longer than an hour at the usual rate"), "{}", ended.err);
+    // The time is known before the word that begins it.
+    let vessel = ended.err.find("Put a vessel").unwrap();
+    assert!(ended.err[..vessel].ends_with("A real pump would take 24 s.\n"), "{}", ended.err);
+    let silent = desk.types(&["setup", "acid", "--again", "--volume", "5L", "--yes"]);
+    assert!(silent.code == 2 && silent.err.contains("say --volume 5mL"), "{}", silent.err);
+}
+
+#[test]
+fn a_pump_that_was_removed_before_its_setup_ended_can_be_set_up_again() {
+    let desk = Desk::new();
+    let mut react = by_part(&ANSWERS);
+    // The pump has moved, and no dose was weighed.
+    let left = desk.answers(&["setup", "acid"], &mut |question| {
+        if question.starts_with("Volume of the dose") { Some("quit".to_owned()) } else { react(question) }
+    });
+    assert_eq!(left.code, 0, "{}", left.err);
+    let removed = desk.types(&["pumps", "remove", "acid", "--anyway"]);
+    assert_eq!(removed.code, 0, "{}", removed.err);
+    assert!(removed.out.contains("`dose setup acid` writes the pump file again"), "{}", removed.out);
+    assert_eq!(desk.configured("pumps/acid.toml"), None);
+    let again = desk.types(&["setup", "acid", "--anew", "--no-motion"]);
+    assert!(again.code == 2 && again.err.contains("no answer to \"Head"), "{}", again.err);
+    let again = desk.answers(&["setup", "acid", "--no-motion"], &mut by_part(&ANSWERS));
+    assert_eq!(again.code, 0, "{}", again.err);
+    assert!(desk.configured("pumps/acid.toml").is_some());
+}

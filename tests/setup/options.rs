@@ -161,6 +161,7 @@ fn a_file_of_absolute_pressures_is_asked_for_the_place_and_keeps_its_heights_in_
     }
     assert!(!file.contains("reservoir_kpa"), "{file}");
     // The example's place is one of its own.
+    let desk = Desk::new();
     let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pumps/my-pump.toml");
     let words = ["setup", "mine", "--from", example, "--driver", "sim", "--no-motion", "--yes"];
     let unsaid = desk.types(&words);

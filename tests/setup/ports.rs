@@ -127,3 +127,15 @@ fn a_port_that_is_none_is_named_with_what_is_wrong_and_what_to_do() {
         }
     }
 }
+
+#[test]
+fn a_typed_port_without_a_board_is_asked_for_before_the_axis_and_the_file() {
+    let desk = Desk::new();
+    let mut pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let words = ["setup", "acid", "--no-motion", "--driver", "grbl", "--port", "/dev/null"];
+    let ended = desk.answers(&words, &mut |question| Some(sees(&mut pump, question, "16")));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let at = |start: &str| ended.asked.iter().position(|question| question.starts_with(start));
+    assert!(at("Port").is_some() && at("Port") < at("Axis"), "{:?}", ended.asked);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains(&pump.port()));
+}

@@ -211,7 +211,7 @@ fn a_dose_whose_reading_failed_weighs_what_the_balance_shows_more_than_before_it
     std::fs::write(desk.path("after"), "8.000 g\n").unwrap();
     let ended = desk.types(&["setup", "acid", "--yes", "--scale-command", AFTER_DOSE]);
     assert_eq!(ended.code, 0, "{}", ended.err);
-    assert!(ended.err.contains("  5 g more on the balance"), "{}", ended.err);
+    assert!(ended.err.contains("  5.000 g more on the balance"), "{}", ended.err);
     assert_eq!(desk.journal("acid", "sim"), journal, "nothing is dosed");
     let calibration = desk.json(&["calibrate", "list", "--pump", "acid"]).to_string();
     // 5 g of water are 5.02 mL, where the file says 5.

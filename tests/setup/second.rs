@@ -208,3 +208,68 @@ fn an_axis_that_the_board_does_not_report_is_not_offered() {
     assert!(asked && asked_anew.err.contains("has the axis X alone, and not Y"), "{}", asked_anew.err);
     assert_eq!(pump.board.rest().steps, 0);
 }
+
+#[test]
+fn an_axis_that_was_said_before_the_port_turns_no_other_pump() {
+    let desk = Desk::new();
+    let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let port = pump.port();
+    let head = [
+        "--ml-per-rev",
+        "0.5mL",
+        "--rollers",
+        "4",
+        "--microsteps",
+        "16",
+        "--altitude",
+        "0m",
+        "--driver",
+        "grbl",
+    ];
+    let acid =
+        [&["setup", "acid", "--port", &port, "--axis", "X", "--yes", "--no-motion"][..], &head].concat();
+    assert_eq!(desk.types(&acid).code, 0);
+    // The port is that of acid, taken by --yes.
+    let four =
+        [&["setup", "four", "--axis", "X", "--yes", "--turned", "1", "--direction", "forward"][..], &head]
+            .concat();
+    for _ in 0..2 {
+        let refused = desk.types(&four);
+        assert_eq!(refused.code, 2, "{}{}", refused.out, refused.err);
+        assert!(refused.err.contains("turns the pump `acid` already"), "{}", refused.err);
+    }
+    assert_eq!((pump.board.rest().steps, desk.configured("pumps/four.toml")), (0, None));
+    // A person is asked for another axis where they stand.
+    let five = [&["setup", "five", "--axis", "X", "--no-motion"][..], &head].concat();
+    let ended = desk.answers(&five, &mut |question| {
+        Some(if question.starts_with("Port") { port.clone() } else { String::new() })
+    });
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("the axis X of"), "{}", ended.err);
+    assert!(desk.configured("pumps/five.toml").unwrap().contains("axis = \"Y\""));
+}
+
+#[test]
+fn answers_of_another_pump_are_refused_for_one_that_has_its_own() {
+    let desk = Desk::new();
+    for (name, volume) in [("acid", "0.5mL"), ("base", "0.3mL")] {
+        let words = [
+            "setup",
+            name,
+            "--ml-per-rev",
+            volume,
+            "--rollers",
+            "4",
+            "--microsteps",
+            "16",
+            "--driver",
+            "sim",
+        ];
+        assert_eq!(desk.types(&[&words[..], &["--altitude", "0m", "--yes", "--no-motion"]].concat()).code, 0);
+    }
+    let refused = desk.types(&["setup", "acid", "--like", "base", "--yes", "--no-motion"]);
+    assert!(refused.code == 2 && refused.err.contains("--like has no answer to add"), "{}", refused.err);
+    let anew = desk.types(&["setup", "acid", "--like", "base", "--anew", "--yes", "--no-motion"]);
+    assert_eq!(anew.code, 0, "{}", anew.err);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains("ml_per_rev = 0.3"));
+}

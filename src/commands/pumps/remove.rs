@@ -64,7 +64,7 @@ impl RemoveArgs {
                 .kind(ErrorKind::PumpFile));
             }
         };
-        let removed = SetupFolder::of(&path).remove_pump(name)?;
+        let removed = SetupFolder::of(&path).remove_pump(name, records.exists())?;
         drop(held);
         let file = removed.file.display();
         let _ = writeln!(text, "`{name}` is no pump of {} any more", path.display());

@@ -6,6 +6,7 @@ use pump_bench::setup::check_suction_lift;
 use pump_bench::units::{self, Pressure};
 
 use crate::failure::Failure;
+use crate::options::limits::ambient_kpa;
 
 /// The place of a pump.
 #[derive(Debug, Args)]
@@ -48,13 +49,7 @@ impl SiteOptions {
     pub(crate) fn ambient(&self) -> Result<Option<AmbientTable>, Failure> {
         match (self.altitude, self.ambient) {
             (Some(altitude_mm), _) => Ok(Some(AmbientTable::at_altitude_m(1e-3 * altitude_mm))),
-            (None, Some(Pressure::Absolute(kpa))) => Ok(Some(AmbientTable::of_pressure_kpa(kpa))),
-            (None, Some(Pressure::Gauge(kpa))) => {
-                let refused = Failure::refused(
-                    "--ambient is what gauge pressures are measured against; give it absolute",
-                );
-                Err(refused.value(format!("{kpa} kPa gauge")).allowed("an absolute pressure, as 98.2kPaa"))
-            }
+            (None, Some(pressure)) => Ok(Some(AmbientTable::of_pressure_kpa(ambient_kpa(pressure)?))),
             (None, None) => Ok(None),
         }
     }

@@ -29,30 +29,54 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
         return Ok(());
     }
     let mut full = None;
+    // A pump that is set up keeps its port and its axis.
+    let is_kept = course.answers.is_finished() && course.answers.port.is_some();
     loop {
         if course.answers.port.is_none() {
             ask_port(course, full.as_deref())?;
         }
-        if course.answers.axis.is_none() {
-            meet(course)?;
+        if course.answers.axis.is_none() && !meet(course)? {
+            forget_port(course)?;
+            continue;
         }
         lack_of_axis(course)?;
+        if !is_kept {
+            axis_of_another(course)?;
+        }
         if course.answers.axis.is_some() || ask_axis(course)? {
             return Ok(());
         }
         // Each axis of this board turns another pump.
-        let mut answers = course.answers.clone();
-        full = answers.port.take();
-        course.take(answers)?;
-        course.board = None;
+        full.clone_from(&course.answers.port);
+        forget_port(course)?;
     }
 }
 
-/// Asks the board at a port that nobody was asked for who it is, so that only axes are offered that it has. A board
-/// that does not answer is met later, before it moves.
-fn meet(course: &mut Course) -> Asked<()> {
-    let port = course.answers.port.clone().filter(|_| course.board.is_none() && !course.asker.is_silent());
-    let Some(port) = port else { return Ok(()) };
+/// Forgets the port, which is asked for anew.
+fn forget_port(course: &mut Course) -> Result<(), Failure> {
+    let mut answers = course.answers.clone();
+    answers.port = None;
+    course.board = None;
+    course.take(answers)
+}
+
+/// Drops an axis that turns another pump: the port was said after it. A script is refused.
+fn axis_of_another(course: &mut Course) -> Asked<()> {
+    let Some(error) = course.axis_of_another() else { return Ok(()) };
+    if course.asker.is_silent() {
+        return Err(Failure::from(error).into());
+    }
+    tell_person(&format!("  {error}"));
+    let mut answers = course.answers.clone();
+    answers.axis = None;
+    Ok(course.take(answers)?)
+}
+
+/// Asks the board at a port that nobody was asked for who it is, so that only axes are offered that it has. Returns
+/// false if no board answers there.
+fn meet(course: &mut Course) -> Asked<bool> {
+    let port = course.answers.port.clone().filter(|_| course.board.is_none());
+    let Some(port) = port else { return Ok(true) };
     let found = who_is_at(&port);
     if let Some(signal) = interrupt::signal() {
         return Err(Failure::stopped(signal, false, "stopped by the user").into());
@@ -60,11 +84,12 @@ fn meet(course: &mut Course) -> Asked<()> {
     match found {
         Ok(board) => {
             course.board = Some(board.clone());
-            take_driver(course, &board)
+            take_driver(course, &board).map(|()| true)
         }
         Err(why) => {
             tell_person(&format!("  {why}"));
-            Ok(())
+            // A script may write the file of a board that is not there yet.
+            Ok(course.asker.is_silent())
         }
     }
 }
@@ -123,9 +148,7 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
 
 /// Asks the port anew, of a board that does not answer there.
 pub(super) fn ask_again(course: &mut Course) -> Asked<()> {
-    let mut answers = course.answers.clone();
-    answers.port = None;
-    course.take(answers)?;
+    forget_port(course)?;
     ask(course)
 }
 

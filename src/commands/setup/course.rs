@@ -2,20 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
+use pump_bench::catalogue::unusual;
 use pump_bench::config::Config;
 use pump_bench::drives::FoundBoard;
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{DriverName, PumpFile};
 use pump_bench::report::Explain;
-use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupFolder};
+use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupError, SetupFolder};
 use pump_bench::{Bench, Prepared, Session};
 
 use super::asker::{Asked, Asker, Question, Usual};
 use super::runnable::Runnable;
+use super::written::rounded;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal::{say, say_wrapped, tell, warn};
+
+/// Longest motion of a setup, s.
+const LONGEST_S: f64 = 3600.0;
 
 /// A first run.
 pub(super) struct Course {
@@ -158,6 +163,11 @@ impl Course {
         if is_new { Ok(answers.check_axis(&self.neighbours)?) } else { Ok(()) }
     }
 
+    /// The refusal of an axis on record that turns another pump.
+    pub(super) fn axis_of_another(&self) -> Option<SetupError> {
+        self.answers.check_axis(&self.neighbours).err()
+    }
+
     /// True if no motor moves.
     pub(super) fn is_simulated(&self) -> bool {
         self.answers.driver.is_none_or(|driver| driver == DriverName::Sim)
@@ -201,6 +211,11 @@ impl Course {
         }
     }
 
+    /// The largest volume that the setup moves at once, mL: that of an hour at the usual rate. A larger one is a slip.
+    pub(super) fn most_ml(&self) -> Result<f64, Failure> {
+        Ok(LONGEST_S * self.pump_file()?.0.pump.default_rate_ml_s)
+    }
+
     /// Says how long a motion lasts, before it begins.
     pub(super) fn tell_time(&self, motion_s: f64) {
         let takes = if self.is_simulated() { "A real pump would take" } else { "It takes" };
@@ -229,12 +244,14 @@ fn still_done(before: &Answers, after: &Answers) -> Done {
     let directed = done.directed && is_drive && before.invert == after.invert;
     let mut still = done;
     (still.turned, still.directed) = (turned, directed);
+    still.prime_left_ml = done.prime_left_ml.filter(|_| is_drive);
     (still.primed, still.dosed) = (done.primed && is_drive, done.dosed && is_head && is_motor && is_drive);
     still
 }
 
-/// Leaves the warnings out that the course is there to answer: that nobody knows the angle or has weighed the pump.
-pub(super) fn quieten(prepared: &mut Prepared) {
+/// Leaves the warnings out that the course is there to answer, that nobody knows the angle or has weighed the pump, and
+/// those that the summary of the answers has said.
+pub(super) fn quieten(bench: &Bench, prepared: &mut Prepared) {
     const ANSWERED: [Remedy; 6] = [
         Remedy::TurnAndSayAngle,
         Remedy::FindAngle,
@@ -243,10 +260,24 @@ pub(super) fn quieten(prepared: &mut Prepared) {
         Remedy::WeighToBeSurer,
         Remedy::CalibrateRuns,
     ];
+    let said = unusual(bench.file());
     prepared.warnings.retain(|warning| {
         let is_of_angle = warning.text().starts_with("the rollers' angle is unknown");
-        !is_of_angle && !warning.remedies().iter().any(|remedy| ANSWERED.contains(remedy))
+        !is_of_angle
+            && !said.contains(warning)
+            && !warning.remedies().iter().any(|remedy| ANSWERED.contains(remedy))
     });
+}
+
+/// Refuses a volume beyond the largest one that the setup moves at once.
+pub(super) fn within(volume_ml: f64, most_ml: f64) -> Result<f64, String> {
+    if volume_ml <= most_ml {
+        return Ok(volume_ml);
+    }
+    Err(format!(
+        "{volume_ml} mL take longer than an hour at the usual rate; allowed here: {} mL at most",
+        rounded(most_ml)
+    ))
 }
 
 /// A heading of a part of the course.

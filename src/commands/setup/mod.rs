@@ -166,6 +166,7 @@ impl SetupArgs {
             return Err(Failure::from(SetupError::Taken { name, path: record }).into());
         }
         let mut answers = course.answers.clone();
+        self.refuse_like(&answers)?;
         self.answers.write_to(&mut answers)?;
         if let Some(last) = course.last.as_ref().filter(|_| self.like.is_some()) {
             answers.take_missing(last);
@@ -199,7 +200,7 @@ impl SetupArgs {
             weigh::leave_dose(course)?;
         }
         turn::watch(course, &mut self.answers.turned.clone())?;
-        fill::fill(course)?;
+        fill::fill(course, self.answers.prime.is_some())?;
         if weigh::weigh(course, &self.answers, &self.balance, balance)? {
             outlook::tell_outlook(course)
         } else {
@@ -208,6 +209,18 @@ impl SetupArgs {
             say(&course.runnable.complete(&text));
             Ok(())
         }
+    }
+
+    /// Refuses to take another pump's answers for one that has answers to everything.
+    fn refuse_like(&self, answers: &Answers) -> Result<(), Failure> {
+        if self.like.is_none() || !answers.is_finished() {
+            return Ok(());
+        }
+        Err(Failure::refused(format!(
+            "`{}` is set up, so --like has no answer to add; --anew beside it takes the other pump's answers in place \
+             of its own",
+            answers.name
+        )))
     }
 
     /// Refuses the weight of a dose that a real pump has not made yet. On a simulated one it is a made-up reading.

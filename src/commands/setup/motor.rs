@@ -1,6 +1,6 @@
 //! The questions about the motor: its steps per revolution of the pump head.
 
-use pump_bench::setup::USUAL_FULL_STEPS;
+use pump_bench::setup::{Answers, USUAL_FULL_STEPS};
 
 use super::asker::{Asked, Question};
 use super::course::{Course, heading, tell_person};
@@ -51,10 +51,14 @@ fn ask_full_steps(course: &mut Course) -> Asked<()> {
 }
 
 fn ask_microsteps(course: &mut Course) -> Asked<()> {
+    let full_steps = course.answers.full_steps.unwrap_or(USUAL_FULL_STEPS);
+    // Steps of a revolution that are no multiple are those of another motor.
+    let of_steps = |steps: u32| steps.is_multiple_of(full_steps).then(|| steps / full_steps);
+    let microsteps = |last: &Answers| last.microsteps.or_else(|| of_steps(last.steps_per_rev?));
     let question = Question {
         text: "Microsteps per full step",
         option: "--microsteps 16",
-        usual: course.suggested(|last| last.microsteps.map(|steps| steps.to_string()), None),
+        usual: course.suggested(|last| microsteps(last).map(|steps| steps.to_string()), None),
         help: "the switches or jumpers of the motor's driver set them, as 16; if you are not sure say 16: the first \
                revolution shows it",
     };

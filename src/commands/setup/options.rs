@@ -10,6 +10,7 @@ use pump_model::units::{degrees, rpm};
 
 use crate::failure::Failure;
 use crate::options::choice::choice;
+use crate::options::limits::ambient_kpa;
 
 /// Dimensions that a head has if it is drawn.
 const DRAWING: [&str; 5] = ["tube", "backplate", "roller", "offset", "contact"];
@@ -117,7 +118,7 @@ pub(super) struct AnswerOptions {
     pub(super) turned: Option<f64>,
     /// Volume that fills the line, as 5mL; 0 for a line that is full
     #[arg(long, value_name = "VOLUME", help_heading = "First dose", value_parser = volume_or_0)]
-    prime: Option<f64>,
+    pub(super) prime: Option<f64>,
     /// Volume of the dose that is weighed, as 5mL [default: what fits the head]
     #[arg(long, value_name = "VOLUME", help_heading = "First dose", value_parser = units::volume_ml)]
     volume: Option<f64>,
@@ -256,18 +257,5 @@ impl AnswerOptions {
 fn put<T>(answer: &mut Option<T>, given: Option<T>) {
     if given.is_some() {
         *answer = given;
-    }
-}
-
-/// Reads the pressure of the air, which is absolute.
-pub(super) fn ambient_kpa(pressure: Pressure) -> Result<f64, Failure> {
-    match pressure {
-        Pressure::Absolute(kpa) => Ok(kpa),
-        Pressure::Gauge(kpa) => {
-            let refused = Failure::refused(
-                "the air's pressure is what gauge pressures are measured against; give it absolute",
-            );
-            Err(refused.value(format!("{kpa} kPa gauge")).allowed("an absolute pressure, as 98.2kPaa"))
-        }
     }
 }

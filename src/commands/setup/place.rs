@@ -6,10 +6,10 @@ use pump_bench::units::{self, Pressure};
 use super::asker::{Asked, Question, Usual};
 use super::course::{Course, heading, tell_person};
 use super::head::length_or_unknown;
-use super::options::ambient_kpa;
+use crate::options::limits::ambient_kpa;
 
-/// Asks where the pump stands, unless a file knows it, and for the rate of its doses. A file whose lines end at absolute
-/// pressures knows no place: in other air they are those of other heights.
+/// Asks where the pump stands, unless a file knows it, and for the rate of its doses. A file whose lines end at
+/// absolute pressures knows no place: in other air they are those of other heights.
 pub(super) fn ask(course: &mut Course) -> Asked<()> {
     let is_of_file = course.answers.is_of_file();
     let answers = &course.answers;

@@ -7,7 +7,7 @@ use pump_bench::units::{Amount, StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
 
 use super::asker::{Asked, Question, Usual};
-use super::course::{Course, heading, quieten, tell_person};
+use super::course::{Course, heading, quieten, tell_person, within};
 use super::options::AnswerOptions;
 use super::written::rounded;
 use crate::commands::delivery::deliver;
@@ -65,8 +65,13 @@ pub(super) fn weigh(
                  the pump file.",
                 fluid.name, fluid.temperature_degc
             ));
-            if course.answers.volume_ml.is_none() {
-                ask_volume(course)?;
+            let most_ml = course.most_ml()?;
+            let too_much = course.answers.volume_ml.and_then(|ml| within(ml, most_ml).err());
+            if let Some(why) = too_much.as_ref().filter(|_| course.asker.is_silent()) {
+                return Err(Failure::refused(format!("{why}; say --volume 5mL")).into());
+            }
+            if course.answers.volume_ml.is_none() || too_much.is_some() {
+                ask_volume(course, most_ml)?;
             }
             shown_g = dose(course, &mut || {
                 balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose()
@@ -116,7 +121,7 @@ fn refuse_later_dose(course: &Course) -> Result<(), Failure> {
     )))
 }
 
-fn ask_volume(course: &mut Course) -> Asked<()> {
+fn ask_volume(course: &mut Course, most_ml: f64) -> Asked<()> {
     let bench = course.bench()?;
     let revolution_ml = bench.model().revolution_ml();
     let fits_ml = USUAL_ML.min(REVOLUTIONS[1] * revolution_ml).max(REVOLUTIONS[0] * revolution_ml);
@@ -124,10 +129,16 @@ fn ask_volume(course: &mut Course) -> Asked<()> {
     let question = Question {
         text: "Volume of the dose",
         option: "--volume 5mL",
-        usual: course.suggested_of_head(|last| Some(format!("{}mL", last.volume_ml?)), Some(&own)),
+        usual: course.suggested_of_head(
+            |last| last.volume_ml.filter(|ml| *ml <= most_ml).map(|ml| format!("{ml}mL")),
+            Some(&own),
+        ),
         help: "the volume that you will mostly dose, or one that your scale reads to a thousandth",
     };
-    let read = |answer: &str| pump_bench::units::volume_ml(answer).map_err(|error| error.to_string());
+    let read = |answer: &str| {
+        let volume_ml = pump_bench::units::volume_ml(answer).map_err(|error| error.to_string())?;
+        within(volume_ml, most_ml)
+    };
     course.settle(&question, read, |answers, ml| answers.volume_ml = Some(ml))
 }
 
@@ -139,7 +150,9 @@ pub(super) fn still(balance: &mut dyn Balance, named: &BalanceOptions) -> Result
 /// The mass that a balance shows more than before the dose.
 fn more_on(course: &Course, after: BalanceReading, before_g: f64) -> Result<StatedReading, Failure> {
     let mass_g = after.mass_g - before_g;
-    tell_person(&format!("  {} g more on the balance", rounded(mass_g)));
+    // The digits that the balance shows say how sure the mass is.
+    let decimals = (-after.step_g.log10()).ceil().clamp(0.0, 9.0) as usize;
+    tell_person(&format!("  {mass_g:.decimals$} g more on the balance"));
     if mass_g > 0.0 {
         return Ok(StatedReading { amount: Amount::Mass(mass_g), resolution: Amount::Mass(after.step_g) });
     }
@@ -170,6 +183,7 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<Option<f64>> 
             rounded(volume_ml)
         ));
     }
+    course.tell_time(bench.prepare(DoseRequest::dose(volume_ml))?.motion_s());
     let question = Question {
         text: "Put a vessel on the scale below the outlet and tare it; Enter doses",
         option: "--yes",
@@ -184,8 +198,7 @@ fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<Option<f64>> 
     let mut session = bench.session()?;
     let prepared = session.prepare(DoseRequest::dose(volume_ml));
     let mut prepared = noted(&mut session, prepared)?;
-    quieten(&mut prepared);
-    course.tell_time(prepared.motion_s());
+    quieten(&bench, &mut prepared);
     let delivered =
         deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false, &mut Warned::default());
     course.note_motion(&session);

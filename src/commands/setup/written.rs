@@ -127,13 +127,15 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
         _ => "sim: no motor moves".to_owned(),
     };
     line("board", &board);
-    let lift = |reservoir: Reservoir, what: &str, place: &str| match reservoir {
+    let lift = |reservoir: Reservoir, what: &str, place: &str, side: &str| match reservoir {
         Reservoir::Lift(0.0) => String::new(),
+        Reservoir::Lift(mm) if mm < 0.0 => format!(", {place} {} m {side} the pump", rounded(-1e-3 * mm)),
         Reservoir::Lift(mm) => format!(", {what} {} m", rounded(1e-3 * mm)),
         Reservoir::Pressure(kpa) => format!(", {place} at {kpa} kPa absolute"),
     };
     let (inlet, outlet) = (file.inlet.reservoir, file.outlet.line.reservoir);
-    let lifts = format!("{}{}", lift(inlet, "sucks up", "supply"), lift(outlet, "lifts", "vessel"));
+    let lifts =
+        format!("{}{}", lift(inlet, "sucks up", "supply", "above"), lift(outlet, "lifts", "vessel", "below"));
     let end = match (file.outlet.end, file.outlet.nozzle_bore_mm) {
         (Some(OutletEnd::Immersed), _) => ", outlet immersed".to_owned(),
         (_, Some(mm)) => format!(", outlet of {mm} mm in air"),
@@ -142,12 +144,17 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
     line("place", &format!("air of {:.1} kPa{lifts}{end}", file.ambient.pressure_kpa));
     let rate_ml_s = file.pump.default_rate_ml_s;
     let speed_rpm = 60.0 * rate_ml_s / model.revolution_ml();
-    line("rate", &format!("{rate_ml_s} mL/s, {speed_rpm:.1} r/min of the head"));
+    line("rate", &format!("{rate_ml_s} mL/s, {} r/min of the head", rounded_to(speed_rpm, 3)));
     Ok(lines)
 }
 
 /// A number with four digits at most.
 pub(super) fn rounded(value: f64) -> String {
-    let digits = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
-    format!("{digits}")
+    rounded_to(value, 4)
+}
+
+/// A number with so many digits at most.
+fn rounded_to(value: f64, digits: usize) -> String {
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(value);
+    format!("{rounded}")
 }

@@ -44,6 +44,7 @@ fn what_is_not_known_of_a_fluid_is_refused_with_what_is() {
 
     let own = include_str!("../../../examples/pumps/my-pump.toml");
     let own = own.replace("name = \"water\"", "name = \"syrup\"").replace("= 997.0", "= 1330.0");
+    let own = own.replace("altitude_m = 0.0", "pressure_kpa = 85.7");
     std::fs::write(user.path("syrup.toml"), own).unwrap();
     let pump = ["25g", "--dry-run", "--pump", "syrup.toml"];
     let asked = |arguments: &[&str]| number(&user.json(&[&pump, arguments].concat()), "requested_ml");

@@ -71,10 +71,10 @@ fn the_largest_of_collapse_vapour_and_what_is_given_binds_and_is_named() {
     assert_eq!(name, "vapour_pressure");
     assert_eq!(not_checked, r#"["discharge_pressure","tube_collapse","torque"]"#);
     assert!((kpa - 3.1699).abs() < 3e-3, "{kpa}");
-    let boiling = own_pump(&user, &[("# vapour_kpa = 3.17", "vapour_kpa = 60.0")]);
+    let boiling = own_pump(&user, &[("# vapour_kpa = 3.17", "vapour_kpa = 75.0")]);
     assert_eq!(limit(&["--pump", &boiling]).0, "vapour_pressure");
     let refused = user.is_refused(&["60mL", "--speed", "170rpm", "--pump", &boiling]);
-    assert!(refused.contains("below the limit of 60.00 kPa, the fluid's vapour pressure; "), "{refused}");
+    assert!(refused.contains("below the limit of 75.00 kPa, the fluid's vapour pressure; "), "{refused}");
     assert_eq!(limit(&["--min-inlet-pressure", "60kPaa"]).0, "given");
     assert_eq!(limit(&["--min-inlet-pressure", "20kPaa"]).0, "tube_collapse", "a lower one does not lift it");
     // Nothing is known of this fluid and this tube, so nothing is claimed to be checked.
@@ -220,4 +220,20 @@ fn a_limit_in_reverse_names_the_port_that_has_the_role_then() {
         assert!(text.contains(&format!("(limited by {port} suction)")), "{text}");
         assert!(text.contains(&format!("{port} pressure comes close")), "{text}");
     }
+}
+
+#[test]
+fn the_pressure_of_the_air_today_takes_the_place_of_the_pump_files() {
+    let user = User::new();
+    let own = own_pump(&user, &[("# max_outlet_kpa", "# max_kpa")]);
+    let report = |more: &[&str]| user.json(&[&["25mL", "--dry-run", "--pump", &own], more].concat());
+    assert!((number(&report(&[]), "ambient_kpa") - 101.325).abs() < 1e-9);
+    let today = report(&["--ambient", "95kPaa"]);
+    assert!((number(&today, "ambient_kpa") - 95.0).abs() < 1e-9, "{today}");
+    // Lifts begin at it, and the tube collapses 42.647 kPa below it.
+    assert!((number(&today, "inlet_limit_kpa") - (95.0 - 42.647)).abs() < 1e-3, "{today}");
+    let gauge = user.is_refused(&["25mL", "--dry-run", "--pump", &own, "--ambient", "95kPag"]);
+    assert!(gauge.contains("give it absolute"), "{gauge}");
+    let thin = user.is_refused(&["25mL", "--dry-run", "--pump", &own, "--ambient", "1kPaa"]);
+    assert!(thin.contains("vapour pressure"), "{thin}");
 }

@@ -35,11 +35,15 @@ fn lost_and_found(stands: &PumpState, count: Option<i64>) -> Option<(Unfinished,
     part.holds(moved).then_some((part, moved))
 }
 
-/// Returns the note that a device was moved by another program.
+/// Returns the note that a device was moved by another program, or that its direction was turned round: it then counts
+/// the steps on record with the other sign.
 fn moved_elsewhere(before: i64, now: i64) -> Notice {
+    let cause = match now.checked_neg() == Some(before) {
+        true => "its direction was turned round",
+        false => "something else has moved it",
+    };
     let text = format!(
-        "the device counts {now} steps, and {before} are on record: something else has moved it; the \
-         rollers' angle is unknown"
+        "the device counts {now} steps, and {before} are on record: {cause}; the rollers' angle is unknown"
     );
     Notice::from(text).with_remedy(Remedy::FindAngle)
 }

@@ -24,4 +24,5 @@ pub use overlap::overlap_warning;
 pub use roller_runs::{Fall, RollerRuns};
 pub use stated_motor::{MotorSteps, StatedMotor};
 pub(crate) use suction::suction_warning;
+pub(crate) use unusual::doubtful;
 pub use unusual::unusual;

@@ -31,10 +31,22 @@ const MOST_SQUEEZE: f64 = 0.5;
 /// assert!(warnings[0].text().starts_with("3000 steps per revolution are 15 microsteps"), "{warnings:?}");
 /// ```
 pub fn unusual(file: &PumpFile) -> Vec<Notice> {
-    let overlap = file.model().ok().and_then(|pump| overlap_warning(pump.geometry()));
-    let of_head = [overlap, of_squeeze(file), of_volume(file), of_rollers(file)];
+    let of_head = [overlap(file), of_squeeze(file), of_volume(file), of_one_roller(file), of_rollers(file)];
     let found = of_head.into_iter().chain([of_suction(file), of_height(file), of_microsteps(file)]);
     found.flatten().map(Notice::from).collect()
+}
+
+/// Returns the warnings of [`unusual`] that each dose repeats, since it may deliver something else than it says:
+/// rollers that overlap, one roller, and a tube that may collapse. `is_weighed` is true for a pump whose calibration
+/// contains what its tube takes in.
+pub(crate) fn doubtful(file: &PumpFile, is_weighed: bool) -> impl Iterator<Item = Notice> {
+    let suction = of_suction(file).filter(|_| !is_weighed);
+    [overlap(file), of_one_roller(file), suction].into_iter().flatten().map(Notice::from)
+}
+
+/// Warns of rollers that overlap in space.
+fn overlap(file: &PumpFile) -> Option<String> {
+    file.model().ok().and_then(|pump| overlap_warning(pump.geometry()))
 }
 
 /// Warns of a volume that heads with this bore hardly have.
@@ -55,21 +67,24 @@ fn of_volume(file: &PumpFile) -> Option<String> {
     })
 }
 
-/// Warns of one roller, and of more than heads have. A drawing says by itself whether its rollers seal and overlap.
+/// Warns of one roller. A drawing says by itself whether its rollers seal and overlap.
+fn of_one_roller(file: &PumpFile) -> Option<String> {
+    (file.head.is_some() && file.rollers.count == 1).then(|| {
+        "one roller seals the tube only on a bed that goes all the way round: on any other the tube is open for a part \
+         of each turn, and liquid runs back; count the rollers again"
+            .to_owned()
+    })
+}
+
+/// Warns of more rollers than bought heads have.
 fn of_rollers(file: &PumpFile) -> Option<String> {
-    file.head.as_ref()?;
-    match file.rollers.count {
-        1 => Some(
-            "one roller seals the tube only on a bed that goes all the way round: on any other the tube is open for a \
-             part of each turn, and liquid runs back; count the rollers again"
-                .to_owned(),
-        ),
-        rollers if rollers > MOST_ROLLERS => Some(format!(
+    let rollers = file.rollers.count;
+    (file.head.is_some() && rollers > MOST_ROLLERS).then(|| {
+        format!(
             "{rollers} rollers are more than heads have that are published, 2 to {MOST_ROLLERS}; count the rollers \
              again"
-        )),
-        _ => None,
-    }
+        )
+    })
 }
 
 /// Warns of a drawing whose rollers press the tube's walls to less than half of their thickness.

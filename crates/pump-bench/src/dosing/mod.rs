@@ -39,3 +39,4 @@ pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
 pub(crate) use uncertainty::weighed_shares;
 pub use uncertainty::{Share, SharePrior, ShareSource};
+pub(crate) use warnings::copied_uncertainty;

@@ -12,11 +12,11 @@ use pump_model::{Extremes, Pump};
 
 use super::uncertainty::{Budget, Share, ShareSource, pressure_uncertainty_kpa};
 use super::unknown_angle;
-use crate::catalogue::overlap_warning;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
 use crate::record::Purpose;
-pub(super) use unweighed::{of_calibration, unweighed_pump};
+pub(crate) use unweighed::copied_uncertainty;
+pub(super) use unweighed::{of_calibration, of_pump, unweighed_pump};
 
 /// Part of the room to a limit from which on a dose is warned of.
 const CLOSE: f64 = 0.95;
@@ -52,7 +52,6 @@ pub(super) fn of_plan(
     if !plan.start().is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan, purpose));
     }
-    warnings.extend(overlap_warning(model.geometry()).map(Notice::from));
     let carry = low_flow_carry(model, plan)?.or_else(|| coarse_step(plan));
     let facts = [short_dose(plan), hurried(model, plan)?, hardly_smooth(model, plan), carry];
     let of_pressures = of_pressures(plan.direction() == Direction::Reverse, prediction, margins);

@@ -62,7 +62,10 @@ impl PumpFile {
     /// # Errors
     /// [`PumpFileError::Value`] for the line that is missing.
     pub(crate) fn check_pressure_limits(&self, pressures: PressureLimits) -> Result<(), PumpFileError> {
-        let lines = [("[inlet]", &self.inlet), ("[outlet]", &self.outlet.line)];
+        let lines = [
+            ("[inlet] resistance_kpa_s_ml", &self.inlet),
+            ("[outlet] resistance_kpa_s_ml", &self.outlet.line),
+        ];
         match lines.into_iter().find(|(_, line)| line.is_unknown()) {
             Some((key, _)) if pressures != PressureLimits::NONE => {
                 let allowed = "a hose, or R, C and L, so that a pressure limit can be checked";

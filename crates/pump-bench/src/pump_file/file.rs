@@ -211,7 +211,7 @@ impl PumpFile {
     pub(crate) fn heights_of_pressures_mm(&self) -> [Option<f64>; 2] {
         [(&self.inlet, Side::Inlet), (&self.outlet.line, Side::Outlet)].map(|(table, side)| {
             let (density_kg_m3, ambient_kpa) = (self.fluid.density_kg_m3, self.ambient.pressure_kpa);
-            table.reservoir.height_of_pressure_mm(side, density_kg_m3, ambient_kpa)
+            table.reservoir.column_mm(side, density_kg_m3, ambient_kpa)
         })
     }
 

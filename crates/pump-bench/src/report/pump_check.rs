@@ -9,7 +9,7 @@ use pump_model::{Line, Pump, RollerVolume};
 use crate::calibration::Stored;
 use crate::catalogue::unusual;
 use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
-use crate::dosing::drop_ml;
+use crate::dosing::{copied_uncertainty, drop_ml};
 use crate::heads::bought_head;
 use crate::numbers::significant;
 use crate::pump_file::{LineSource, LineTable, OutletEnd, PumpFile, Reservoir, RollerVolumeTable};
@@ -47,7 +47,7 @@ pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, Disp
         .chain(pins::pins_text(file).map(|text| ("pins", text)))
         .chain(sources::source_lines(file, used.map(|used| &used.calibration)))
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
-    let text: String = catalogue_line(file).into_iter().chain(lines).chain(warnings(file)).collect();
+    let text: String = catalogue_line(file).into_iter().chain(lines).chain(warnings(file, used)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
 }
 
@@ -159,9 +159,11 @@ fn uncertainty_text(file: &PumpFile) -> String {
     }
 }
 
-/// Warns of what is unusual, a line each.
-fn warnings(file: &PumpFile) -> impl Iterator<Item = String> {
-    unusual(file).into_iter().map(|warning| format!("  warning   {warning}\n"))
+/// Warns of what is unusual, a line each, and of an uncertainty that is another pump's until `used` has measured it.
+fn warnings(file: &PumpFile, used: Option<&Stored>) -> impl Iterator<Item = String> {
+    let is_weighed = used.is_some_and(|used| used.calibration.displacement.is_some());
+    let copied = copied_uncertainty(file).filter(|_| !is_weighed);
+    unusual(file).into_iter().chain(copied).map(|warning| format!("  warning   {warning}\n"))
 }
 
 /// The dependence of the volume on the speed.

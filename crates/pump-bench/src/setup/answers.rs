@@ -120,6 +120,9 @@ pub struct Done {
     /// True once somebody has seen that the pump turns the right way.
     #[serde(default)]
     pub directed: bool,
+    /// Volume that the filling of the line left out when it ended, in mL: 0 once it came to its end. `None` before it.
+    #[serde(default)]
+    pub prime_left_ml: Option<f64>,
     /// True once the line is full.
     #[serde(default)]
     pub primed: bool,

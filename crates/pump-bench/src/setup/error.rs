@@ -97,8 +97,9 @@ pub enum SetupError {
     },
     /// The rate needs a head that turns faster than it may.
     #[error(
-        "{rate_ml_s} mL/s needs {needed_rpm:.0} r/min of a head of {ml_per_rev:.4} mL per revolution, and it turns at \
-         {most_rpm:.0} r/min at most: {most_ml_s:.3} mL/s"
+        "{} mL/s needs {needed_rpm:.0} r/min of a head of {ml_per_rev:.4} mL per revolution, and it turns at \
+         {most_rpm:.0} r/min at most: {most_ml_s:.3} mL/s",
+        significant(*rate_ml_s, 6)
     )]
     Fast {
         /// Rate that was said, in mL/s.
@@ -114,8 +115,9 @@ pub enum SetupError {
     },
     /// The board does not turn the head as fast or as slowly as the rate needs.
     #[error(
-        "{rate_ml_s} mL/s needs {needed_rpm:.2} r/min of the head, and the board turns it at {least_rpm:.4} to \
-         {most_rpm:.2} r/min with these steps: {least_ml_s:.4} to {most_ml_s:.4} mL/s"
+        "{} mL/s needs {needed_rpm:.2} r/min of the head, and the board turns it at {least_rpm:.4} to \
+         {most_rpm:.2} r/min with these steps: {least_ml_s:.4} to {most_ml_s:.4} mL/s",
+        significant(*rate_ml_s, 6)
     )]
     Board {
         /// Rate that was said, in mL/s.

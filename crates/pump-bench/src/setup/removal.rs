@@ -19,17 +19,18 @@ pub struct RemovedPump {
     /// another name leads to.
     pub deleted: bool,
     /// Answers of the pump's setup that stay, so that the setup writes the file again. `None` without any, and for a
-    /// setup that was left, whose answers are deleted.
+    /// setup that was left before anything is on record, whose answers are deleted.
     pub answers: Option<PathBuf>,
 }
 
 impl SetupFolder {
-    /// Removes the pump `name`: its line in the configuration, then its file. The record of its doses stays.
+    /// Removes the pump `name`: its line in the configuration, then its file. The record of its doses stays. If
+    /// `has_record`, the answers of its setup stay too: without them no setup may go on with that record.
     ///
     /// # Errors
     /// [`SetupError::Config`] if the configuration has no such pump, or no line of its own for it; nothing has changed
     /// then. [`SetupError::File`] if a file cannot be read, written or deleted.
-    pub fn remove_pump(&self, name: &str) -> Result<RemovedPump, SetupError> {
+    pub fn remove_pump(&self, name: &str, has_record: bool) -> Result<RemovedPump, SetupError> {
         let failed = |action: &'static str, path: &Path| {
             let path = path.to_owned();
             move |source| SetupError::File { action, path, source }
@@ -45,7 +46,8 @@ impl SetupFolder {
         let own = std::path::absolute(&own).unwrap_or(own);
         let deleted = !is_named_twice && file == own && delete(&file).map_err(failed("delete", &file))?;
         let answers = self.answers(name);
-        let is_left = self.read(name).ok().flatten().is_some_and(|answers| !answers.is_finished());
+        let is_left =
+            !has_record && self.read(name).ok().flatten().is_some_and(|answers| !answers.is_finished());
         if is_left {
             delete(&answers).map_err(failed("delete", &answers))?;
         }

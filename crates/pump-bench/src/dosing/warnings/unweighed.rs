@@ -1,7 +1,7 @@
 //! Warnings of what the calibration in use has not weighed: the pump, its fluid, and its motor's steps.
 
 use crate::calibration::{Applied, Made};
-use crate::catalogue::built_in;
+use crate::catalogue::{built_in, doubtful};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
@@ -11,6 +11,13 @@ const WATER: (&str, f64) = ("water", 25.0);
 
 /// Part by which two numbers of steps may differ as a gear is rounded.
 const SAME_STEPS: f64 = 1e-6;
+
+/// Warns of a pump that may deliver something else than its model says, and of a fluid that flows through a fixed
+/// resistance.
+pub(in crate::dosing) fn of_pump(file: &PumpFile, applied: Option<&Applied>) -> impl Iterator<Item = Notice> {
+    let is_weighed = applied.is_some_and(|applied| applied.sureness().is_some());
+    doubtful(file, is_weighed).chain(file.resistance_warning())
+}
 
 /// Warns of a dose that differs from the weighed ones in its fluid or in the motor's steps.
 pub(in crate::dosing) fn of_calibration(
@@ -45,23 +52,33 @@ pub(in crate::dosing) fn unweighed_pump(file: &PumpFile, applied: Option<&Applie
     if applied.is_some_and(|applied| applied.sureness().is_some()) {
         return None;
     }
-    let stated = &file.uncertainty;
-    let is_copy = built_in(&file.pump.id).is_none()
-        && built_in("three-roller")
-            .is_some_and(|paper| paper.uncertainty.model_percent == stated.model_percent);
     let fact = if file.head.is_some() {
         "only the volume per revolution is known, and nobody has weighed what this pump delivers"
     } else if file.is_estimated() {
         "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
-    } else if stated.speed_percent.is_some() {
+    } else if file.uncertainty.speed_percent.is_some() {
         "nobody has weighed what this pump delivers"
-    } else if is_copy {
-        "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, not of this one"
     } else {
-        return None;
+        return copied_uncertainty(file);
     };
+    Some(weigh_first(fact))
+}
+
+/// Warns of a pump file that states the built-in pump's uncertainty under another name.
+pub(crate) fn copied_uncertainty(file: &PumpFile) -> Option<Notice> {
+    let stated = &file.uncertainty;
+    let paper = built_in("three-roller").filter(|_| built_in(&file.pump.id).is_none())?;
+    let is_copy = stated.speed_percent.is_none() && stated.model_percent == paper.uncertainty.model_percent;
+    is_copy.then(|| {
+        weigh_first(
+            "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, not of this one",
+        )
+    })
+}
+
+fn weigh_first(fact: &str) -> Notice {
     let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
-    Some(Notice::from(text).with_remedy(Remedy::Weigh))
+    Notice::from(text).with_remedy(Remedy::Weigh)
 }
 
 /// Warns of a fluid much thicker or thinner than that of the calibration in use, or than the water of a head's

@@ -49,14 +49,9 @@ impl Reservoir {
         }
     }
 
-    /// Returns the height whose column makes a pressure that is stated as such, in mm, or `None` for a height. It is the
+    /// Returns the height whose column makes a pressure that is stated as such, in mm. `None` for a height. It is the
     /// inverse of [`Self::pressure_kpa`].
-    pub(crate) fn height_of_pressure_mm(
-        self,
-        side: Side,
-        density_kg_m3: f64,
-        ambient_kpa: f64,
-    ) -> Option<f64> {
+    pub(crate) fn column_mm(self, side: Side, density_kg_m3: f64, ambient_kpa: f64) -> Option<f64> {
         let Self::Pressure(kpa) = self else { return None };
         let lifted_kpa = match side {
             Side::Inlet => ambient_kpa - kpa,
