@@ -53,7 +53,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
-        Remedy::TakeLineAwareRamps => "`--ramps line-aware` takes such ramps",
+        Remedy::TakeLineAwareRamps => "`--ramps line` takes such ramps",
         Remedy::SuckBack => "`--retract` sucks back",
         Remedy::DoseThenWeigh => {
             "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
@@ -218,7 +218,7 @@ mod tests {
         "NAME",
         "rust",
         "low-flow",
-        "line-aware",
+        "line",
         "/dev/ttyUSB0",
         "sbi",
         "mt-sics",
