@@ -17,15 +17,15 @@ pub(crate) fn told(error: &impl Explain) -> String {
 pub(crate) fn words(remedy: Remedy) -> &'static str {
     match remedy {
         Remedy::FinishOrAccept => {
-            "see `dose status`, then finish it with `dose resume` or accept it as it is with `dose discard`"
+            "see `dose status`, then finish it with `dose resume` or accept it as it is with `dose accept`"
         }
         Remedy::FinishAtLowFlowOrAccept => {
-            "`dose resume` without --finish any goes on to that end, `dose discard` accepts the dose as it is"
+            "`dose resume` without --finish any goes on to that end, `dose accept` accepts the dose as it is"
         }
         Remedy::FinishOrAcceptThenFindAngle => {
-            "finish the dose with `dose resume` or accept it as it is with `dose discard`, then find the angle anew"
+            "finish the dose with `dose resume` or accept it as it is with `dose accept`, then find the angle anew"
         }
-        Remedy::Accept => "accept the dose as it is with `dose discard`",
+        Remedy::Accept => "accept the dose as it is with `dose accept`",
         Remedy::ClearStand => {
             "see `dose safety`, then clear it with `dose safety clear NAME --reason <TEXT>`"
         }
@@ -34,7 +34,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::ReplaceTube => "replace the tube and say `dose tube --new`",
         Remedy::SeeStatus => "see `dose status`",
         Remedy::ThenSeeStatus => "then see `dose status`",
-        Remedy::SeeStatusThenFinish => "see `dose status`, then `dose resume` or `dose discard`",
+        Remedy::SeeStatusThenFinish => "see `dose status`, then `dose resume` or `dose accept`",
         Remedy::FasterDisk => "keep the record on a faster disk with --state-dir or DOSE_STATE_DIR",
         Remedy::OtherFolder => "choose another folder with --state-dir or DOSE_STATE_DIR",
         Remedy::RoomOrOtherFolder => {
@@ -53,7 +53,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
-        Remedy::TakeLineAwareRamps => "`--ramps line-aware` takes such ramps",
+        Remedy::TakeLineAwareRamps => "`--ramps line` takes such ramps",
         Remedy::SuckBack => "`--retract` sucks back",
         Remedy::DoseThenWeigh => {
             "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
@@ -97,33 +97,33 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
         Remedy::HomeBySensorOrMark => "say `dose home`",
         Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
-        Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose discard` leaves it",
+        Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose accept` leaves it",
         Remedy::FinishByVolumeOrWeigh => {
             "`dose resume --until-scale` goes on while the vessel stands on its balance; `dose resume` makes the rest \
-             by volume; `dose discard` accepts it, then weigh the vessel and dose what it lacks"
+             by volume; `dose accept` accepts it, then weigh the vessel and dose what it lacks"
         }
-        Remedy::AcceptInstead => "`dose discard` accepts the dose as it is instead",
+        Remedy::AcceptInstead => "`dose accept` accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {
-            "with the vessel still on its balance, `dose resume --until-scale` makes it by weight; `dose discard` \
+            "with the vessel still on its balance, `dose resume --until-scale` makes it by weight; `dose accept` \
              accepts the dose instead, then weigh the vessel and dose by weight what it lacks"
         }
         Remedy::RotorTurnedByHand => {
-            "if the rotor was turned by hand since its angle was recorded, accept the dose with `dose discard`, say \
+            "if the rotor was turned by hand since its angle was recorded, accept the dose with `dose accept`, say \
              `dose home --unknown`, and dose again"
         }
         Remedy::FinishByVolumeInstead => {
-            "`dose resume` without --until-scale makes the rest by volume; `dose discard` accepts the dose, then \
+            "`dose resume` without --until-scale makes the rest by volume; `dose accept` accepts the dose, then \
              weigh the vessel and dose what it lacks"
         }
         Remedy::PutVesselBack => {
-            "put the vessel back as the dose left it, or accept the dose with `dose discard`, then weigh the vessel \
+            "put the vessel back as the dose left it, or accept the dose with `dose accept`, then weigh the vessel \
              and dose what it lacks"
         }
         Remedy::RaiseCeiling => {
-            "find where the rest went; then `--max-volume` allows more, or `dose discard` accepts the dose as it is"
+            "find where the rest went; then `--max-volume` allows more, or `dose accept` accepts the dose as it is"
         }
         Remedy::NameMotor => {
-            "accept the dose with `dose discard`, and name a motor with --driver and --port, or in [drive] of the \
+            "accept the dose with `dose accept`, and name a motor with --driver and --port, or in [drive] of the \
              pump file"
         }
         Remedy::OtherProtocol => "name the balance's own protocol with --scale-protocol",
@@ -218,7 +218,7 @@ mod tests {
         "NAME",
         "rust",
         "low-flow",
-        "line-aware",
+        "line",
         "/dev/ttyUSB0",
         "sbi",
         "mt-sics",

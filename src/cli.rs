@@ -3,10 +3,10 @@
 use clap::builder::ValueParser;
 use clap::{Arg, CommandFactory, Parser, Subcommand};
 
+use crate::commands::accept::AcceptArgs;
 use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::completions::CompletionsArgs;
 use crate::commands::config::ConfigArgs;
-use crate::commands::discard::DiscardArgs;
 use crate::commands::dose::DoseArgs;
 use crate::commands::home::HomeArgs;
 use crate::commands::identify::IdentifyArgs;
@@ -76,8 +76,8 @@ enum Command {
     /// Make the rest of a dose that was stopped or cut off
     Resume(ResumeArgs),
     /// Accept a dose that was stopped or cut off as it is
-    #[command(alias = "accept")]
-    Discard(DiscardArgs),
+    #[command(alias = "discard")]
+    Accept(AcceptArgs),
     /// Let go of the rotor; its angle is less well known afterwards
     Release(ReleaseArgs),
     /// Say what the tube has pumped, or that it was replaced
@@ -150,7 +150,7 @@ impl Cli {
             Some(Command::Status(args)) => args.run(),
             Some(Command::Log(args)) => args.run(),
             Some(Command::Resume(args)) => args.run(),
-            Some(Command::Discard(args)) => args.run(),
+            Some(Command::Accept(args)) => args.run(),
             Some(Command::Release(args)) => args.run(),
             Some(Command::Tube(args)) => args.run(),
             Some(Command::Safety(args)) => args.run(),

@@ -16,7 +16,7 @@ use crate::warned::Warned;
 
 /// The message after a signal.
 const STOPPED: &str = "stopped by the user; `dose resume --until-scale` with the vessel on its balance makes the rest \
-                       by weight, `dose resume` makes the rest by volume, `dose discard` accepts the dose as it is";
+                       by weight, `dose resume` makes the rest by volume, `dose accept` accepts the dose as it is";
 
 /// Makes one dose by weight, or with `--dry-run` plans it.
 pub(super) fn run(

@@ -1,12 +1,12 @@
 //! The commands, a file each; a command with subcommands is a folder.
 
+pub(crate) mod accept;
 mod batch;
 mod by_weight;
 pub(crate) mod calibrate;
 pub(crate) mod completions;
 pub(crate) mod config;
 mod delivery;
-pub(crate) mod discard;
 pub(crate) mod dose;
 pub(crate) mod home;
 pub(crate) mod identify;

@@ -4,7 +4,7 @@ use clap::Args;
 use pump_bench::units;
 use pump_ctl::plan::{Cruise, Ramps};
 
-use super::choice::choice;
+use super::choice::choice_or;
 use crate::failure::Failure;
 
 /// A rate or a speed.
@@ -89,12 +89,12 @@ fn one_of(cruises: [Option<Cruise>; 2]) -> Result<Option<Cruise>, Failure> {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Amount and speed")]
 pub(crate) struct RampsOption {
-    /// Ramps in which the dose starts and stops [default: line-aware]
-    #[arg(long, value_name = "line-aware|fastest")]
-    #[arg(value_parser = choice(&[
+    /// Ramps in which the dose starts and stops [default: line]
+    #[arg(long, value_name = "line|fastest")]
+    #[arg(value_parser = choice_or(&[
         (Ramps::LineAware, "Ramps that leave the outlet's line nearly at rest: little back flow, and soon settled"),
         (Ramps::Fastest, "The largest acceleration; the default on a board that plans its own ramps"),
-    ]))]
+    ], &[(Ramps::LineAware, Ramps::EARLIER_NAME)]))]
     ramps: Option<Ramps>,
 }
 

@@ -221,7 +221,7 @@ fn a_balance_that_never_rises_is_a_fault_and_the_dose_is_left_unfinished() {
     assert_eq!(user.types(&["5mL"]).code, 4);
     let resumed = user.json(&["resume", "--dry-run"]);
     let warnings = resumed["warnings"].to_string();
-    assert!(warnings.contains("made by volume") && warnings.contains("dose discard"), "{warnings}");
+    assert!(warnings.contains("made by volume") && warnings.contains("dose accept"), "{warnings}");
     assert_eq!(user.types(&["discard"]).code, 0);
 }
 

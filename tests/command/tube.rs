@@ -144,7 +144,7 @@ fn a_tube_is_not_exchanged_under_an_unfinished_dose_which_may_end_on_it() {
     let refused = user.types(&["tube", "--new"]);
     assert_eq!(refused.code, 4, "{}", refused.err);
     assert!(
-        refused.err.contains("`dose resume`") && refused.err.contains("`dose discard`"),
+        refused.err.contains("`dose resume`") && refused.err.contains("`dose accept`"),
         "{}",
         refused.err
     );

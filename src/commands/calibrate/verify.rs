@@ -151,7 +151,7 @@ impl VerifyArgs {
                 return Err(Failure::stopped(
                     signal.unwrap_or(0),
                     true,
-                    "stopped by the user in a dose; `dose resume` makes the rest, `dose discard` leaves it",
+                    "stopped by the user in a dose; `dose resume` makes the rest, `dose accept` leaves it",
                 ));
             }
             match scale.reading(&title, session, &interrupt)? {

@@ -24,8 +24,7 @@ use crate::warned::Warned;
 pub(in crate::commands) use before_dose::{Untold, before_dose, find_angle, find_angle_of_rest};
 
 /// The message after a signal.
-pub(super) const STOPPED: &str =
-    "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
+pub(super) const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose accept` leaves it";
 
 /// The message after a signal to a run that goes on until it is stopped.
 const RUN_STOPPED: &str = "stopped by the user; the run is complete and on record";

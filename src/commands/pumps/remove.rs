@@ -105,7 +105,7 @@ impl RemoveArgs {
             return Ok(());
         }
         Err(Failure::refused(format!(
-            "a dose of `{name}` is unfinished; `dose resume --pump {name}` finishes it, `dose discard --pump {name}` \
+            "a dose of `{name}` is unfinished; `dose resume --pump {name}` finishes it, `dose accept --pump {name}` \
              accepts it, or remove the pump with --anyway"
         ))
         .kind(ErrorKind::Unfinished)

@@ -288,7 +288,7 @@ fn rests(report: &RackReport, places: &Places) -> String {
     let failed = report.fault.as_ref().map(|fault| fault.pump.as_str());
     let mut text = String::new();
     for row in report.pumps.iter().filter(|row| row.unfinished && failed != Some(row.name.as_str())) {
-        let way = format!("; `dose resume` makes the rest of {}, `dose discard` leaves it", row.name);
+        let way = format!("; `dose resume` makes the rest of {}, `dose accept` leaves it", row.name);
         text += &places.meaning(&row.name, || completed(&way).into_owned());
     }
     if !report.pumps.iter().any(|row| row.unfinished) {

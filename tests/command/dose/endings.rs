@@ -135,9 +135,14 @@ fn a_killed_dose_is_known_between_bounds_and_can_be_accepted_as_it_is() {
     assert!(most > least && most - least < 0.7, "{least} {most}");
     assert!(number(&status, "half_width_deg") > 0.0);
     assert_eq!(user.types(&["1mL"]).code, 4);
-    let answer = user.types(&["discard"]);
+    let answer = user.types(&["accept"]);
     assert_eq!(answer.code, 0);
-    assert!(answer.out.contains("accepted as it is"), "{}", answer.out);
+    let told = format!("is accepted as it is: between {least:.4} and {most:.4} mL were delivered\n");
+    assert!(
+        answer.out.starts_with("the unfinished dose of ") && answer.out.contains(&told),
+        "{}",
+        answer.out
+    );
     let report = user.json(&["1mL"]);
     assert_eq!(report["phase"]["half_width_deg"], status["half_width_deg"]);
     assert_eq!(report["carry_in_ml"], 0.0);

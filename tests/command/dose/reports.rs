@@ -178,6 +178,12 @@ fn every_way_to_say_how_fast_is_obeyed() {
     let total = number(&within, "motion_s") + number(&within, "settle_s");
     assert!(total <= 4.0 && total > 3.96, "{total}");
     let fastest = dry(&["--within", "4s", "--ramps", "fastest"]);
+    // The default by its name, and by that of earlier versions.
+    let steps = |ramps| dry(&["--within", "4s", "--ramps", ramps])["motion_s"].clone();
+    assert_eq!(
+        (steps("line"), steps("line-aware")),
+        (dry(&["--within", "4s"])["motion_s"].clone(), steps("line"))
+    );
     let total = number(&fastest, "motion_s") + number(&fastest, "settle_s");
     assert!(total <= 4.0 && total > 3.9, "{total}");
     assert!(

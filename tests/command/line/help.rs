@@ -21,7 +21,7 @@ fn the_short_help_lists_the_commands_and_ten_options_on_one_screen() {
     let lines = shown(&["-h"]);
     fits(&lines, 46);
     for command in
-        ["prime", "purge", "calibrate", "identify", "simulate", "status", "resume", "discard", "release"]
+        ["prime", "purge", "calibrate", "identify", "simulate", "status", "resume", "accept", "release"]
             .into_iter()
             .chain(["tube", "home", "completions", "pumps", "setup", "size"])
     {

@@ -1,7 +1,7 @@
 //! `dose log`: every dose with its time, and the totals.
 
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::process::Command;
 
 use serde_json::{Value, json};
@@ -175,11 +175,21 @@ fn a_log_is_listed_in_constant_memory() {
         "the log is larger than the memory"
     );
     let script = format!("ulimit -v {MEMORY_KIB} && exec \"$@\"");
-    let mut limited = Command::new("sh");
-    limited.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_dose"), "log", "--totals", "--format", "json"]);
-    limited.env("DOSE_STATE_DIR", user.path("state")).env("XDG_CONFIG_HOME", user.path("config"));
-    let output = limited.env_remove("DOSE_PUMP").env_remove("DOSE_CONFIG").output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let listed = |words: &[&str]| {
+        let path = user.path("listed");
+        let mut limited = Command::new("sh");
+        limited.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_dose"), "log"]).args(words);
+        limited.env("DOSE_STATE_DIR", user.path("state")).env("XDG_CONFIG_HOME", user.path("config"));
+        limited.env_remove("DOSE_PUMP").env_remove("DOSE_CONFIG").stdout(File::create(&path).unwrap());
+        let output = limited.output().unwrap();
+        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+        path
+    };
+    let text = fs::read_to_string(listed(&["--totals", "--format", "json"])).unwrap();
     assert!(objects(&text).iter().all(|total| total["doses"] == json!(DOSES)), "{text}");
+    // The rows themselves: a dose each, a head in the table, and the totals of a day and a tube in the text.
+    for (words, others) in [(&["--format", "json"][..], 0), (&["--format", "csv"], 1), (&[], 2)] {
+        let rows = BufReader::new(File::open(listed(words)).unwrap()).split(b'\n').count() as u64;
+        assert_eq!(rows, DOSES + others, "{words:?}");
+    }
 }

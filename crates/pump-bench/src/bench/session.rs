@@ -312,7 +312,7 @@ impl<'a> Session<'a> {
     /// [`DoseError`] as for [`Self::discard`].
     pub fn accept(&mut self) -> Result<Accepted, DoseError> {
         let before = self.stands();
-        let begun = before.unfinished.ok_or(DoseError::NothingUnfinished("discard"))?;
+        let begun = before.unfinished.ok_or(DoseError::NothingUnfinished("accept"))?;
         // A device that still knows its count tells the steps made. Otherwise the recorded bounds stay, and
         // the count starts anew when the device is met again.
         let unasked = match self.connect() {

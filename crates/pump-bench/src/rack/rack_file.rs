@@ -109,8 +109,8 @@ impl RackFile {
         self.pumps.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Returns the pump of each name of [`RackFile::pump_names`] as a user of this process types it: a name, or the path
-    /// of a pump file.
+    /// Returns the pump of each name of [`RackFile::pump_names`] as a user of this process types it: a name, or the
+    /// path of a pump file.
     pub fn pump_places(&self) -> impl Iterator<Item = String> {
         self.pumps.iter().map(|(_, pump)| self.place(pump))
     }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::bench::{Accepted, Bench};
 use crate::notice::{Remedy, Wording};
-use crate::numbers::microlitres;
+use crate::numbers::{between, microlitres, significant};
 use crate::record::PumpState;
 
 /// Says where the rollers stand. A front end words what finds an unknown angle.
@@ -85,9 +85,15 @@ impl AcceptedReport {
     }
 }
 
-/// Says that an unfinished dose is accepted, where the rollers stand, and which carry is dropped.
+/// Says that an unfinished dose is accepted, what it delivered, where the rollers stand, and which carry is dropped.
 pub fn accepted_text(bench: &Bench, accepted: &Accepted, words: Wording) -> String {
     let (rotor, dropped) =
         (rotor_text(bench, &accepted.state, words), carry_dropped_text(accepted.dropped_ml));
-    format!("the unfinished dose is accepted as it is\n{rotor}{dropped}")
+    let (least_ml, most_ml) = accepted.dose.delivered_ml(bench.model());
+    let dose = if accepted.dose.is_endless() {
+        "the unfinished run until stopped".to_owned()
+    } else {
+        format!("the unfinished dose of {} mL", significant(accepted.dose.intent.whole_requested_ml(), 6))
+    };
+    format!("{dose} is accepted as it is: {} were delivered\n{rotor}{dropped}", between(least_ml, most_ml))
 }

@@ -29,8 +29,8 @@ fn a_ratio_of_three_pumps_delivers_its_shares_together() {
 fn each_dose_of_a_rack_tells_what_was_typed_in_its_report_and_its_log() {
     let desk = Desk::new();
     let steps = "[[step]]\nratio = { acid = 2, base = 1 }\nvolume = \"30mL\"\nrate = \"6 mL/s\"\n[[step]]\npump = \
-                 \"acid\"\nrate = \"2mL/s\"\nfor = \"3s\"\nreverse = true\n[[step]]\ngradient = { acid = [1, 0], base = \
-                 [0, 1] }\nrate = \"2mL/s\"\nfor = \"10s\"\n";
+                 \"acid\"\nrate = \"2mL/s\"\nfor = \"3s\"\nreverse = true\n[[step]]\ngradient = { acid = [1, 0], base \
+                 = [0, 1] }\nrate = \"2mL/s\"\nfor = \"10s\"\n";
     let rack = desk.rack(steps).unwrap();
     let report = rack.run(|_| {}).unwrap();
     for (pump, told) in [

@@ -32,7 +32,7 @@ impl Doser {
     /// finish : {"any", "low-flow"}
     ///     Places in a pitch where the dose may end. At "low-flow" the outlet's flow is at most half of the flow
     ///     between pulses. The plan takes the nearest such end and carries the difference.
-    /// ramps : {"line-aware", "fastest"}
+    /// ramps : {"line", "fastest"}
     ///     Ramps in which the dose starts and stops. Line-aware ramps leave the outlet's line nearly at rest, so that
     ///     it settles soonest and takes little back. "fastest" is the motor's largest acceleration.
     /// retract : str, optional
@@ -62,7 +62,7 @@ impl Doser {
     ///     If the pump cannot make the dose, for example because its rate or pressure is beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
-        volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", ramps="line-aware", retract=None,
+        volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", ramps="line", retract=None,
         start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0
     ))]
     fn plan(

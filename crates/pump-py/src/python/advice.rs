@@ -111,7 +111,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::Verify => "see bench.verify()",
         Remedy::FindPhase => "see bench.calibrate_phase()",
         Remedy::UseShortDoses => "see bench.calibrate_phase()",
-        Remedy::TakeLineAwareRamps => "ramps=\"line-aware\" takes such ramps",
+        Remedy::TakeLineAwareRamps => "ramps=\"line\" takes such ramps",
         Remedy::SuckBack => "retract sucks back",
         Remedy::DoseThenWeigh => "make a dose into a tared vessel, then call bench.calibrate_last()",
         Remedy::DoseFromKnownAngle => {

@@ -32,8 +32,8 @@ impl fmt::Display for Position {
     }
 }
 
-/// Reads the position of the record with this journal and this log, and the journal's last whole line. The line is empty
-/// without a journal.
+/// Reads the position of the record with this journal and this log, and the journal's last whole line. The line is
+/// empty without a journal.
 pub(super) fn position(journal: &Path, log: &Path) -> io::Result<(Position, Vec<u8>)> {
     let (mut found, mut last) = (Position::default(), Vec::new());
     each_line(journal, |line| {

@@ -11,9 +11,10 @@ use super::unknown_name::UnknownName;
 /// use pump_ctl::plan::Ramps;
 ///
 /// assert_eq!("fastest".parse(), Ok(Ramps::Fastest));
-/// assert_eq!(Ramps::default().to_string(), "line-aware");
+/// assert_eq!(Ramps::default().to_string(), "line");
+/// assert_eq!("line-aware".parse(), Ok(Ramps::LineAware), "the name of earlier versions");
 /// let refused = "slow".parse::<Ramps>().unwrap_err();
-/// assert_eq!(refused.to_string(), "ramps is 'slow'; allowed: 'line-aware', 'fastest'");
+/// assert_eq!(refused.to_string(), "ramps is 'slow'; allowed: 'line', 'fastest'");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -35,10 +36,13 @@ impl Ramps {
 
     const NAMES: [&'static str; 2] = [Self::LineAware.name(), Self::Fastest.name()];
 
+    /// Name of [`Self::LineAware`] in earlier versions, which is still read.
+    pub const EARLIER_NAME: &'static str = "line-aware";
+
     /// Returns the choice's name in the command, in Python and in reports.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::LineAware => "line-aware",
+            Self::LineAware => "line",
             Self::Fastest => "fastest",
         }
     }
@@ -54,6 +58,9 @@ impl FromStr for Ramps {
     type Err = UnknownName;
 
     fn from_str(name: &str) -> Result<Self, UnknownName> {
+        if name == Self::EARLIER_NAME {
+            return Ok(Self::LineAware);
+        }
         let named = Self::ALL.into_iter().find(|ramps| ramps.name() == name);
         named.ok_or_else(|| UnknownName::new("ramps", name, &Self::NAMES))
     }

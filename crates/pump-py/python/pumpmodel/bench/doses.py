@@ -48,7 +48,7 @@ class BenchDoses(BenchPlans):
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
             a board
             that plans its own ramps has "fastest".
@@ -170,7 +170,7 @@ class BenchDoses(BenchPlans):
             The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at
             rest; a board
             that plans its own ramps has "fastest".
@@ -259,7 +259,7 @@ class BenchDoses(BenchPlans):
             The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at
             rest; a board
             that plans its own ramps has "fastest".

@@ -60,7 +60,7 @@ class BenchPlans:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
             a board
             that plans its own ramps has "fastest".
@@ -113,7 +113,7 @@ class BenchPlans:
             volume,
             smooth=smooth,
             finish=finish,
-            ramps=ramps or "line-aware",
+            ramps=ramps or "line",
             retract=retract,
             start_angle_rad=angle_rad,
             start_half_width_rad=half_width_rad,

@@ -59,7 +59,7 @@ class BenchRepeats(BenchDoses):
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
             a board
             that plans its own ramps has "fastest".
@@ -141,7 +141,7 @@ class BenchRepeats(BenchDoses):
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}, optional
             Places in a pitch where the dose may end. The default is that of the whole dose.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the rest starts and stops. The default is that of the whole dose.
         limits : Limits, optional
             Pressure limits that replace the pump file's.

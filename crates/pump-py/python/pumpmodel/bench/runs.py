@@ -61,7 +61,7 @@ class BenchRuns(BenchRepeats):
             Run in reverse.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
-        ramps : {"line-aware", "fastest"}, optional
+        ramps : {"line", "fastest"}, optional
             Ramps in which the run starts and stops. The default leaves the outlet's line nearly at rest; a
             board that plans its own ramps has "fastest".
         start_angle_rad : float, optional

@@ -1,4 +1,4 @@
-//! `dose discard`: an unfinished dose is accepted as it is.
+//! `dose accept`: an unfinished dose is accepted as it is.
 
 use clap::Args;
 use pump_bench::report::{AcceptedReport, accepted_text};
@@ -10,14 +10,14 @@ use crate::options::report::FormatOption;
 use crate::terminal::{noted, print_json, tell, warn};
 
 #[derive(Debug, Args)]
-pub(crate) struct DiscardArgs {
+pub(crate) struct AcceptArgs {
     #[command(flatten)]
     bench: BenchOptions,
     #[command(flatten)]
     format: FormatOption,
 }
 
-impl DiscardArgs {
+impl AcceptArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
