@@ -2,11 +2,17 @@
 //! option may stand before the command or after it.
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
-use clap::{Arg, Command};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgMatches, Command};
+use pump_bench::config::Config;
 
 use crate::failure::Failure;
 use crate::refusals::{beside_a_command, is_named};
+
+/// Options that say the speed, one at most, by clap's ids.
+const SPEEDS: [&str; 3] = ["rate", "speed", "within"];
 
 /// The words in order.
 pub(crate) struct Arranged {
@@ -124,6 +130,39 @@ fn takes_value(node: &Command, found: &[&Arg], next: Option<&str>) -> bool {
     // One option is a flag of one command and has a value in another: before them it has none.
     let is_command = next.is_some_and(|next| node.find_subcommand(next).is_some());
     if is_command { !found.is_empty() && takes.all(|takes| takes) } else { takes.any(|takes| takes) }
+}
+
+/// Returns the matches of a command line with the configuration's defaults, if it is that of a dose. `command` gave
+/// `typed`, the matches of the `words`. A typed option wins, and a typed speed or time is in place of a rate.
+///
+/// A configuration that cannot be used sets nothing: the dose itself refuses it.
+///
+/// # Errors
+/// What clap refuses beside the defaults.
+pub(crate) fn with_defaults(
+    command: Command,
+    words: &[OsString],
+    typed: ArgMatches,
+) -> Result<ArgMatches, clap::Error> {
+    let has = |id: &str| typed.value_source(id).is_some_and(|source| source != ValueSource::DefaultValue);
+    if typed.subcommand().is_some() || !has("volume") {
+        return Ok(typed);
+    }
+    let Ok(config) = Config::of_user(typed.get_one::<PathBuf>("config").map(PathBuf::as_path)) else {
+        return Ok(typed);
+    };
+    let is_typed = |key: &str| match SPEEDS.contains(&key) {
+        true => SPEEDS.iter().any(|id| has(id)),
+        false => has(key),
+    };
+    let defaults: Vec<_> = config.defaults().all().filter(|(key, _)| !is_typed(key)).collect();
+    if defaults.is_empty() {
+        return Ok(typed);
+    }
+    let set = |command: Command, (key, value): (&'static str, &str)| {
+        command.mut_arg(key, |option| option.default_value(value.to_owned()))
+    };
+    defaults.into_iter().fold(command, set).try_get_matches_from(words)
 }
 
 /// Finds every definition of an option in a command and its subcommands.

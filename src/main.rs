@@ -62,7 +62,8 @@ fn parse(words: Vec<OsString>) -> Result<Cli, Unparsed> {
     definitions.build();
     let arranged = arguments::arrange(words.into_iter(), &definitions).map_err(Unparsed::Refused)?;
     let command = if arranged.brief { help::brief(cli::command()) } else { cli::command() };
-    let matches = command.try_get_matches_from(&arranged.words);
+    let matches = command.clone().try_get_matches_from(&arranged.words);
+    let matches = matches.and_then(|typed| arguments::with_defaults(command, &arranged.words, typed));
     let read = |matches: ArgMatches| {
         told_commands::note(&matches, cli::command());
         Cli::from_arg_matches(&matches)

@@ -10,8 +10,13 @@ use clap::{ArgMatches, Command};
 use pump_bench::config::Config;
 
 /// Options that say which pump a command means and where its record is, by clap's ids.
-const OF_PLACES: [(&str, &str); 3] =
-    [("pump", "--pump"), ("config", "--config"), ("state_dir", "--state-dir")];
+const OF_PLACES: [(&str, &str); 5] = [
+    ("pump", "--pump"),
+    ("config", "--config"),
+    ("state_dir", "--state-dir"),
+    ("driver", "--driver"),
+    ("port", "--port"),
+];
 
 /// Arguments that say that a command means several pumps, by clap's ids.
 const OF_SEVERAL: [&str; 2] = ["rack", "all"];
@@ -72,6 +77,10 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
         Some((option, values.next()?.to_str()?.to_owned()))
     });
     let mut typed: Vec<_> = typed.collect();
+    // What makes a pump file writes its driver and port into it.
+    if matches.subcommand_name().is_some_and(|command| ["setup", "pumps"].contains(&command)) {
+        typed.retain(|(option, _)| !["--driver", "--port"].contains(option));
+    }
     let config = typed.iter().find(|(option, _)| *option == "--config").map(|(_, path)| path.as_ref());
     let of_environment = std::env::var("DOSE_PUMP").ok().filter(|pump| !pump.is_empty());
     let of_config = || Some(Config::of_user(config).ok()?.default_pump().to_owned());
@@ -167,6 +176,20 @@ mod tests {
         let calibrate = Command::new("calibrate").subcommand(of_pump(Command::new("use")));
         let resume = of_pump(Command::new("resume"));
         of_pump(Command::new("dose")).subcommands([calibrate, resume, Command::new("pumps")])
+    }
+
+    #[test]
+    fn commands_go_to_the_motor_that_was_typed() {
+        let typed = [("--driver", "grbl".to_owned()), ("--port", "/dev/pts/4".to_owned())];
+        let motor = |command: Command| {
+            command.arg(Arg::new("driver").long("driver")).arg(Arg::new("port").long("port"))
+        };
+        let root =
+            motor(Command::new("dose")).subcommands([motor(Command::new("resume")), Command::new("log")]);
+        let told = Told { typed: typed.to_vec(), pump: None, root };
+        let told = |text: &str| completed_with(text, &told);
+        assert_eq!(told("`dose resume` makes"), "`dose resume --driver grbl --port /dev/pts/4` makes");
+        assert_eq!(told("`dose log` lists"), "`dose log` lists");
     }
 
     #[test]

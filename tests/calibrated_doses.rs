@@ -25,6 +25,7 @@ fn bench(folder: &std::path::Path, factor: f64) -> Bench {
         digit: None,
         speed_rpm: 14.0,
         start_angle_deg: None,
+        start_half_width_deg: None,
         turned_deg: 720.0,
         reading: Reading::VolumeMl(2.0 * factor * bench.model().revolution_ml()),
         temperature_degc: None,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use pump_bench::heads::{BoughtHead, HeadSource, bought_heads};
+use pump_bench::heads::{BoughtHead, HeadSource, Provenance, bought_heads};
 
 /// Marks in the page between which the tables stand.
 const MARKS: (&str, &str) = ("<!-- the catalogue -->\n", "<!-- end of the catalogue -->\n");
@@ -29,13 +29,16 @@ fn documents() -> Vec<&'static HeadSource> {
 
 fn page() -> String {
     let documents = documents();
-    let mut text =
-        "\n| from | kind | document | address | remark |\n| --- | --- | --- | --- | --- |\n".to_owned();
+    let mut text = "\n| from | kind | document | table or page | quoted by | address | remark |\n\
+         | --- | --- | --- | --- | --- | --- | --- |\n"
+        .to_owned();
     for (number, source) in documents.iter().enumerate() {
-        let HeadSource { kind, document, address, remark, .. } = source;
+        let HeadSource { kind, document, table, quoted_by, address, remark, .. } = source;
+        let by = quoted_by.as_deref().unwrap_or("-");
         let remark = remark.as_deref().unwrap_or("");
-        writeln!(text, "| {} | {kind} | {document} | <{address}> | {remark} |", number + 1)
+        write!(text, "| {} | {kind} | {document} | {table} | {by} ", number + 1)
             .expect("a text takes any words");
+        writeln!(text, "| <{address}> | {remark} |").expect("a text takes any words");
     }
     text += "\n| name | head | tubing | rollers | bore mm | wall mm | mL per revolution | as published | from |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
@@ -70,5 +73,9 @@ fn the_page_of_the_catalogue_holds_the_rows_that_the_program_has() {
     }
     assert_eq!(tables, expected, "WRITE_CATALOGUE=1 writes the tables anew");
     let rows = bought_heads().len();
+    for kind in Provenance::ALL {
+        let count = bought_heads().iter().filter(|row| row.source.kind == kind).count();
+        assert!(before.contains(&format!("- `{kind}`, {count} rows: ")), "the page counts {kind}: {count}");
+    }
     assert!(before.contains(&format!("{rows} heads")), "the page says how many rows there are: {rows}");
 }

@@ -13,10 +13,13 @@ pub(crate) struct Design {
 
 /// Returns the heads of the default pulse.
 pub(crate) fn designs() -> Vec<Design> {
-    let paper = |rollers| Geometry::published(rollers, Variant::Measured);
     vec![
-        Design { name: "McIntyre et al., 3 rollers", source: "Table 1 of the paper", geometry: paper(3) },
-        Design { name: "McIntyre et al., 2 rollers", source: "Table 1 of the paper", geometry: paper(2) },
+        Design {
+            name: "McIntyre et al., 3 and 2 rollers",
+            source: "Table 1 of the paper",
+            // Both heads of the paper have one drawing: a roller leaves the tube alike, however many there are.
+            geometry: Geometry::published(3, Variant::Measured),
+        },
         Design {
             name: "Planetary pump of Drmn4ea",
             source: "OpenSCAD text at tim.cexx.org/?p=1282, also at appropedia.org/3D_printed_peristaltic_pump",

@@ -117,9 +117,9 @@ fn law(page: &mut String, figures: &Figures, drawings: usize) -> Result<(), Box<
          The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln \
          phi ± {:.3}). The\n\
          fullness is {:.3} ± {:.3}, twice its scatter too.\n\
-         The intervals of doses take both {:.3} times as wide again, because six drawings show the scatter only \
+         The intervals of doses take both {:.3} times as wide again, because five drawings show the scatter only \
          roughly\n\
-         (Student's t of 5 degrees of freedom, over that of many).\n\n\
+         (Student's t of 4 degrees of freedom, over that of many).\n\n\
          Geometry bounds the pulse, whatever the head. Pulses beyond the bounds are left out of the law:\n\n\
          - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same \
          turn.\n\
@@ -128,7 +128,7 @@ fn law(page: &mut String, figures: &Figures, drawings: usize) -> Result<(), Box<
          least. A round roller that closes the bore takes two thirds of it over its own width at most, as a\n  \
          flattened bore of unchanged perimeter has lost (h/D)² of its area.\n\
          - The share of a pitch <= 2/3: rollers stand side by side, so the width of each is a pitch at most.\n\n\
-         A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
+         A sixth head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
          known. Its phi is\n\
          {:.1}°, within two standard uncertainties of the mean.\n\n\
          | x/phi | V/V_r | slope |\n| --- | --- | --- |",
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn the_prior_covers_every_drawing_and_the_angle_of_the_seventh() {
+    fn the_prior_covers_every_drawing_and_the_angle_of_the_sixth() {
         let prior = PulsePrior::of(3);
         let drawn: Vec<_> = designs().iter().map(|design| Drawn::of(design).unwrap()).collect();
         let angles = drawn.iter().map(|one| one.engagement_deg).chain([angle_of_an_unknown_wall_deg()]);

@@ -11,9 +11,9 @@ use crate::advice::Advised;
 const ASSUMED_DEG: f64 = 1.0;
 
 /// Tolerance of such an angle of a head without a drawing, deg. At angle 0 a roller's axis is a third of phi short of
-/// the track's end, 20.3 deg with a standard uncertainty of 46 % (docs/pulse_prior.md): 9.3 deg, and a degree for the
+/// the track's end, 20.0 deg with a standard uncertainty of 50 % (docs/pulse_prior.md): 10 deg, and a degree for the
 /// eye.
-const ASSUMED_UNDRAWN_DEG: f64 = 10.0;
+const ASSUMED_UNDRAWN_DEG: f64 = 11.0;
 
 /// Reads an angle with its tolerance, as 30deg+-1deg. Its refusal has the command's advice.
 pub(crate) fn stated_angle(text: &str) -> Result<StatedAngle, Advised> {
@@ -27,7 +27,7 @@ pub(crate) struct StatedStartOption {
     /// Angle of the rollers at the start, as 30deg+-1deg [default: as recorded]
     #[arg(
         long_help = "Angle of the rollers at the start and its tolerance, as 30deg+-1deg. At 0deg a roller \
-        begins to leave the outlet. Without a tolerance 1deg is assumed, and 10deg of a head without a \
+        begins to leave the outlet. Without a tolerance 1deg is assumed, and 11deg of a head without a \
         drawing. The default is the angle on record."
     )]
     #[arg(long, value_name = "ANGLE", value_parser = stated_angle)]

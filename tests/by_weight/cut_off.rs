@@ -25,6 +25,12 @@ fn ctrl_c_decelerates_and_the_status_says_that_the_dose_was_by_weight() {
         let told_ml = ended.out.split(" mL ± ").next().and_then(|text| text.rsplit(' ').next()).unwrap();
         let told_ml: f64 = told_ml.parse().unwrap();
         assert!((told_ml - modelled_ml).abs() < 0.006, "{modelled_ml}: {}", ended.out);
+        // The ± is that of what was made: 2.4 % and the scatter of 2 mL, and no part of what was left.
+        let unsure_ml = ended.out.split(" mL ± ").nth(1).and_then(|text| text.split(' ').next()).unwrap();
+        let unsure_ml: f64 = unsure_ml.parse().unwrap();
+        assert!(unsure_ml < 0.2 * told_ml, "{unsure_ml}: {}", ended.out);
+        let is_count = |line: &str| line.contains(" steps made") && !line.contains(" of ");
+        assert!(ended.out.lines().any(is_count), "{}", ended.out);
         let status = rig.json(&["status"]);
         for bound in ["delivered_least_ml", "delivered_most_ml"] {
             assert!(

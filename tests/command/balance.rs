@@ -123,7 +123,7 @@ fn a_balance_at_a_serial_port_calibrates_without_a_hand() {
         assert!((factor - KAPPA).abs() < 6e-4, "{factor}");
         // The digits of the balance say how sure a reading of 21.3 mL is.
         let reading = number(&found["displacement"], "reading");
-        assert!((reading - 0.01 * (2.0_f64 / 12.0).sqrt() / 21.3185).abs() < 2e-6, "{reading}");
+        assert!((reading - 0.01 * (2.0_f64 / 12.0).sqrt() / (KAPPA * 21.3185)).abs() < 2e-6, "{reading}");
         assert_eq!(found["runs"].as_array().unwrap().len(), 3);
     }
 }
@@ -268,4 +268,15 @@ fn the_last_dose_is_calibrated_by_what_a_balance_shows() {
     assert!(said.code == 2 && said.err.contains("tare"), "{}", said.err);
     let said = user.types(&["calibrate", "last", "30g", "--scale-command", "echo 30 g"]);
     assert_eq!(said.code, 2, "{}", said.err);
+}
+
+#[test]
+fn a_run_to_be_weighed_is_said_to_move_only_once_the_balance_was_read() {
+    let user = User::new();
+    let run = ["calibrate", "run", "--speeds", "60rpm", "--runs", "1", "--pitches", "1", "--scale-command"];
+    let pounds = user.types(&[&run[..], &["echo 5 lb"]].concat());
+    assert!(pounds.code == 2 && pounds.err.contains("`5 lb`, which is no mass"), "{}", pounds.err);
+    assert!(!pounds.err.contains("moving"), "{}", pounds.err);
+    let bare = user.types(&[&run[..], &["echo 5.00", "--anew"]].concat());
+    assert!(bare.code == 2 && bare.err.contains("print `5.00 g`"), "{}", bare.err);
 }

@@ -64,7 +64,7 @@ fn the_default_rate_is_among_the_speeds_of_guided_runs_and_a_table_without_it_sa
     let guided = ["calibrate", "run", "--speeds", "20rpm,60rpm", "--runs", "1", "--pitches", "1"];
     let begun = user.types(&guided);
     let added = "--speeds leaves out the default rate of 5 mL/s, 14.0723 r/min: runs at 11.7269 r/min come besides\n\
-                 3 runs of 1 pitches";
+                 3 runs of 1 pitch,";
     let said = begun.err.find(added).unwrap_or_else(|| panic!("{}", begun.err));
     assert!(said < begun.err.find("moving").unwrap(), "{}", begun.err);
     // A fast one comes besides slow ones, and one speed alone is used at every speed.
@@ -74,14 +74,17 @@ fn the_default_rate_is_among_the_speeds_of_guided_runs_and_a_table_without_it_sa
         ("60rpm,20rpm", "3 runs of"),
         ("14rpm,60rpm", "3 runs of"),
         ("8rpm,60rpm", "3 runs of"),
-        ("60rpm", "1 runs of"),
+        ("10rpm,60rpm", "3 runs of"),
+        ("60rpm", "1 run of"),
     ];
     for (speeds, runs) in courses {
         let dry = user.types(&["calibrate", "run", "--speeds", speeds, "--runs", "1", "--anew", "--dry-run"]);
         assert!(dry.code == 0 && dry.err.contains(runs), "{speeds}: {}", dry.err);
     }
-    let covering = ["calibrate", "run", "--speeds", "10rpm,60rpm", "--runs", "1", "--pitches", "1", "--anew"];
-    assert!(!user.types(&covering).err.contains("default rate"));
+    let run_at = |speeds| user.types(&["calibrate", "run", "--speeds", speeds, "--runs", "1", "--anew"]);
+    assert!(!run_at("10rpm,14rpm,60rpm").err.contains("default rate"));
+    assert!(run_at("60rpm").err.contains("14.0723 r/min: the factor of the one speed is used there too"));
+    assert!(!run_at("14rpm").err.contains("default rate"));
 
     table(&user, &[20.0, 60.0], 1.0);
     let from = ["calibrate", "run", "--from", "runs.csv"];

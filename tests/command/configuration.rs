@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::user::User;
+use crate::user::{User, number};
 
 /// Writes the two-roller pump under an id into a file.
 fn write_pump(user: &User, file: &str, id: &str) {
@@ -80,6 +80,19 @@ fn a_configuration_that_cannot_be_is_refused_with_the_key_and_what_is_allowed() 
         ),
         ("schema = \"config/1\"\nstate_dir = \"\"", &["state_dir is ``"]),
         ("schema = \"config/1\"\n[pumps]\nacid = 3", &["invalid type: integer"]),
+        (
+            "schema = \"config/1\"\n[defaults]\nspeed = \"60rpm\"",
+            &["unknown field `speed`", "`rate`", "`max_per_day`"],
+        ),
+        (
+            "schema = \"config/1\"\n[defaults]\nrate = \"5mL\"",
+            &["[defaults] rate is `5mL`; allowed: ", "mL/s"],
+        ),
+        (
+            "schema = \"config/1\"\n[defaults]\nramps = \"slow\"",
+            &["[defaults] ramps is `slow`; allowed: ", "line-aware"],
+        ),
+        ("schema = \"config/1\"\n[defaults]\nmax_per_day = 50", &["invalid type: integer"]),
         ("]", &["line 1, column 1"]),
     ] {
         fs::write(user.path("config.toml"), text).unwrap();
@@ -94,6 +107,37 @@ fn a_configuration_that_cannot_be_is_refused_with_the_key_and_what_is_allowed() 
         user.command(&["5mL", "--format", "json"]).env("DOSE_CONFIG", "config.toml").output().unwrap();
     let error: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
     assert_eq!((&error["kind"], &error["code"]), (&"config".into(), &2.into()));
+}
+
+#[test]
+fn the_options_of_a_dose_that_a_laboratory_sets_once_hold_where_none_is_typed() {
+    let user = User::new();
+    let rate = |words: &[&str]| {
+        let dose = user.json(&[&["20mL", "--dry-run"], words].concat());
+        (number(&dose, "cruise_flow_ml_s"), number(&dose, "motion_s"))
+    };
+    let usual = rate(&[]);
+    configure(
+        &user,
+        "[defaults]\nrate = \"2mL/s\"\nramps = \"fastest\"\nmax_per_day = \"50mL\"\nunfinished = \"accept\"\n",
+    );
+    assert!((rate(&[]).0 - 2.0).abs() < 1e-9 && usual.0 == 5.0, "{:?} {usual:?}", rate(&[]));
+    // The fastest ramps take less time than those that leave the line at rest.
+    let fastest = rate(&["--rate", "5mL/s"]);
+    assert!(fastest.0 == 5.0 && fastest.1 < usual.1, "{fastest:?} {usual:?}");
+    // What is typed wins: a rate, its ramps, and a speed or a time in place of the rate.
+    assert_eq!(rate(&["--rate", "5mL/s", "--ramps", "line-aware"]), usual);
+    assert!(rate(&["--speed", "60rpm"]).0 > 20.0 && rate(&["--within", "30s"]).0 < 1.0);
+    let beyond = user.types(&["51mL"]);
+    assert!(beyond.code == 5 && beyond.err.contains("50"), "{}", beyond.err);
+    assert_eq!(user.types(&["51mL", "--max-per-day", "60mL"]).code, 0);
+    // Other commands have their own words.
+    assert_eq!(user.types(&["simulate", "--speed", "60rpm", "--duration", "1s"]).code, 0);
+    let shown = user.types(&["config", "show"]).out;
+    let said = "defaults       --rate 2mL/s --ramps fastest --max-per-day 50mL --unfinished accept\n";
+    assert!(shown.contains(said), "{shown}");
+    let defaults = &user.json(&["config", "show"])["defaults"];
+    assert_eq!((&defaults["rate"], &defaults["finish"]), (&"2mL/s".into(), &serde_json::Value::Null));
 }
 
 #[test]

@@ -30,6 +30,7 @@ fn calibrate(bench: &Bench, speeds_rpm: &[f64], factor: f64) {
         digit: None,
         speed_rpm: *speed_rpm,
         start_angle_deg: None,
+        start_half_width_deg: None,
         turned_deg: 720.0,
         reading: Reading::VolumeMl(2.0 * factor * bench.model().revolution_ml()),
         temperature_degc: None,

@@ -32,7 +32,7 @@ const WHOLE_STEPS: f64 = 1e-4;
 const SLOWEST: f64 = 0.5;
 
 /// Quotient of a speed that is given and that of the default rate within which the speed stands for it.
-const NEAR: f64 = 1.5;
+const NEAR: f64 = 1.05;
 
 /// Speed that is added for the default rate, over or under that of the rate by the model: a tube displaces up to 15 %
 /// more or less.
@@ -93,12 +93,19 @@ impl GuidedCourse {
     pub(super) fn added(&self, bench: &Bench, range_rad_s: (f64, f64)) -> String {
         let speeds_rad_s = with_default_rate(bench, range_rad_s, &self.speeds_rad_s);
         let added = speeds_rad_s.iter().find(|speed| !self.speeds_rad_s.contains(speed));
-        let Some(added_rad_s) = added.filter(|_| !self.speeds_rad_s.is_empty()) else { return String::new() };
+        let usual_rad_s = usual_rad_s(bench);
+        let then = match (&self.speeds_rad_s[..], added) {
+            ([], _) => return String::new(),
+            (_, Some(added_rad_s)) => format!("runs at {} r/min come besides", short(rpm(*added_rad_s))),
+            ([one_rad_s], None) if !is_near(*one_rad_s, usual_rad_s) => {
+                "the factor of the one speed is used there too, and less sure".to_owned()
+            }
+            _ => return String::new(),
+        };
         format!(
-            "--speeds leaves out the default rate of {} mL/s, {} r/min: runs at {} r/min come besides\n",
+            "--speeds leaves out the default rate of {} mL/s, {} r/min: {then}\n",
             short(bench.file().pump.default_rate_ml_s),
-            short(rpm(usual_rad_s(bench))),
-            short(rpm(*added_rad_s))
+            short(rpm(usual_rad_s)),
         )
     }
 
@@ -202,6 +209,11 @@ fn usual_rad_s(bench: &Bench) -> f64 {
     pump_ctl::plan::speed_for_flow(bench.model(), bench.file().pump.default_rate_ml_s)
 }
 
+/// Returns true if runs at a speed stand for those of the default rate.
+fn is_near(rad_s: f64, usual_rad_s: f64) -> bool {
+    (1.0 / NEAR..=NEAR).contains(&(rad_s / usual_rad_s))
+}
+
 /// The speeds that are given, with one more where they leave out the default rate, are far from it, or leave it no
 /// margin on one side. Doses that name no rate would be less sure, or refused once the runs show another factor. One
 /// speed is used at every speed, so it is enough. A rate that the device cannot have is left out.
@@ -213,12 +225,11 @@ fn with_default_rate(bench: &Bench, (least_rad_s, most_rad_s): (f64, f64), given
     if slowest_rad_s < fastest_rad_s && (least_rad_s..=most_rad_s).contains(&usual_rad_s) {
         let (below_rad_s, above_rad_s) =
             ((usual_rad_s / BEYOND).max(least_rad_s), (usual_rad_s * BEYOND).min(most_rad_s));
-        let is_near = |rad_s: &f64| (1.0 / NEAR..=NEAR).contains(&(rad_s / usual_rad_s));
         if below_rad_s < slowest_rad_s {
             speeds_rad_s.insert(0, below_rad_s);
         } else if above_rad_s > fastest_rad_s {
             speeds_rad_s.push(above_rad_s);
-        } else if !given.iter().any(is_near) {
+        } else if !given.iter().any(|rad_s| is_near(*rad_s, usual_rad_s)) {
             speeds_rad_s.push(usual_rad_s);
             speeds_rad_s.sort_by(f64::total_cmp);
         }

@@ -105,13 +105,14 @@ pub(super) fn kept(bench: &Bench) -> String {
 fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64, f64)]) -> String {
     let (all, pitches) = (planned.speeds_rpm.len(), planned.pitches);
     let volume_ml = f64::from(pitches) * bench.model().outlet_curve().pitch_ml();
-    let each = format!("{pitches} pitches, {volume_ml:.1} mL by the model");
+    let each = format!("{}, {volume_ml:.1} mL by the model", counted(u64::from(pitches), "pitch", "pitches"));
     let vessel = "fill the line, and empty or tare the vessel before each";
     let time_of = |speed_rpm: &f64| run_s.iter().find(|(rpm, _)| rpm == speed_rpm).map_or(0.0, |(_, s)| *s);
     let trial_s = if made == 0 { planned.speeds_rpm.get(all / 2).map_or(0.0, time_of) } else { 0.0 };
     let motion_s = trial_s + planned.speeds_rpm.iter().skip(made).map(time_of).sum::<f64>();
     let pump = &bench.file().pump.id;
-    let speeds: Vec<_> = run_s.iter().map(|(rpm, _)| short(*rpm)).collect();
+    let is_left = |rpm: &f64| planned.speeds_rpm.iter().skip(made).any(|left| left == rpm);
+    let speeds: Vec<_> = run_s.iter().filter(|(rpm, _)| is_left(rpm)).map(|(rpm, _)| short(*rpm)).collect();
     let at = format!("at {} r/min", listed(&speeds));
     let motor = match bench.board_port() {
         Some(port) => format!("the motor of {pump} at {}", port.display()),
@@ -119,10 +120,15 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64
     };
     let time = format!("{motor} turns {at}, for {} in all, besides the weighing", lasting(motion_s));
     if made == 0 {
-        format!("{all} runs of {each}, after one to try; {vessel}\n{time}\n")
+        format!("{} of {each}, after one to try; {vessel}\n{time}\n", counted(all as u64, "run", "runs"))
     } else {
         format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n{time}\n")
     }
+}
+
+/// A number with what it counts.
+fn counted(number: u64, one: &str, several: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { several })
 }
 
 /// Words in a row: `14, 28 and 100`.
@@ -222,9 +228,9 @@ impl Guide<'_, '_> {
         title: &str,
     ) -> Result<Option<CalibrationRun>, Failure> {
         loop {
-            say(&format!("{title}: moving\n"));
             self.scale.before()?;
             let prepared = self.prepare(speed_rpm)?;
+            say(&format!("{title}: moving\n"));
             let (delivered, signal) = deliver(
                 self.bench,
                 &mut self.session,
@@ -249,6 +255,7 @@ impl Guide<'_, '_> {
                     digit: Some(digit),
                     speed_rpm,
                     start_angle_deg: known.then_some(degrees(plan.start().angle_rad())),
+                    start_half_width_deg: None,
                     turned_deg: degrees(plan.steps() as f64 * plan.step_rad()),
                     reading,
                     temperature_degc: self.temperature_degc,

@@ -36,6 +36,9 @@ pub(super) struct LastArgs {
     /// Calibrate by this reading alone
     #[arg(long, conflicts_with = "add")]
     anew: bool,
+    /// Take a reading that lies far beyond the ± of the dose
+    #[arg(long)]
+    anyway: bool,
     /// Say what the reading shows, and keep nothing
     #[arg(long)]
     dry_run: bool,
@@ -64,8 +67,18 @@ impl LastArgs {
             Expected::of_digits(&file, &reading)
         };
         let weighed = bench.weigh_last_dose(&file, &reading, self.earlier(), &expected)?;
+        if !self.anyway {
+            let likely = weighed.check_likely().map_err(Failure::of);
+            likely.map_err(|failure| failure.with("; if it is right, add --anyway"))?;
+        }
         if let Some(replaced) = weighed.replaced {
             say(&format!("this reading takes the place of {replaced} of the same dose\n"));
+        }
+        if let Some(by_angle_ml) = weighed.by_angle_ml {
+            say(&format!(
+                "the rollers' angle was not known to better than 2 deg: it leaves the volume of this dose unsure by \
+                 ± {by_angle_ml:.4} mL (k = 2)\n"
+            ));
         }
         let mut calibration = weighed.calibration;
         calibration.tube = self.options.tube.clone().or(calibration.tube);

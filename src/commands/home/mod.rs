@@ -18,7 +18,7 @@ pub(crate) struct HomeArgs {
     #[arg(long)]
     mark: bool,
     /// Tolerance of the angle that is said, or within which the two marks meet [default: 1deg, marks 0.5deg; a head
-    /// without a drawing 10deg]
+    /// without a drawing 11deg]
     #[arg(long, visible_alias = "mark-tolerance", value_name = "ANGLE", value_parser = units::tolerance_rad)]
     #[arg(conflicts_with_all = ["sensor", "unknown"])]
     tolerance: Option<f64>,

@@ -259,6 +259,9 @@ fn keep(
     let file = bench.file_of_last_dose(None, temperature_degc)?;
     let expected = Expected::of_digits(&file, reading);
     let weighed = bench.weigh_last_dose(&file, reading, Earlier::Joined, &expected)?;
+    let pump = &course.answers.name;
+    let meant = format!("; if it is right, `dose calibrate last --anyway --pump {pump}` takes it");
+    weighed.check_likely().map_err(|error| Failure::of(error).with(&meant))?;
     let stored: Stored = bench.keep_weighing(weighed.calibration)?;
     drop(held);
     course.tell(&calibration_text(&bench, &stored, true, course.runnable.words())?)?;

@@ -20,7 +20,11 @@ fn verification_passes_or_fails_against_its_tolerance() {
     assert!(passed.code == 0 && passed.out.contains("+0.170 %"), "{}{}", passed.out, passed.err);
     let failed = user.types(&[&verify[..], &["--systematic", "0.1%"]].concat());
     assert_eq!(failed.code, 1);
-    assert!(failed.out.starts_with("FAILED") && failed.err.contains("not within their tolerance"));
+    assert!(failed.out.starts_with("FAILED") && failed.err.contains("not within their tolerance; calibrate"));
+    // No calibration mends a scatter.
+    let scattered = user.types(&[&verify[..], &["--random", "0.05%"]].concat());
+    assert!(scattered.code == 1 && scattered.err.contains("they scatter"), "{}", scattered.err);
+    assert!(!scattered.err.contains("dose calibrate run"), "{}", scattered.err);
     let message = user.is_refused(&["calibrate", "verify", "--volume", "25mL", "--from", "ten.csv"]);
     assert!(message.contains("give --systematic and --random"), "{message}");
     let made = answers(

@@ -53,17 +53,17 @@ fn a_bare_angle_is_taken_to_a_degree_and_the_command_says_so_once() {
 }
 
 #[test]
-fn a_bare_angle_of_a_head_without_a_drawing_is_taken_to_ten_degrees() {
+fn a_bare_angle_of_a_head_without_a_drawing_is_taken_to_eleven_degrees() {
     let user = User::new();
     let file = user.path("acid.toml").display().to_string();
     let new = ["pumps", "new", "--ml-per-rev", "0.5mL", "--rollers", "4", "--steps-per-rev", "3200", &file];
     assert_eq!(user.types(&new).code, 0);
     let pump = ["--pump", &file];
     let out = user.types(&[&["home", "--set", "30deg"], &pump[..]].concat()).out;
-    assert!(out.contains("10 deg either way is assumed; --tolerance 0deg is exact"), "{out}");
+    assert!(out.contains("11 deg either way is assumed; --tolerance 0deg is exact"), "{out}");
     let report = user.json(&[&["1mL", "--start-angle", "30deg", "--dry-run"], &pump[..]].concat());
-    assert!((number(&report["phase"], "half_width_deg") - 10.0).abs() < 1e-9, "{report}");
-    assert!(report["warnings"].to_string().contains("10 deg either way is assumed; 30deg+-0deg is exact"));
+    assert!((number(&report["phase"], "half_width_deg") - 11.0).abs() < 1e-9, "{report}");
+    assert!(report["warnings"].to_string().contains("11 deg either way is assumed; 30deg+-0deg is exact"));
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn a_volume_may_be_two_words() {
     assert_eq!(asked(&["prime", "20", "mL"]), 20.0);
     assert_eq!(asked(&["purge", "0.02", "L"]), 20.0);
     assert!(user.is_refused(&["25", "mL", "status"]).contains("a command together"));
-    assert!(user.is_refused(&["25", "furlongs"]).contains("unknown volume unit `furlongs`"));
+    assert!(user.is_refused(&["25", "furlongs"]).contains("unknown volume or mass unit `furlongs`"));
 }
 
 #[test]

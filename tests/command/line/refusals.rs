@@ -46,7 +46,7 @@ fn bad_quantities_are_refused_by_name() {
     for (arguments, expected) in [
         (vec!["25"], "`25` has no unit"),
         (vec!["25ML"], "did you mean `mL`"),
-        (vec!["25 furlongs"], "unknown volume unit `furlongs`"),
+        (vec!["25 furlongs"], "unknown volume or mass unit `furlongs`"),
         (vec!["NaNmL"], "not a finite number"),
         (vec!["infmL"], "not a finite number"),
         (vec!["-infmL"], "unexpected argument"),

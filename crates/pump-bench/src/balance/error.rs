@@ -80,6 +80,12 @@ pub enum BalanceError {
         /// Words of the balance.
         said: String,
     },
+    /// The balance said a number without a unit.
+    #[error("the balance said `{said}`, a number without a unit; print `{said} g`, or with kg or mg")]
+    NoUnit {
+        /// Words of the balance.
+        said: String,
+    },
     /// The load is outside the range of the balance.
     #[error("the balance is {state}: it said `{said}`")]
     OutOfRange {

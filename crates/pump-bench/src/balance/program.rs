@@ -81,7 +81,8 @@ impl ProgramBalance {
         if status.success() {
             printed_reading(&said)
         } else {
-            Err(self.ended_badly(&format!("{status}; {complaint}")))
+            let complaint = if complaint.is_empty() { complaint } else { format!("; {complaint}") };
+            Err(self.ended_badly(&format!("{status}{complaint}")))
         }
     }
 
@@ -132,9 +133,12 @@ mod tests {
     #[test]
     fn the_last_line_of_the_program_is_the_mass() {
         assert_eq!(read("echo warming up; echo ' 23.45 g'").unwrap().mass_g, 23.45);
-        assert!(read("echo 23.45").unwrap_err().to_string().contains("`23.45`, which is no mass"));
+        let bare = read("echo 23.45").unwrap_err().to_string();
+        assert!(bare.contains("`23.45`, a number without a unit; print `23.45 g`"), "{bare}");
         assert!(read("true").unwrap_err().to_string().contains("no mass"));
         assert!(read("echo no cable >&2; exit 3").unwrap_err().to_string().contains("no cable"));
+        let silent = read("exit 3").unwrap_err().to_string();
+        assert!(silent.ends_with("failed: exit status: 3"), "{silent}");
     }
 
     #[test]

@@ -40,10 +40,13 @@ impl BalanceReading {
 ///
 /// # Errors
 ///
-/// [`BalanceError::Unreadable`] for anything else.
+/// [`BalanceError::NoUnit`] for a number alone, and [`BalanceError::Unreadable`] for anything else.
 pub fn printed_reading(text: &str) -> Result<BalanceReading, BalanceError> {
     let unreadable = || BalanceError::Unreadable { said: shown_line(text) };
     let text: String = text.trim().chars().filter(|c| !matches!(c, '[' | ']')).collect();
+    if text.parse::<f64>().is_ok_and(f64::is_finite) {
+        return Err(BalanceError::NoUnit { said: shown_line(&text) });
+    }
     let split = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ' ')));
     let (number, unit) = text.split_at(split.ok_or_else(unreadable)?);
     let factor_g = match unit.trim() {
@@ -88,20 +91,13 @@ mod tests {
 
     #[test]
     fn what_is_no_mass_is_an_error_that_repeats_it() {
-        for text in [
-            "",
-            "g",
-            "12.3",
-            "12.3 lb",
-            "12.3 pcs",
-            "1.2.3 g",
-            "1-2 g",
-            "\u{fffd}\u{fffd} g",
-            "inf g",
-            "Err 54",
-        ] {
+        for text in
+            ["", "g", "12.3 lb", "12.3 pcs", "1.2.3 g", "1-2 g", "\u{fffd}\u{fffd} g", "inf g", "Err 54"]
+        {
             let error = printed_reading(text).unwrap_err().to_string();
             assert!(error.contains("which is no mass"), "{text}: {error}");
         }
+        let bare = printed_reading(" 12.3 ").unwrap_err().to_string();
+        assert!(bare.contains("`12.3`, a number without a unit"), "{bare}");
     }
 }

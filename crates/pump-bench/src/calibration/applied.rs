@@ -30,6 +30,8 @@ pub(crate) struct Applied {
 pub(crate) struct WeighedTurn {
     /// Angle of the rollers at the start, in rad of the record. `None` if whole pitches were turned from anywhere.
     pub(crate) start_rad: Option<f64>,
+    /// Distance of the true angle at the start from `start_rad`, in rad, at most.
+    pub(crate) half_width_rad: f64,
     /// Angle that the rotor turned, in rad; negative in reverse.
     pub(crate) turned_rad: f64,
 }

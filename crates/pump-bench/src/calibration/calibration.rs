@@ -121,7 +121,7 @@ impl Calibration {
         let Some(found) = self.displacement.as_ref().filter(|found| found.prior.is_some()) else {
             return Ok(false);
         };
-        Ok(found.whole_standard_at(base, found.reference_rpm)? / found.factor > file.model_standard())
+        Ok(found.whole_part_at(base, found.reference_rpm)? > file.model_standard())
     }
 
     /// Checks that the data have the schema of this version.
@@ -151,6 +151,7 @@ impl Calibration {
     pub(crate) fn turns(&self) -> Vec<WeighedTurn> {
         let turn = |run: &CalibrationRun| WeighedTurn {
             start_rad: run.start_angle_deg.map(radians),
+            half_width_rad: run.start_half_width_deg.map_or(0.0, radians),
             turned_rad: radians(run.turned_deg),
         };
         self.runs.iter().filter(|_| self.displacement.is_some()).map(turn).collect()
@@ -198,7 +199,7 @@ impl Calibration {
     ) -> Result<Option<Sureness>, ModelError> {
         let Some(displacement) = &self.displacement else { return Ok(None) };
         Ok(Some(Sureness {
-            factor: displacement.standard_at(base, rpm)?,
+            factor: displacement.standard_at(base, rpm)? / displacement.factor_at(base, rpm)?,
             speed_dependence: if displacement.speeds_rpm.len() < 3 {
                 let distance = displacement.distance_rpm(rpm.abs()) / file.motor.max_speed_rpm;
                 LINE_OVER_RMS * file.uncertainty.over_speeds() * distance
@@ -206,7 +207,7 @@ impl Calibration {
                 displacement.lack_of_fit
             },
             repeatability: displacement.repeatability(),
-            run_ml: displacement.scatter.standard().map_or(0.0, |_| self.run_ml()),
+            run_ml: displacement.scatter.standard().map_or(0.0, |_| displacement.factor * self.run_ml()),
             prior: displacement.prior.filter(|_| file.uncertainty.repeatability_at_ml.is_none()),
             warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
         }))

@@ -2,6 +2,9 @@
 
 use libm::{fabs, floor, sqrt};
 
+/// Days for which a drift is told.
+const TOLD_DAYS: f64 = 30.0;
+
 /// Coverage factor of the bounds (GUM, 6.2).
 const COVERAGE: f64 = 2.0;
 
@@ -45,7 +48,8 @@ pub struct Drift {
 
 impl Drift {
     /// Fits a straight line to the factors of three calibrations or more, each weighted by its standard uncertainty.
-    /// The last one is the present calibration. Returns `None` with fewer calibrations, or with all at one time.
+    /// The last one is the present calibration. Returns `None` with fewer calibrations, with all at one time, or where
+    /// the uncertainty of the drift in [`TOLD_DAYS`] exceeds the factor itself: their span is too short to tell it.
     ///
     /// The slope of weighted least squares is b = sum w (t - t0) y / sum w (t - t0)^2, w = 1 / u^2, with t0 the
     /// weighted mean time, and its variance 1 / sum w (t - t0)^2 (Bevington and Robinson, Data Reduction and
@@ -73,6 +77,9 @@ impl Drift {
         let chi_squared = sum(&|at| weight(at) * departure(at) * departure(at));
         let birge = sqrt(chi_squared / (factors.len() - 2) as f64).max(1.0);
         let standard_per_day = birge / sqrt(spread);
+        if COVERAGE * standard_per_day * TOLD_DAYS > last.factor {
+            return None;
+        }
         let fastest_per_day = fabs(per_day) + COVERAGE * standard_per_day;
         let whole_days = floor(COVERAGE * last.standard / fastest_per_day) + 1.0;
         Some(Self { per_day, standard_per_day, days: Some(whole_days).filter(|days| days.is_finite()) })
@@ -127,6 +134,9 @@ mod tests {
         let scattered = Drift::of(&factors(&[(0, 1.0, 1e-3), (10, 1.01, 1e-3), (20, 1.0, 1e-3)])).unwrap();
         assert!(scattered.standard_per_day > 5.0 * quiet.standard_per_day);
         assert_eq!(Drift::of(&factors(&[(5, 1.0, 1e-3), (5, 1.01, 1e-3), (5, 1.0, 1e-3)])), None);
+        // Minutes apart, factors that are known to 1 % tell nothing of 30 days.
+        let minutes = |minute: u64, factor| FactorAtTime::new(START + 60 * minute, factor, 0.01);
+        assert_eq!(Drift::of(&[minutes(0, 1.0), minutes(1, 0.99), minutes(3, 1.01)]), None);
         assert_eq!(Drift::of(&factors(&[(0, 1.0, 0.0), (10, 1.0, 1e-3), (20, 1.0, 1e-3)])), None);
     }
 }

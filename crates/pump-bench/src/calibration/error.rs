@@ -6,7 +6,7 @@ use pump_model::{ModelError, Shown};
 use thiserror::Error;
 
 use crate::files::TableError;
-use crate::numbers::significant;
+use crate::numbers::{significant, two_digits};
 use crate::pump_file::FluidError;
 
 /// A calibration that cannot be made or used. The message says what is wrong and what to do.
@@ -95,10 +95,13 @@ pub enum CalibrationError {
         /// Half width of the range that holds the true turn, in deg.
         half_width_deg: f64,
     },
-    /// The last dose turned a part of a pitch from an angle that is not known.
+    /// The last dose turned a part of a pitch from an angle that leaves its volume less sure than the model does.
     #[error(
-        "the last dose turned {turned_deg:.3} deg from an angle that is not known to better than 2 deg; only whole \
-         pitches of {pitch_deg:.3} deg deliver the same volume from any angle, as doses of {} and {} mL do",
+        "the last dose turned {turned_deg:.3} deg from an angle that is not known to better than 2 deg, which leaves \
+         its volume unsure by {} %, and the model is sure to {} %; whole pitches of {pitch_deg:.3} deg deliver the \
+         same volume from any angle, as doses of {} and {} mL do",
+        two_digits(*unsure_percent),
+        two_digits(*model_percent),
         significant(nearest_ml[0], 5),
         significant(nearest_ml[1], 5)
     )]
@@ -107,8 +110,26 @@ pub enum CalibrationError {
         turned_deg: f64,
         /// Angle between rollers, in deg.
         pitch_deg: f64,
+        /// Uncertainty that the angle leaves in the volume, in percent, k = 2.
+        unsure_percent: f64,
+        /// Uncertainty of the model, in percent, k = 2.
+        model_percent: f64,
         /// Volumes of whole pitches below and above, in mL.
         nearest_ml: [f64; 2],
+    },
+    /// The reading of the last dose lies far beyond the uncertainty that the dose had.
+    #[error(
+        "the reading is {} mL, and the last dose was {} mL ± {} mL (k = 2) by what is known of the pump: a vessel that \
+         was not emptied, another tare or a slip of a digit makes such a difference",
+        significant(*measured_ml, 5), significant(*expected_ml, 5), two_digits(*expanded_ml)
+    )]
+    UnlikelyReading {
+        /// Volume of the reading, in mL.
+        measured_ml: f64,
+        /// Volume of the dose by the calibration in use, or else by the model, in mL.
+        expected_ml: f64,
+        /// Expanded uncertainty (k = 2) of the difference, in mL.
+        expanded_ml: f64,
     },
     /// The calibration in use was weighed with another fluid.
     #[error(

@@ -6,8 +6,10 @@ use pump_model::Pump;
 use pump_model::units::{degrees, radians, rpm};
 
 use super::date::of_unix;
+use super::run::OverAngles;
 use super::{
-    Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored, Weighing,
+    AgainstSpeed, Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored,
+    Weighing,
 };
 use crate::pump_file::PumpFile;
 use crate::record::LastDose;
@@ -42,18 +44,20 @@ pub enum Earlier {
 }
 
 impl CalibrationRun {
-    /// Returns the last dose as a weighed run of a fluid at this temperature, in °C.
+    /// Returns the last dose of `pump`, the pump of `file`, as a weighed run of its fluid.
+    ///
+    /// An angle that is not known to better than 2 deg counts with its bounds, unless whole pitches were turned.
     ///
     /// # Errors
     ///
     /// [`CalibrationError::NoLastDose`] without a dose on record. [`CalibrationError::UnsureLastDose`] after a dose
-    /// that was cut off where nobody knows. [`CalibrationError::LastDoseFromUnknownAngle`] for a part of a pitch from
-    /// an angle that is not known.
+    /// that was cut off where nobody knows. [`CalibrationError::LastDoseFromUnknownAngle`] if the bounds of the angle
+    /// leave the volume less sure than the model of `file` does.
     pub fn of_last_dose(
         last: Option<LastDose>,
+        file: &PumpFile,
         pump: &Pump,
         reading: Reading,
-        temperature_degc: f64,
     ) -> Result<Self, CalibrationError> {
         let dose = last.filter(|dose| dose.speed_rad_s > 0.0 && dose.turned_rad != 0.0);
         let dose = dose.ok_or(CalibrationError::NoLastDose)?;
@@ -62,26 +66,48 @@ impl CalibrationRun {
             let half_width_deg = degrees(dose.turned_half_width_rad);
             return Err(CalibrationError::UnsureLastDose { turned_deg, half_width_deg });
         }
-        let is_stated = dose.start().is_stated();
+        let start = dose.start();
         let run = Self {
             digit: None,
             speed_rpm: rpm(dose.speed_rad_s),
-            start_angle_deg: is_stated.then_some(degrees(dose.start_angle_rad)),
+            start_angle_deg: start.is_stated().then_some(degrees(dose.start_angle_rad)),
+            start_half_width_deg: None,
             turned_deg,
             reading,
-            temperature_degc: Some(temperature_degc),
+            temperature_degc: Some(file.fluid.temperature_degc),
             time: Some(of_unix(dose.unix_s)),
         };
         match run.model_ml(pump, 1) {
-            Err(CalibrationError::UnknownAngle { turned_deg, pitch_deg, .. }) => {
-                let pitches = (turned_deg / pitch_deg).abs().floor();
-                let pitch_ml = pump.outlet_curve().pitch_ml();
-                // The least dose of whole pitches is one.
-                let nearest_ml = [pitches.max(1.0), pitches.max(1.0) + 1.0].map(|whole| whole * pitch_ml);
-                Err(CalibrationError::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml })
+            Err(CalibrationError::UnknownAngle { pitch_deg, .. }) => {
+                let start_angle_deg = Some(degrees(start.angle_rad()));
+                let half_width_deg = degrees(start.half_width_rad()).min(0.5 * pitch_deg);
+                let within = Self { start_angle_deg, start_half_width_deg: Some(half_width_deg), ..run };
+                within.sure_enough(file, pump, pitch_deg)
             }
             checked => checked.map(|_| run),
         }
+    }
+
+    /// Returns the run, unless the angles at which it may have begun leave its volume less sure than the model does.
+    /// Such a reading says nothing that the model does not.
+    fn sure_enough(self, file: &PumpFile, pump: &Pump, pitch_deg: f64) -> Result<Self, CalibrationError> {
+        let unsure = self.angle_standard_ml(pump) / self.model_ml(pump, 1)?;
+        if unsure < file.model_standard() {
+            return Ok(self);
+        }
+        let turned_deg = self.turned_deg;
+        let pitches = (turned_deg / pitch_deg).abs().floor();
+        let pitch_ml = pump.outlet_curve().pitch_ml();
+        // The least dose of whole pitches is one.
+        let nearest_ml = [pitches.max(1.0), pitches.max(1.0) + 1.0].map(|whole| whole * pitch_ml);
+        let [unsure_percent, model_percent] = [unsure, file.model_standard()].map(|part| 200.0 * part);
+        Err(CalibrationError::LastDoseFromUnknownAngle {
+            turned_deg,
+            pitch_deg,
+            unsure_percent,
+            model_percent,
+            nearest_ml,
+        })
     }
 
     /// Returns the runs of a calibration by this dose of the fluid that is named. The earlier reading of the same dose
@@ -115,24 +141,9 @@ impl CalibrationRun {
     }
 
     /// Returns true if both runs are readings of one dose.
-    fn is_of_dose(&self, other: &Self) -> bool {
+    pub(crate) fn is_of_dose(&self, other: &Self) -> bool {
         self.time == other.time && same_turn(self.turned_deg, other.turned_deg)
     }
-}
-
-/// Returns the standard deviation of the volume of a turn, in mL, over the start angles that `start` allows. They are
-/// equally likely.
-fn angle_ml(pump: &Pump, start: Phase, turned_rad: f64) -> f64 {
-    const ANGLES: i32 = 32;
-    let curve = pump.outlet_curve();
-    let volume_ml = |from_rad: f64| curve.volume_ml(from_rad + turned_rad) - curve.volume_ml(from_rad);
-    let planned_ml = volume_ml(start.angle_rad());
-    let square = |n: i32| {
-        let part = f64::from(2 * n + 1) / f64::from(ANGLES) - 1.0;
-        let error_ml = volume_ml(start.angle_rad() + start.half_width_rad() * part) - planned_ml;
-        error_ml * error_ml
-    };
-    sqrt((0..ANGLES).map(square).sum::<f64>() / f64::from(ANGLES))
 }
 
 /// Returns true for turns that are equal to a millionth of a degree.
@@ -148,8 +159,54 @@ pub struct WeighedDose {
     pub run: CalibrationRun,
     /// Earlier reading of the same dose, in whose place this one is. `None` if there was none.
     pub replaced: Option<Reading>,
+    /// Uncertainty that an angle between bounds leaves in the volume of the dose, in mL, k = 2. `None` for an angle
+    /// that is known to better than 2 deg, and for whole pitches.
+    pub by_angle_ml: Option<f64>,
     /// Calibration by this dose and the doses joined to it.
     pub calibration: Calibration,
+    /// Reading beside the volume that was expected of the dose.
+    likelihood: Likelihood,
+}
+
+/// Reading of a dose beside the volume that was expected of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Likelihood {
+    measured_ml: f64,
+    /// Volume by the calibration in use, or else by the model, in mL.
+    expected_ml: f64,
+    /// Expanded uncertainty of the difference, k = 2, in mL.
+    expanded_ml: f64,
+}
+
+impl Likelihood {
+    /// Compares the reading of `run`, a dose of the pump of `file`, with what is known of the pump without it.
+    fn of(
+        file: &PumpFile,
+        pump: &Pump,
+        run: &CalibrationRun,
+        in_use: Option<&Stored>,
+        expected: &Expected,
+    ) -> Result<Self, CalibrationError> {
+        let (measured_ml, model_ml) = run.volumes_ml(pump, &Weighing::of(file), 1)?;
+        let calibration = in_use.map(|stored| &stored.calibration);
+        let rpm = run.speed_rpm.copysign(run.turned_deg);
+        let by_speed = file.speed_dependent_pump()?;
+        let found = calibration.and_then(|calibration| calibration.displacement.as_ref());
+        let against = AgainstSpeed::of(found, &by_speed);
+        let factor = against.map_or(Ok(1.0), |against| against.factor_at(rpm))?;
+        let sureness = calibration.map_or(Ok(None), |used| used.sureness_at(pump, rpm, file))?;
+        let of_mean = sureness.map_or(file.model_standard(), |sureness| sureness.common());
+        let expected_ml = factor * model_ml;
+        let of_run = expected.standard_of(factor * pump.revolution_ml(), factor, expected_ml);
+        let of_angle = run.angle_standard_ml(pump) / model_ml;
+        // A pulse that nobody measured is anything from none to twice its volume.
+        let is_default = file.pulse_prior().is_some() && calibration.is_none_or(|used| used.pulse.is_none());
+        let roller_ml = if is_default { factor * pump.roller_volume().total_ml() } else { 0.0 };
+        let of_pulse = roller_ml / (sqrt(3.0) * expected_ml);
+        let squares = [of_mean, of_run, of_angle, of_pulse].map(|part| part * part);
+        let expanded_ml = 2.0 * sqrt(squares.iter().sum()) * expected_ml;
+        Ok(Self { measured_ml, expected_ml, expanded_ml })
+    }
 }
 
 impl WeighedDose {
@@ -169,10 +226,12 @@ impl WeighedDose {
             Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
         };
         let pump = file.model()?;
-        let run = CalibrationRun::of_last_dose(last, &pump, reading, file.fluid.temperature_degc);
+        let run = CalibrationRun::of_last_dose(last, file, &pump, reading);
         let run = run.map_err(|error| error.by_calibration(weighing.in_use, last, &pump))?;
-        let start = last.filter(|_| run.start_angle_deg.is_some()).map(|dose| dose.start());
-        let angle_ml = start.map_or(0.0, |start| angle_ml(&pump, start, radians(run.turned_deg)));
+        let stated = last.map(|dose| dose.start()).filter(Phase::is_stated);
+        let of_angle = |start| OverAngles::of(&pump, start, radians(run.turned_deg)).standard_ml;
+        let angle_ml = stated.map_or(0.0, of_angle);
+        let by_angle_ml = run.start_half_width_deg.map(|_| 2.0 * run.angle_standard_ml(&pump));
         let density = match reading {
             Reading::MassG(_) => Weighing::of(file).density_standard()?,
             Reading::VolumeMl(_) => 0.0,
@@ -185,22 +244,38 @@ impl WeighedDose {
             active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run)).map(|run| run.reading)
         });
         let before = active.map(|active| &active.calibration);
+        let likelihood = Likelihood::of(file, &pump, &run, weighing.in_use, &expected)?;
         let fit = fit_of_doses(&runs);
         let mut calibration = Calibration::of_runs(file, Source::Last, runs, fit, &expected, before)?;
         calibration.tube = before.and_then(|before| before.tube.clone());
-        Ok(Self { run, replaced, calibration })
+        Ok(Self { run, replaced, by_angle_ml, calibration, likelihood })
+    }
+
+    /// Refuses a reading that lies further from the expected volume than twice the expanded uncertainty of the
+    /// difference. A person may know better, so that nothing but this asks for it.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::UnlikelyReading`].
+    pub fn check_likely(&self) -> Result<(), CalibrationError> {
+        let Likelihood { measured_ml, expected_ml, expanded_ml } = self.likelihood;
+        if (measured_ml - expected_ml).abs() <= 2.0 * expanded_ml {
+            return Ok(());
+        }
+        Err(CalibrationError::UnlikelyReading { measured_ml, expected_ml, expanded_ml })
     }
 }
 
 impl CalibrationError {
     /// Returns the error with the volumes of whole pitches by the calibration that doses use.
     fn by_calibration(self, in_use: Option<&Stored>, last: Option<LastDose>, pump: &Pump) -> Self {
-        let Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml } = self else { return self };
+        let mut error = self;
+        let Self::LastDoseFromUnknownAngle { nearest_ml, .. } = &mut error else { return error };
         let found = in_use.and_then(|stored| stored.calibration.displacement.as_ref());
         let rpm = last.map_or(0.0, |dose| rpm(dose.speed_rad_s));
         let factor = found.and_then(|found| found.factor_at(pump, rpm).ok()).unwrap_or(1.0);
-        let nearest_ml = nearest_ml.map(|volume_ml| factor * volume_ml);
-        Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, nearest_ml }
+        *nearest_ml = nearest_ml.map(|volume_ml| factor * volume_ml);
+        error
     }
 }
 

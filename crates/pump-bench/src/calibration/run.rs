@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use libm::round;
+use libm::{round, sqrt};
+use pump_ctl::plan::Phase;
 use pump_model::Pump;
 use pump_model::units::{degrees, radians};
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,10 @@ pub struct CalibrationRun {
     pub speed_rpm: f64,
     /// Angle of the rollers at the start, in deg; `None` if nobody knows.
     pub start_angle_deg: Option<f64>,
+    /// Distance of the true angle at the start from `start_angle_deg`, in deg, at most. The run then counts with the
+    /// mean volume over these angles. `None` takes the angle as it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_half_width_deg: Option<f64>,
     /// Angle that the rotor turned, in deg; negative in reverse.
     pub turned_deg: f64,
     /// Reading of scale or vessel, without sign.
@@ -93,7 +98,22 @@ impl CalibrationRun {
     ///
     /// [`CalibrationError::UnknownAngle`] if the run turned a part of a pitch from an unknown angle.
     pub(crate) fn model_ml(&self, pump: &Pump, number: usize) -> Result<f64, CalibrationError> {
-        turned_ml(pump, self.start_angle_deg, self.turned_deg, number)
+        match self.angles() {
+            Some(start) => Ok(OverAngles::of(pump, start, radians(self.turned_deg)).mean_ml.abs()),
+            None => turned_ml(pump, self.start_angle_deg, self.turned_deg, number),
+        }
+    }
+
+    /// Returns the standard deviation of the model volume over the angles at which the run may have begun, in mL; 0
+    /// for an angle that is taken as it is.
+    pub(super) fn angle_standard_ml(&self, pump: &Pump) -> f64 {
+        self.angles().map_or(0.0, |start| OverAngles::of(pump, start, radians(self.turned_deg)).standard_ml)
+    }
+
+    /// Returns the angles at which the run may have begun. `None` for an angle that is taken as it is.
+    fn angles(&self) -> Option<Phase> {
+        let (start_deg, half_width_deg) = self.start_angle_deg.zip(self.start_half_width_deg)?;
+        Some(Phase::within(radians(start_deg), radians(half_width_deg)))
     }
 
     /// Returns measured and model volume, in mL; `number` names the run in errors.
@@ -115,6 +135,31 @@ impl CalibrationRun {
         } else {
             Err(CalibrationError::Implausible { run: number, measured_ml, model_ml })
         }
+    }
+}
+
+/// Volume of a turn over the start angles that a phase allows. They are equally likely.
+pub(super) struct OverAngles {
+    /// Mean of the volumes, in mL, negative in reverse.
+    pub(super) mean_ml: f64,
+    /// Standard deviation of the volumes, in mL.
+    pub(super) standard_ml: f64,
+}
+
+impl OverAngles {
+    pub(super) fn of(pump: &Pump, start: Phase, turned_rad: f64) -> Self {
+        const ANGLES: i32 = 32;
+        let curve = pump.outlet_curve();
+        // Beyond a pitch the volumes come again.
+        let half_width_rad = start.half_width_rad().min(0.5 * curve.pitch_rad());
+        let volume_ml = |n: i32| {
+            let part = f64::from(2 * n + 1) / f64::from(ANGLES) - 1.0;
+            let from_rad = start.angle_rad() + half_width_rad * part;
+            curve.volume_ml(from_rad + turned_rad) - curve.volume_ml(from_rad)
+        };
+        let mean_ml = (0..ANGLES).map(volume_ml).sum::<f64>() / f64::from(ANGLES);
+        let squares = (0..ANGLES).map(|n| (volume_ml(n) - mean_ml).powi(2)).sum::<f64>();
+        Self { mean_ml, standard_ml: sqrt(squares / f64::from(ANGLES)) }
     }
 }
 
@@ -190,6 +235,7 @@ pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<CalibrationRun>
             digit,
             speed_rpm: row.positive("speed_rpm")?,
             start_angle_deg: row.number("start_angle_deg")?,
+            start_half_width_deg: None,
             turned_deg,
             reading: if is_mass { Reading::MassG(value) } else { Reading::VolumeMl(value) },
             temperature_degc: row.number("temperature_degc")?,
@@ -267,6 +313,7 @@ mod tests {
             digit: None,
             speed_rpm: 60.0,
             start_angle_deg,
+            start_half_width_deg: None,
             turned_deg,
             reading: Reading::VolumeMl(1.0),
             temperature_degc: None,

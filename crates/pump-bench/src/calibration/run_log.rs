@@ -222,6 +222,7 @@ mod tests {
             digit: None,
             speed_rpm,
             start_angle_deg: Some(12.5),
+            start_half_width_deg: None,
             turned_deg: 1080.0,
             reading: Reading::MassG(mass_g),
             temperature_degc: None,

@@ -97,7 +97,9 @@ impl CataloguedPump {
                 let source = &self.head.source;
                 format!(
                     "# As published: {}{bore}\n# ({}: {}).\n",
-                    self.head.published, source.kind, source.document
+                    self.head.published,
+                    source.kind,
+                    source.cited()
                 )
             }
             "[rollers]" if self.head.rollers == Some(self.rollers) => "# As published.\n".to_owned(),

@@ -69,6 +69,7 @@ impl Config {
             let usual = before.default_pump.clone().or(Some(name.to_owned()));
             after.pumps == pumps
                 && after.racks == before.racks
+                && after.defaults() == before.defaults()
                 && after.default_pump == usual
                 && after.same_folder(&before)
         });

@@ -32,7 +32,7 @@ pub enum ConfigError {
         /// Path of the file.
         path: PathBuf,
         /// Key in the file.
-        key: &'static str,
+        key: String,
         /// Value in the file.
         value: String,
         /// Values that are allowed.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::defaults::DoseDefaults;
 use super::error::ConfigError;
 use super::place::{default_path, named_path};
 use super::pumps::{built_in_names, is_built_in};
@@ -42,6 +43,7 @@ pub struct Config {
     pub(super) default_pump: Option<String>,
     state_dir: Option<PathBuf>,
     on_fail: Option<String>,
+    defaults: DoseDefaults,
     pub(super) pumps: BTreeMap<String, PathBuf>,
     pub(super) racks: BTreeMap<String, PathBuf>,
 }
@@ -54,6 +56,8 @@ struct ConfigKeys {
     default_pump: Option<String>,
     state_dir: Option<PathBuf>,
     on_fail: Option<String>,
+    #[serde(default)]
+    defaults: DoseDefaults,
     #[serde(default)]
     pumps: BTreeMap<String, PathBuf>,
     #[serde(default)]
@@ -105,6 +109,7 @@ impl Config {
             default_pump: keys.default_pump,
             state_dir: keys.state_dir.map(|dir| folder.join(dir)),
             on_fail: keys.on_fail,
+            defaults: keys.defaults,
             pumps: keys.pumps.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
             racks: keys.racks.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
         })
@@ -140,6 +145,11 @@ impl Config {
         self.on_fail.as_deref()
     }
 
+    /// Returns the options of a dose that the file sets.
+    pub fn defaults(&self) -> &DoseDefaults {
+        &self.defaults
+    }
+
     /// Returns the folder of the records: that of the file, or else that of the user.
     ///
     /// # Errors
@@ -151,14 +161,14 @@ impl Config {
 
 /// A value that a configuration must not hold.
 struct WrongValue {
-    key: &'static str,
+    key: String,
     value: String,
     allowed: String,
 }
 
 impl WrongValue {
-    fn new(key: &'static str, value: impl Into<String>, allowed: impl Into<String>) -> Self {
-        Self { key, value: value.into(), allowed: allowed.into() }
+    fn new(key: &str, value: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self { key: key.to_owned(), value: value.into(), allowed: allowed.into() }
     }
 
     fn at(self, path: &Path) -> ConfigError {
@@ -188,6 +198,12 @@ impl ConfigKeys {
         }
         if let Some(dir) = self.state_dir.as_ref().filter(|dir| !is_plain(dir)) {
             return Err(WrongValue::new("state_dir", dir.display().to_string(), PLAIN));
+        }
+        if let Some((key, value, reason)) = self.defaults.wrong() {
+            return Err(WrongValue {
+                key: format!("[defaults] {key}"),
+                ..WrongValue::new(key, value, reason)
+            });
         }
         let names: Vec<&str> = self.pumps.keys().map(String::as_str).collect();
         match &self.default_pump {

@@ -1,5 +1,6 @@
 //! The configuration of a user: pumps by their names, the usual pump, and the folder of the records.
 
+mod defaults;
 mod entry;
 mod error;
 mod file;
@@ -7,6 +8,7 @@ mod place;
 mod pumps;
 mod racks;
 
+pub use defaults::DoseDefaults;
 pub use error::ConfigError;
 pub use file::Config;
 pub(crate) use file::is_name;

@@ -10,22 +10,22 @@ use pump_model::units::radians;
 use super::PulseBounds;
 
 /// Geometric mean of the engagement angles of the drawings, in deg (`examples/pulse_prior`, as all figures here).
-const ENGAGEMENT_DEG: f64 = 61.016;
+const ENGAGEMENT_DEG: f64 = 59.916;
 
 /// Twice the standard deviation of the logarithms of these angles.
-const ENGAGEMENT_SPREAD: f64 = 0.4591;
+const ENGAGEMENT_SPREAD: f64 = 0.5037;
 
 /// Mean of V_r/(a phi) over the drawings.
-const FULLNESS: f64 = 0.42185;
+const FULLNESS: f64 = 0.41938;
 
 /// Twice the standard deviation of V_r/(a phi).
-const FULLNESS_STANDARD: f64 = 0.09936;
+const FULLNESS_STANDARD: f64 = 0.11025;
 
 /// Largest engagement angle of the drawings, as a part of the pitch. More rollers leave less room for each.
 const WIDEST_PART: f64 = 0.6167;
 
 /// Number of drawings that show the scatter.
-const DRAWINGS: u32 = 6;
+const DRAWINGS: u32 = 5;
 
 /// Number of pulses that stand for all that heads may have.
 const PULSES: usize = 128;
@@ -82,7 +82,7 @@ impl PulsePrior {
     }
 
     /// Returns pulses that heads may have, each as likely as any other: ln phi and the fullness are normal, within
-    /// [`Self::bounds`]. The standard uncertainties are those of the prior, widened as six drawings are few (Student's
+    /// [`Self::bounds`]. The standard uncertainties are those of the prior, widened as five drawings are few (Student's
     /// t; GUM, JCGM 100:2008, G.3.2).
     ///
     /// The pairs are those of Halton (Numerische Mathematik 2, 1960), in bases 2 and 3, made normal as by Box and
@@ -145,8 +145,8 @@ mod tests {
             .iter()
             .map(|pulse| pulse.share * 120.0 / pulse.engagement_deg() - prior.fullness)
             .collect();
-        // 2.65/2: the 95.45th percentile of Student's t of 5 degrees of freedom (GUM, table G.2).
-        for (values, standard) in [(logs, 0.1 * 1.325), (fullnesses, 0.03 * 1.325)] {
+        // 2.87/2: the 95.45th percentile of Student's t of 4 degrees of freedom (GUM, table G.2).
+        for (values, standard) in [(logs, 0.1 * 1.435), (fullnesses, 0.03 * 1.435)] {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             let square = values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64;
             assert!(mean.abs() < 0.03 * standard, "{mean}");

@@ -49,8 +49,12 @@ pub struct BoughtHead {
 pub struct HeadSource {
     /// Kind of the document.
     pub kind: Provenance,
-    /// Title of the document, with its table or page.
+    /// Title of the maker's document.
     pub document: String,
+    /// Table or page of the document; of a program, its own table.
+    pub table: String,
+    /// Page, file or program that quotes the document. `None` for a document of the maker's that was at hand.
+    pub quoted_by: Option<String>,
     /// Address of the document, or of the page that quotes it.
     pub address: String,
     /// Conditions of the figures, and what else bears on them.
@@ -81,6 +85,14 @@ impl Provenance {
             Self::Quoted => "quoted",
             Self::Program => "program",
         }
+    }
+}
+
+impl HeadSource {
+    /// Returns the document with its table, and who quotes it.
+    pub fn cited(&self) -> String {
+        let by = self.quoted_by.as_ref().map_or(String::new(), |by| format!("; quoted by {by}"));
+        format!("{}, {}{by}", self.document, self.table)
     }
 }
 

@@ -45,8 +45,9 @@ pub fn heads_text(heads: &[&BoughtHead], words: Wording) -> String {
     let mut told = BTreeSet::new();
     for head in heads {
         let source = &head.source;
-        if told.insert(&source.document) {
-            let _ = writeln!(text, "\n{}: {}\n  {}", source.kind, source.document, source.address);
+        let cited = source.cited();
+        if told.insert(cited.clone()) {
+            let _ = writeln!(text, "\n{}: {cited}\n  {}", source.kind, source.address);
         }
     }
     let surer = words(Remedy::WeighToBeSurer);

@@ -23,6 +23,8 @@ struct SourceTable {
     key: String,
     kind: Provenance,
     document: String,
+    table: String,
+    quoted_by: Option<String>,
     address: String,
     remark: Option<String>,
     /// Slowest and fastest speed of the heads, in r/min. Slowest 0 stands for a speed that is not stated.
@@ -80,9 +82,9 @@ pub(super) fn rows_of(text: &str) -> Result<Vec<BoughtHead>, String> {
     let sources: HashMap<String, Source> = file
         .source
         .into_iter()
-        .map(|table| {
-            let SourceTable { key, kind, document, address, remark, speeds_rpm } = table;
-            (key, (HeadSource { kind, document, address, remark }, speeds_rpm))
+        .map(|source| {
+            let SourceTable { key, kind, document, table, quoted_by, address, remark, speeds_rpm } = source;
+            (key, (HeadSource { kind, document, table, quoted_by, address, remark }, speeds_rpm))
         })
         .collect();
     let mut rows = Vec::new();

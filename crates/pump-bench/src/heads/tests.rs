@@ -25,10 +25,18 @@ fn the_catalogue_holds_forty_heads_and_more_under_names_of_their_own() {
 }
 
 #[test]
-fn every_row_names_its_document_and_where_to_find_it() {
+fn every_row_names_its_document_its_table_and_who_quotes_it() {
     for head in bought_heads() {
-        let source = &head.source;
-        assert!(source.document.len() > 20 && source.address.starts_with("http"), "{}", head.name);
+        let (name, source) = (&head.name, &head.source);
+        assert!(source.document.len() > 15 && source.address.starts_with("http"), "{name}");
+        let places = ["table ", "page ", "data/"];
+        assert!(places.iter().any(|place| source.table.contains(place)), "{name}: {}", source.table);
+        // A figure that passed through other hands names them, and one of the maker's own document names its maker.
+        let is_makers = source.kind == Provenance::Maker;
+        assert_eq!(source.quoted_by.is_none(), is_makers, "{name}");
+        assert!(source.quoted_by.as_ref().is_none_or(|by| by.len() > 10), "{name}");
+        let names_maker = source.document.contains(head.maker.split(' ').next().unwrap());
+        assert!(names_maker, "{name}: {}", source.document);
         let number = head.published.split(' ').next().unwrap().parse::<f64>();
         assert!(number.is_ok_and(|number| number > 0.0), "{}: {}", head.name, head.published);
     }

@@ -254,12 +254,12 @@ fn waits(
     words: Wording,
 ) -> Result<String, CalibrationError> {
     let (file, base) = (bench.file(), bench.model());
-    let of_doses = found.whole_standard_at(base, found.reference_rpm)?;
+    let of_doses = found.whole_part_at(base, found.reference_rpm)?;
     Ok(format!(
         "calibration {} waits: the mean volume by these doses, \u{b1} {} %, is less sure than the model's, \u{b1} {} % \
          (k = 2); doses keep to the model until more are weighed; {}\n",
         stored.version,
-        two_digits(200.0 * of_doses / found.factor),
+        two_digits(200.0 * of_doses),
         two_digits(200.0 * file.model_standard()),
         words(Remedy::UseCalibration),
     ))

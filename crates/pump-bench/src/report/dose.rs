@@ -367,13 +367,22 @@ impl DoseReport {
         };
         if !delivered.completed {
             // The balance was read in motion, and more still arrives. The model knows the steps, with the uncertainty
-            // of the whole dose.
+            // of what they deliver.
             // The part of an earlier command was weighed at rest.
             let before_turned_ml = prepared.begun.map_or(0.0, |begun| begun.turned_ml);
             let turned_ml = delivered.before_ml + delivered.turned_ml - before_turned_ml;
             let (volume_least_ml, volume_most_ml) = (turned_ml, turned_ml);
             let (booked_ml, delivered_ml) = (turned_ml, Some(turned_ml));
-            return Self { volume_least_ml, volume_most_ml, delivered_ml, booked_ml, ..part };
+            let budget = prepared.whole.budget(bench.file(), &delivered.swept(prepared), 0.0);
+            return Self {
+                volume_least_ml,
+                volume_most_ml,
+                delivered_ml,
+                booked_ml,
+                expanded_uncertainty_ml: budget.expanded_ml(),
+                uncertainty_budget: budget.shares,
+                ..part
+            };
         }
         let (file, volume_ml) = (bench.file(), delivered.volume_ml);
         let reading_ml = difference_g * prepared.z_ml_g;

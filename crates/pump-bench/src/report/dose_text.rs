@@ -5,7 +5,7 @@ use pump_ctl::plan::LimitedBy;
 use super::dose::DoseReport;
 use crate::bench::headline;
 use crate::numbers::{decimals_of, microlitres, significant};
-use crate::record::Purpose;
+use crate::record::{Purpose, ShortText};
 use crate::units::{Amount, amount};
 
 impl DoseReport {
@@ -40,6 +40,9 @@ impl DoseReport {
 
     fn volume_line(&self, asked: Option<&str>) -> String {
         let requested = || format!("{} mL", significant(self.requested_ml, 6));
+        // The rest of a dose keeps the mass that the dose was asked for.
+        let of_record = self.asked.as_ref().map(ShortText::as_str).filter(|typed| is_mass(typed));
+        let asked = asked.or(of_record);
         let asked = match asked {
             _ if self.is_endless() => "run until stopped".to_owned(),
             Some(typed) if is_mass(typed) => format!("{typed} asked by a balance in air: {}", requested()),
@@ -140,6 +143,7 @@ impl DoseReport {
     /// The steps that were made of a dose that was stopped, or else the carry.
     fn end(&self) -> String {
         match self.steps_made {
+            Some(made) if !self.completed && self.by_weight.is_some() => format!("{made} steps made"),
             Some(made) if !self.completed => format!("{made} of {} steps made", self.steps),
             _ => format!("carry {}", microlitres(self.carry_ml)),
         }

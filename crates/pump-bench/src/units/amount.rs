@@ -42,14 +42,14 @@ impl Amount {
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is neither a volume nor a mass, or that is zero.
 pub fn amount(text: &str) -> Result<Amount, QuantityError> {
-    let read = QuantityText::new(text, Kind::Volume)?;
-    let mass = Kind::Mass.factor(&read.unit);
-    let kind = if mass.is_some() { Kind::Mass } else { Kind::Volume };
-    let value = QuantityText { kind, ..read }.value()?;
+    let read = QuantityText::new(text, Kind::Amount)?;
+    let is_mass = Kind::Mass.factor(&read.unit).is_some();
+    let value = read.value()?;
     if value == 0.0 {
+        let kind = if is_mass { Kind::Mass } else { Kind::Volume };
         return Err(QuantityError::Zero { text: shown(text), kind });
     }
-    Ok(if mass.is_some() { Amount::Mass(value) } else { Amount::Volume(value) })
+    Ok(if is_mass { Amount::Mass(value) } else { Amount::Volume(value) })
 }
 
 /// Reads the amount of a dose: an [`amount`] whose mass is 10 kg at most, either way.

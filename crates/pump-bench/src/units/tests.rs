@@ -58,8 +58,14 @@ fn every_form_of_the_contract_is_read() {
 fn what_is_refused_names_what_was_read_and_what_is_accepted() {
     let refused = |text: &str| amount(text).unwrap_err().to_string();
     assert!(refused("25").starts_with("`25` has no unit; write for example 25mL"));
-    assert!(refused("25ML").contains("unknown volume unit `ML`, did you mean `mL`"));
-    assert!(refused("25 furlongs").contains("unknown volume unit `furlongs`; accepted: L,"));
+    assert!(refused("25ML").contains("unknown volume or mass unit `ML`, did you mean `mL`"));
+    assert!(
+        refused("25 furlongs").contains("unknown volume or mass unit `furlongs`; accepted: kg, g, mg; L,")
+    );
+    assert!(
+        refused("24.9lb").contains("unit `lb`; accepted: kg, g, mg")
+            && refused("25KG").contains("`kg` (case")
+    );
     assert!(refused("25rpm").contains("which is a speed unit"));
     for text in ["NaN mL", "infmL", "-inf mL", "1e999mL"] {
         assert!(refused(text).contains("not a finite number"), "{text}");

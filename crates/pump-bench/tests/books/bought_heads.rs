@@ -9,12 +9,15 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use pump_bench::calibration::{Earlier, Expected};
+use pump_bench::calibration::{
+    Calibration, CalibrationError, CalibrationRun, Earlier, Expected, Fit, Reading, Source,
+};
 use pump_bench::displacement::PulsePrior;
-use pump_bench::pump_file::PumpFile;
+use pump_bench::pump_file::{OutletEnd, PumpFile};
+use pump_bench::report::calibration_text;
 use pump_bench::units::stated_reading;
-use pump_bench::{Bench, DoseReport, DoseRequest, Session};
-use pump_ctl::plan::Phase;
+use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, Session};
+use pump_ctl::plan::{Cruise, Phase};
 use pump_model::{DefaultPulse, Line, Pump};
 
 use crate::plant::{Board, Dice, Fate, Plant};
@@ -123,8 +126,9 @@ impl Person {
         (report, turned_ml * (1.0 + REPEATABILITY * normal(&mut self.dice)) + kept_ml)
     }
 
-    /// Doses `volume_ml`, weighs it and calibrates by the reading.
-    fn calibrates(&mut self, volume_ml: f64) {
+    /// Doses `volume_ml`, weighs it and calibrates by the reading. Returns false if the angle leaves the dose too
+    /// unsure.
+    fn calibrates(&mut self, volume_ml: f64) -> bool {
         let (_, arrived_ml) = self.doses(volume_ml);
         let tare_g = 20.0 + self.dice.part();
         let rounded = |grams: f64| (100.0 * grams).round() / 100.0;
@@ -132,8 +136,12 @@ impl Person {
         let reading = stated_reading(&format!("{shown_g:.2}g")).unwrap();
         let expected = Expected::of_digits(self.bench.file(), &reading);
         let file = self.bench.file_of_last_dose(None, None).unwrap();
-        let weighed = self.bench.weigh_last_dose(&file, &reading, Earlier::Joined, &expected).unwrap();
-        self.bench.keep_calibration(weighed.calibration).unwrap();
+        match self.bench.weigh_last_dose(&file, &reading, Earlier::Joined, &expected) {
+            Ok(weighed) => self.bench.keep_calibration(weighed.calibration).unwrap(),
+            Err(DoseError::Calibration(CalibrationError::LastDoseFromUnknownAngle { .. })) => return false,
+            Err(error) => panic!("{error}"),
+        };
+        true
     }
 }
 
@@ -154,16 +162,14 @@ fn covered(file: &PumpFile, heads: u64, volumes_ml: impl Fn(&mut Dice) -> Vec<f6
     for seed in 0..heads {
         let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
         let folder = folder.unwrap();
-        // Every third person does not know the angle, and weighs whole pitches.
+        // Every third person does not know the angle, and weighs whole pitches where the command asks for them.
         let mut person = Person::new(seed, folder.path(), file.clone(), seed % 3 > 0);
         person.sets_angle();
         let pitch_ml = person.bench.model().outlet_curve().pitch_ml();
         let weighed_ml = [5.0, 10.0][seed as usize % 2];
-        person.calibrates(if person.angle_is_known {
-            weighed_ml
-        } else {
-            pitch_ml * (weighed_ml / pitch_ml).ceil()
-        });
+        if !person.calibrates(weighed_ml) {
+            assert!(!person.angle_is_known && person.calibrates(pitch_ml * (weighed_ml / pitch_ml).ceil()));
+        }
         let volumes_ml = volumes_ml(&mut person.dice);
         inside.resize(volumes_ml.len(), 0);
         for (inside, volume_ml) in inside.iter_mut().zip(volumes_ml) {
@@ -198,4 +204,58 @@ fn doses_of_other_bought_heads_lie_in_their_intervals_after_one_weighing() {
         count += parts.len() as f64;
     }
     assert!(sum / count >= 0.93, "{}", sum / count);
+}
+
+/// Calibrates a head of a data sheet by the readings of runs of 20 revolutions, and plans 6 mL. Returns the plan's
+/// volume, its interval and what the calibration says in percent.
+fn planned_after(ml_per_rev: f64, source: Source, readings_ml: &[f64]) -> (f64, f64, Vec<String>) {
+    let mut file = file(ml_per_rev, 4);
+    file.pump.default_rate_ml_s = 0.12;
+    file.outlet.end = Some(OutletEnd::Immersed);
+    let run = |volume_ml: &f64| CalibrationRun {
+        digit: Some(0.001),
+        speed_rpm: 25.0,
+        start_angle_deg: Some(30.0),
+        start_half_width_deg: None,
+        turned_deg: 7200.0 + 20.0,
+        reading: Reading::VolumeMl(*volume_ml),
+        temperature_degc: None,
+        time: None,
+    };
+    let runs: Vec<_> = readings_ml.iter().map(run).collect();
+    let expected = Expected::of_runs(&file, &runs);
+    let calibration = Calibration::of_runs(&file, source, runs, Fit::Factor, &expected, None).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let bench = Bench::new(file, None, folder.path()).unwrap();
+    let stored = bench.keep_calibration(calibration).unwrap();
+    let told = calibration_text(&bench, &stored, true, |_| "").unwrap();
+    let in_percent = ["runs scatter by", "assumed", "sure now", "next"];
+    let is_said = |line: &&str| in_percent.iter().any(|words| line.trim_start().starts_with(words));
+    let said = told.lines().filter(is_said).map(str::to_owned).collect();
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::within(0.0, BY_EYE_RAD))).unwrap();
+    let request = DoseRequest::dose(6.0).with_cruise(Cruise::Flow { ml_s: 0.12 });
+    let prepared = session.prepare(request).unwrap();
+    let report = DoseReport::new(&bench, &prepared, None);
+    (report.planned_ml, report.expanded_uncertainty_ml, said)
+}
+
+#[test]
+fn the_same_readings_give_the_same_doses_whatever_volume_a_data_sheet_states() {
+    // Five runs that scatter by 0.791 %, and one alone.
+    let five = [5.94, 6.06, 6.00, 5.97, 6.03];
+    for (source, readings_ml) in
+        [(Source::File, &five[..]), (Source::Last, &five[..]), (Source::Last, &five[2..3])]
+    {
+        let (planned_ml, interval_ml, said) = planned_after(0.3, source, readings_ml);
+        for ml_per_rev in [0.16, 0.21, 0.42, 0.55] {
+            let other = planned_after(ml_per_rev, source, readings_ml);
+            assert!((other.0 / planned_ml - 1.0).abs() < 1e-6, "{ml_per_rev}: {} {planned_ml}", other.0);
+            assert!((other.1 / interval_ml - 1.0).abs() < 1e-4, "{ml_per_rev}: {} {interval_ml}", other.1);
+            assert_eq!(other.2, said, "{ml_per_rev}");
+        }
+        assert!(!said.is_empty());
+    }
+    let (.., said) = planned_after(0.5, Source::File, &five);
+    assert!(said[0].contains("runs scatter by 0.791 %"), "{said:?}");
 }

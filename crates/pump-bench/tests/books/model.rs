@@ -205,6 +205,7 @@ impl Run {
                 digit: None,
                 speed_rpm: 60.0,
                 start_angle_deg: None,
+                start_half_width_deg: None,
                 turned_deg: 720.0,
                 reading: Reading::VolumeMl(2.0 * factor * self.bench.model().revolution_ml()),
                 temperature_degc: None,

@@ -18,7 +18,11 @@ class HeadSource(Record):
     kind : {"maker", "quoted", "program"}
         Kind of the document: the maker's own, one that quotes the maker's figures, or the table of a program.
     document : str
-        Title of the document, with its table or page.
+        Title of the maker's document.
+    table : str
+        Table or page of the document; of a program, its own table.
+    quoted_by : str or None
+        Page, file or program that quotes the document; None for a document of the maker's that was at hand.
     address : str
         Address of the document, or of the page that quotes it.
     remark : str or None
@@ -27,6 +31,8 @@ class HeadSource(Record):
 
     kind: Provenance
     document: str
+    table: str
+    quoted_by: str | None
     address: str
     remark: str | None
 

@@ -86,14 +86,16 @@ impl Bench {
     }
 
     /// Calibrates by the reading of the last dose.
-    #[pyo3(signature = (reading, add, anew, scale, tube, note))]
+    #[pyo3(signature = (reading, add, anew, anyway, scale, tube, note))]
     #[expect(clippy::too_many_arguments, reason = "the arguments of the Python method")]
+    #[expect(clippy::fn_params_excessive_bools, reason = "the arguments of the Python method")]
     fn calibrate_last(
         &self,
         py: Python<'_>,
         reading: &str,
         add: bool,
         anew: bool,
+        anyway: bool,
         scale: Option<&Bound<'_, PyAny>>,
         tube: Option<String>,
         note: Option<String>,
@@ -118,8 +120,11 @@ impl Bench {
                     Some(scale) => Expected::of(&file, scale.volume_ml(file.fluid.density_kg_m3)),
                     None => Expected::of_digits(&file, &reading),
                 };
-                let mut weighed =
-                    held.bench.weigh_last_dose(&file, &reading, earlier, &expected)?.calibration;
+                let weighed = held.bench.weigh_last_dose(&file, &reading, earlier, &expected)?;
+                if !anyway {
+                    weighed.check_likely()?;
+                }
+                let mut weighed = weighed.calibration;
                 weighed.tube = tube.or(weighed.tube);
                 weighed.note = note;
                 held.bench.keep_weighing(weighed)

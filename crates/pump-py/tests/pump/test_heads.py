@@ -7,7 +7,8 @@ def test_heads_are_those_of_the_catalogue_with_their_documents() -> None:
     heads = pm.heads()
     assert len(heads) >= 40
     assert len({head.name for head in heads}) == len(heads)
-    assert all(head.source.document and head.source.address for head in heads)
+    assert all(head.source.document and head.source.table and head.source.address for head in heads)
+    assert all((head.source.quoted_by is None) == (head.source.kind == "maker") for head in heads)
     assert all(head.ml_per_rev > 0 for head in heads)
     # The L/S 16 delivers 0.8 mL per revolution of a Masterflex head: the number on every box of it.
     (head,) = [head for head in heads if head.name == "masterflex-ls-16"]

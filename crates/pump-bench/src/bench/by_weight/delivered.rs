@@ -2,7 +2,9 @@
 
 use libm::sqrt;
 
+use super::prepared::PreparedByWeight;
 use super::tolerance::ToleranceBy;
+use crate::dosing::Swept;
 use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{AfterStop, Stamp};
@@ -57,6 +59,21 @@ pub struct DeliveredByWeight {
 }
 
 impl DeliveredByWeight {
+    /// Returns the turn that this command made of the dose.
+    pub(crate) fn swept(&self, prepared: &PreparedByWeight) -> Swept {
+        let (whole, before_ml) = (&prepared.whole, prepared.begun.map_or(0.0, |begun| begun.turned_ml));
+        let (least_ml, most_ml) = self.turned_range_ml;
+        let end_ml_rad = whole.model.outlet_curve().flow_ml_rad(self.end_angle_rad);
+        Swept {
+            start: whole.plan.start(),
+            end_rad: self.end_angle_rad,
+            volume_ml: self.turned_ml - before_ml,
+            range_ml: (least_ml - before_ml, most_ml - before_ml),
+            end_step_ml: end_ml_rad.abs() * whole.plan.step_rad(),
+            carry_in_ml: 0.0,
+        }
+    }
+
     /// Returns the standard uncertainty of the difference of two readings, in g. `scale` is that of one reading, and a
     /// volume is one of the fluid of `file`. Without it the last digit tells it: each reading is rounded (GUM,
     /// F.2.2.1).

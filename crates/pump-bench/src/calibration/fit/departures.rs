@@ -16,7 +16,7 @@ const SIGMA_OF_MEDIAN: f64 = 1.482_602_218_505_602;
 pub(super) struct Departure {
     /// Number of the run, from 1.
     pub(super) run: usize,
-    /// Measured over model volume, less that of the fit.
+    /// Measured over model volume, less that of the fit, as a part of the measured volume.
     pub(super) residual: f64,
     /// Weight of the run: 1 over its expected variance.
     pub(super) weight: f64,

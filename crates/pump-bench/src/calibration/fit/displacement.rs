@@ -47,7 +47,8 @@ pub struct Displacement {
     /// Distance of the means at three speeds or more, four if kappa is bent, from the fit beyond the scatter,
     /// RMS, as a part of the volume.
     pub lack_of_fit: f64,
-    /// Standard uncertainty of the readings that no mean reduces, as a part of the volume.
+    /// Standard uncertainty that no mean reduces, as a part of the volume: that of the readings, and of start angles
+    /// between bounds.
     pub reading: f64,
     /// Speeds of the runs, in r/min, rising.
     pub speeds_rpm: Vec<f64>,
@@ -93,7 +94,8 @@ impl Displacement {
         let bend = self.bend.map_or(0.0, |bend| bend.standard_at(x_rpm));
         let scattered = sqrt(factor * factor + slope * slope + bend * bend);
         let errors = self.widening() * scattered;
-        Ok(sqrt(errors * errors + self.reading * self.reading))
+        let reading = self.factor * self.reading;
+        Ok(sqrt(errors * errors + reading * reading))
     }
 
     /// Returns the widening of standard errors: Student's t over 2, of the prior too if there is one.
@@ -132,7 +134,17 @@ impl Displacement {
     /// [`ModelError`] where the law cannot be computed for this pump and speed.
     pub fn whole_standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
         let standard = self.standard_at(base, rpm)?;
-        Ok(sqrt(standard * standard + self.lack_of_fit * self.lack_of_fit))
+        let lack_of_fit = self.factor * self.lack_of_fit;
+        Ok(sqrt(standard * standard + lack_of_fit * lack_of_fit))
+    }
+
+    /// Returns [`Self::whole_standard_at`] as a part of the volume.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
+    pub(crate) fn whole_part_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+        Ok(self.whole_standard_at(base, rpm)? / self.factor_at(base, rpm)?)
     }
 
     /// Returns the standard uncertainty of the bend, in min²/r², widened as that of kappa; 0 without a bend.

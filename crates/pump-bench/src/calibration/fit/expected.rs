@@ -1,7 +1,6 @@
 //! Uncertainty that runs are expected to have before they are looked at.
 
 use libm::{hypot, sqrt};
-use pump_model::Pump;
 
 /// Revolutions of a dose whose scatter a pump file states, unless it names their volume: those of McIntyre et al.
 const STATED_REVOLUTIONS: f64 = 10.0;
@@ -21,7 +20,7 @@ pub struct Expected {
     /// Standard deviation of the drop at the nozzle, in mL: it hangs there before and after a run, each time as large
     /// as it may be.
     pub(crate) drop_ml: f64,
-    /// Standard deviation that the tolerance of the start angle makes in the volume of a run, in mL.
+    /// Standard deviation that the tolerance of the start angle makes in the volume of a run by the model, in mL.
     pub angle_ml: f64,
     /// Standard uncertainty of the volume of a gram, as a part of it: density of the fluid and buoyancy. It is the same
     /// in every run.
@@ -69,24 +68,33 @@ impl Expected {
         Self { is_prior: self.repeatability_at_ml.is_none(), ..self }
     }
 
-    /// Returns the standard deviation that the pump itself makes in repeated runs of `volume_ml`, as a part of it.
-    pub(super) fn repeatability_of(&self, pump: &Pump, volume_ml: f64) -> f64 {
-        scatter_ml(pump, self.repeatability, self.repeatability_at_ml, volume_ml) / volume_ml
+    /// Returns the standard deviation that the pump itself makes in repeated runs of `volume_ml`, as a part of it. A
+    /// revolution of the pump delivers `revolution_ml`.
+    pub(super) fn repeatability_of(&self, revolution_ml: f64, volume_ml: f64) -> f64 {
+        scatter_ml(revolution_ml, self.repeatability, self.repeatability_at_ml, volume_ml) / volume_ml
+    }
+
+    /// Returns the standard uncertainty of a single run of `volume_ml` about its mean, with that of its reading, as a
+    /// part of it. A revolution of the pump delivers `revolution_ml`, `ratio` times the model's.
+    pub(in crate::calibration) fn standard_of(&self, revolution_ml: f64, ratio: f64, volume_ml: f64) -> f64 {
+        let pump = hypot(self.repeatability_of(revolution_ml, volume_ml), self.known_of(ratio, volume_ml));
+        hypot(pump, hypot(self.reading_ml / volume_ml, self.density))
     }
 
     /// Returns the standard deviation that drop and start angle make in repeated runs of `volume_ml`, as a part of it.
-    pub(super) fn known_of(&self, volume_ml: f64) -> f64 {
-        hypot(self.drop_ml, self.angle_ml) / volume_ml
+    /// The pump delivers `ratio` times the volume of its model, from any angle.
+    pub(super) fn known_of(&self, ratio: f64, volume_ml: f64) -> f64 {
+        hypot(self.drop_ml, ratio * self.angle_ml) / volume_ml
     }
 }
 
 /// Returns the standard deviation, in mL, of repeated doses of `volume_ml`, of a pump whose doses of `at_ml` scatter
-/// by `part` of it. `None` stands for ten revolutions.
+/// by `part` of it. `None` stands for ten revolutions, each of `revolution_ml`.
 ///
 /// Errors that all pitches of a dose share grow with the volume: s V/V_m. Errors of independent pitches grow with its
 /// root: s sqrt(V/V_m), the larger of both below V_m. Above it the first is the larger one. The larger counts, as the
 /// scatter does not tell them apart.
-pub(crate) fn scatter_ml(pump: &Pump, part: f64, at_ml: Option<f64>, volume_ml: f64) -> f64 {
-    let at_ml = at_ml.unwrap_or_else(|| STATED_REVOLUTIONS * pump.revolution_ml());
+pub(crate) fn scatter_ml(revolution_ml: f64, part: f64, at_ml: Option<f64>, volume_ml: f64) -> f64 {
+    let at_ml = at_ml.unwrap_or(STATED_REVOLUTIONS * revolution_ml);
     part * sqrt(volume_ml * volume_ml.max(at_ml))
 }

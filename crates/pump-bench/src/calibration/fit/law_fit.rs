@@ -94,8 +94,8 @@ impl LineOverPressure<'_> {
         self.trapped_kpa.iter().map(|kpa| self.line.at(*kpa))
     }
 
-    /// Returns the law of the line. `standards` are those of the line's factor and slope; `reading` is the
-    /// part of the volume that no mean reduces.
+    /// Returns the law of the line, which stands over the `level` of the runs. `standards` are those of the line's
+    /// factor and slope; `reading` is the part of the volume that no mean reduces.
     ///
     /// # Errors
     ///
@@ -103,16 +103,16 @@ impl LineOverPressure<'_> {
     pub(super) fn law(
         &self,
         standards: [f64; 2],
-        reading: f64,
+        (level, reading): (f64, f64),
         degrees_of_freedom: u32,
     ) -> Result<LawFit, CalibrationError> {
         let (LawToFit { start, base }, line) = (self.law, &self.line);
-        let [factor_standard, slope_standard_per_kpa] = standards;
+        let [factor_standard, slope_standard_per_kpa] = standards.map(|part| level * part);
         let revolution_ml = base.revolution_ml();
         let a = TURN_RAD * base.geometry().nominal_ml_rad() / revolution_ml;
         let b = start.pinched_ml(base) / revolution_ml;
         let away_kpa = start.ambient_kpa - line.reference;
-        let (u, w) = (line.at(start.ambient_kpa), line.slope.value);
+        let (u, w) = (level * line.at(start.ambient_kpa), level * line.slope.value);
         let (slope_variance, reference_variance) =
             (slope_standard_per_kpa * slope_standard_per_kpa, factor_standard * factor_standard);
         let u_variance = reference_variance + slope_variance * away_kpa * away_kpa;
@@ -123,7 +123,7 @@ impl LineOverPressure<'_> {
         let wide = widening(degrees_of_freedom);
         let fit = LawFit {
             scale: (u + b) / a,
-            scale_standard: sqrt(wide * wide * u_variance + reading * reading) / a,
+            scale_standard: sqrt(wide * wide * u_variance + u * u * reading * reading) / a,
             distensibility_per_kpa: d,
             distensibility_standard_per_kpa: wide * sqrt(d_variance.max(0.0)),
             closure_deg: degrees(start.closure_rad),

@@ -18,9 +18,9 @@ struct Point {
     rpm: f64,
     /// Cruise speed, in rad/s, negative in reverse.
     speed_rad_s: f64,
-    /// Measured over model volume.
+    /// Measured over model volume, over the [`Points::level`].
     ratio: f64,
-    /// Standard uncertainty that is expected of the ratio.
+    /// Standard uncertainty that is expected of the measured volume, as a part of it.
     sigma: f64,
     /// Part of that uncertainty that the pump's scatter makes.
     repeatability: f64,
@@ -29,11 +29,17 @@ struct Point {
 }
 
 /// Weighed runs as points of a fit. There is at least one.
+///
+/// All errors are parts of the measured volume, so the fits take the ratios over their mean. A pump whose model is
+/// twice as large has the same points, and half the level.
 pub(super) struct Points {
     points: Vec<Point>,
+    /// Mean of measured over model volume.
+    pub(super) level: f64,
     /// Speeds of the runs, in r/min, rising.
     pub(super) speeds_rpm: Vec<f64>,
-    /// Standard uncertainty of a reading, as a part of the volume, mean of the runs.
+    /// Standard uncertainty of a reading and of the angles at which its run may have begun, as a part of the volume,
+    /// mean of the runs.
     pub(super) reading: f64,
     /// True if the pump's scatter is a prior.
     pub(super) is_prior: bool,
@@ -51,19 +57,21 @@ impl Points {
         weighing: &Weighing<'_>,
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
-        let mut points = Vec::new();
+        let mut points: Vec<Point> = Vec::new();
         let mut reading_sum = 0.0;
         for (n, run) in runs.iter().enumerate() {
             let (measured_ml, model_ml) = run.volumes_ml(pump, weighing, n + 1)?;
-            let reading = expected.reading_ml / model_ml;
-            let (repeatability, known) =
-                (expected.repeatability_of(pump, model_ml), expected.known_of(model_ml));
+            let ratio = measured_ml / model_ml;
+            // Runs of one volume after each other may err by their angles alike, as readings do.
+            let reading = hypot(expected.reading_ml / measured_ml, run.angle_standard_ml(pump) / model_ml);
+            let repeatability = expected.repeatability_of(ratio * pump.revolution_ml(), measured_ml);
+            let known = expected.known_of(ratio, measured_ml);
             let sigma = sqrt(repeatability * repeatability + known * known + reading * reading);
             reading_sum += hypot(reading, expected.density);
             points.push(Point {
                 rpm: run.speed_rpm,
                 speed_rad_s: rad_s(run.speed_rpm).copysign(run.turned_deg),
-                ratio: measured_ml / model_ml,
+                ratio,
                 // Nothing is ever repeated exactly: this keeps the weights of a pump that claims so finite.
                 sigma: sigma.max(1e-9),
                 repeatability,
@@ -75,7 +83,9 @@ impl Points {
         }
         let speeds_rpm = distinct(points.iter().map(|point| point.rpm));
         let reading = reading_sum / points.len() as f64;
-        Ok(Self { points, speeds_rpm, reading, is_prior: expected.is_prior })
+        let level = points.iter().map(|point| point.ratio).sum::<f64>() / points.len() as f64;
+        points.iter_mut().for_each(|point| point.ratio /= level);
+        Ok(Self { points, level, speeds_rpm, reading, is_prior: expected.is_prior })
     }
 
     /// Number of parameters of a line through the points: factor and slope, or the factor alone at one speed.
@@ -83,7 +93,7 @@ impl Points {
         self.terms().count()
     }
 
-    /// Returns the line of the ratios over the speed in r/min, or their mean if there is one speed.
+    /// Returns the line of the ratios over their level, over the speed in r/min, or their mean if there is one speed.
     ///
     /// # Errors
     ///
@@ -96,7 +106,8 @@ impl Points {
         })
     }
 
-    /// Returns the line of the ratios over `x`, one for each run, or `None` if x is the same in all runs.
+    /// Returns the line of the ratios over their level, over `x`, one for each run, or `None` if x is the same in all
+    /// runs.
     pub(super) fn over(&self, x: &[f64]) -> Option<StraightLine> {
         let points = self.points.iter().zip(x).map(|(point, x)| (*x, point.ratio, point.sigma));
         StraightLine::about_mean(points, Terms { offset: true, slope: true, bend: false })
@@ -125,7 +136,7 @@ impl Points {
         [part(|point| point.repeatability), part(|point| point.known)]
     }
 
-    /// Cruise speed of each run, in r/min, measured over model volume, and weight.
+    /// Cruise speed of each run, in r/min, ratio over the level, and weight.
     pub(super) fn weighted(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         self.points.iter().map(|point| (point.rpm, point.ratio, 1.0 / (point.sigma * point.sigma)))
     }

@@ -32,7 +32,7 @@ impl Revolution<'_> {
     /// [`ModelError`] where the law cannot be computed for this pump.
     pub(super) fn standard(&self, pump: &Pump) -> Result<f64, ModelError> {
         match self.against.and_then(|against| against.displacement()) {
-            Some(known) => known.whole_standard_at(pump, known.reference_rpm),
+            Some(known) => known.whole_part_at(pump, known.reference_rpm),
             None => Ok(self.model_standard),
         }
     }

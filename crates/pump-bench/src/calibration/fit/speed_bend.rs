@@ -84,6 +84,12 @@ impl SpeedBend {
         })
     }
 
+    /// Returns the bend of a line that is so many times as high.
+    pub(super) fn times(self, level: f64) -> Self {
+        let (per_rpm2, standard_per_rpm2) = (level * self.per_rpm2, level * self.standard_per_rpm2);
+        Self { per_rpm2, standard_per_rpm2, ..self }
+    }
+
     /// Returns what the bend adds to kappa at a speed less the reference, in r/min.
     pub(super) fn at(&self, x_rpm: f64) -> f64 {
         self.per_rpm2 * self.term_rpm2(x_rpm)

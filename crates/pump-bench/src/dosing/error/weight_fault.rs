@@ -44,8 +44,8 @@ pub enum WeightFault {
     },
     /// The balance does not rise while the pump turns.
     #[error(
-        "the balance rose by {} g where the pump turned for {} mL: is the vessel on it, the tube in the vessel and \
-         the line filled?",
+        "the balance rose by {} g in the last stretch, and {} mL at least had to reach it by then: is the vessel on \
+         it, the tube in the vessel and the line filled?",
         significant(*rose_g, 4), significant(*turned_ml, 4)
     )]
     NotRising {

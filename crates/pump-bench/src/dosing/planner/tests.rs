@@ -17,6 +17,7 @@ pub(super) fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) ->
             digit: None,
             speed_rpm: *speed_rpm,
             start_angle_deg: Some(13.0),
+            start_half_width_deg: None,
             turned_deg: 800.0,
             reading: Reading::VolumeMl(0.0),
             temperature_degc: None,

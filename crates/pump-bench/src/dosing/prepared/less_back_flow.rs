@@ -15,16 +15,24 @@ const SLOWER: f64 = 0.75;
 /// Number of rates that are tried: down to a thirtieth.
 const TRIALS: u32 = 12;
 
+/// Part of the dose's own uncertainty from which on a back flow that is lost would widen it by a tenth: its share is
+/// b/sqrt(3), so 2 b/sqrt(3) = sqrt(1.1² - 1) U.
+const NOTABLE: f64 = 0.4;
+
 impl PlanningBasis<'_> {
-    /// Warns of a back flow that exceeds the uncertainty that the dose has beside it. Names a slower rate that has
-    /// less, and what line-aware ramps and an end at low flow have, and a retraction.
+    /// Warns of a back flow that exceeds the uncertainty that the dose has beside it; at an end that nobody named, of
+    /// one that would widen it notably. Names a slower rate that has less, and what line-aware ramps and an end at low
+    /// flow have, and a retraction.
     ///
     /// The rates fall by a quarter each. A slower one may have more back flow, as the line's swing may meet the stop
-    /// otherwise, so each is planned and the first below the uncertainty counts.
+    /// otherwise, so each is planned and the first that needs no warning counts.
     pub(super) fn back_flow_warning(&self, prepared: &Prepared, budget: &Budget) -> Option<Notice> {
         let own_ml = budget.beside_back_flow().expanded_ml();
         let back_ml = prepared.back_flow.backflow_ml;
-        if back_ml <= own_ml {
+        // An end that is named has the back flow in its interval, or draws the fluid itself back.
+        let part = if self.file.outlet.end.is_none() { NOTABLE } else { 1.0 };
+        let most_ml = part * own_ml;
+        if back_ml <= most_ml {
             return None;
         }
         let (asked, _) = self.asked();
@@ -32,7 +40,7 @@ impl PlanningBasis<'_> {
         let slower = (1..=TRIALS).find_map(|n| {
             let slower_ml_s = significant(rate_ml_s * SLOWER.powi(n as i32), 2).parse().ok()?;
             let back_ml = self.back_flow_ml(&asked.with_cruise(Cruise::Flow { ml_s: slower_ml_s }))?;
-            (back_ml <= own_ml).then_some((slower_ml_s, back_ml))
+            (back_ml <= most_ml).then_some((slower_ml_s, back_ml))
         });
         let low_flow_ml = match asked.finish {
             Finish::Any => self.back_flow_ml(&asked.with_finish(Finish::LowFlow)),

@@ -16,6 +16,9 @@ use crate::pump_file::PumpFile;
 /// Start angles of each pulse, of an angle between bounds. Those of one pulse lie between those of the next.
 const POINTS: u32 = 4;
 
+/// Start angles of a weighed turn from an angle between bounds.
+const WEIGHED_POINTS: u32 = 16;
+
 /// Fractional part of the golden ratio, by whose multiples points lie evenly (Weyl's sequence).
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -111,7 +114,8 @@ impl Known<'_> {
             return 1.0;
         }
         let of_turn = |turn: &WeighedTurn| {
-            head.turn_ml(turn.start_rad.unwrap_or(0.0) + self.zero_rad, turn.turned_rad).abs()
+            let start_rad = turn.start_rad.unwrap_or(0.0) + self.zero_rad;
+            head.mean_turn_ml(start_rad, turn.half_width_rad, turn.turned_rad).abs()
         };
         self.weighed.iter().map(of_turn).sum()
     }
@@ -161,6 +165,17 @@ impl<'a> Pulsed<'a> {
     /// leave p ago has V(phi - p) left to take (McIntyre et al.: q = a - sum g(phi - p)).
     fn turn_ml(&self, from_rad: f64, turn_rad: f64) -> f64 {
         self.nominal_ml_rad * turn_rad - (self.taken_ml(from_rad + turn_rad) - self.taken_ml(from_rad))
+    }
+
+    /// Returns the mean volume of a turn, in mL, over the angles within `half_width_rad` of `from_rad`.
+    fn mean_turn_ml(&self, from_rad: f64, half_width_rad: f64, turn_rad: f64) -> f64 {
+        if half_width_rad == 0.0 {
+            return self.turn_ml(from_rad, turn_rad);
+        }
+        let at =
+            |n: u32| from_rad + half_width_rad * (f64::from(2 * n + 1) / f64::from(WEIGHED_POINTS) - 1.0);
+        let sum_ml: f64 = (0..WEIGHED_POINTS).map(|n| self.turn_ml(at(n), turn_rad)).sum();
+        sum_ml / f64::from(WEIGHED_POINTS)
     }
 
     fn taken_ml(&self, angle_rad: f64) -> f64 {
@@ -226,7 +241,7 @@ mod tests {
     fn a_turn_that_was_weighed_itself_is_not_unsure_by_its_pulse() {
         // Nearly a pitch, so that no head's volume of it is half or twice another's.
         let (start_rad, turned_rad) = (0.2, 1.3);
-        let turn = WeighedTurn { start_rad: Some(start_rad), turned_rad };
+        let turn = WeighedTurn { start_rad: Some(start_rad), half_width_rad: 0.0, turned_rad };
         let of = |weighed: &[WeighedTurn], start_rad: f64| {
             let known = Known { prior: PulsePrior::of(4), pitch_ml: 0.125, zero_rad: 0.0, weighed };
             let start = pump_ctl::plan::Phase::known(start_rad);
@@ -240,7 +255,7 @@ mod tests {
         assert!(of(&[turn], start_rad) < 1e-14, "{}", of(&[turn], start_rad));
         // Half a pitch further on the reading of a part of a pitch makes the volume less sure, not surer.
         assert!(of(&[turn], start_rad + 0.8) > of(&[], start_rad + 0.8));
-        let whole = WeighedTurn { start_rad: None, turned_rad: 80.0 * TAU / 4.0 };
+        let whole = WeighedTurn { start_rad: None, half_width_rad: 0.0, turned_rad: 80.0 * TAU / 4.0 };
         assert!((of(&[whole], start_rad) / of(&[], start_rad) - 1.0).abs() < 1e-9);
     }
 }

@@ -218,6 +218,7 @@ fn weighed(case: &Case, file: &PumpFile, head: &Head<'_>, dice: &mut Dice) -> St
         digit: None,
         speed_rpm: 20.0,
         start_angle_deg: stated_rad.map(degrees),
+        start_half_width_deg: None,
         turned_deg: degrees(turn_rad),
         reading: Reading::VolumeMl(rounded(tare_ml + delivered_ml) - rounded(tare_ml)),
         temperature_degc: None,
@@ -308,7 +309,7 @@ fn doses_of_a_few_pitches_lie_within_bounds_that_are_no_wider_than_they_must_be(
     for rollers in [2, 3, 4, 6, 8, 12] {
         let ml_per_rev = (4.0, 20.0);
         let case = |wider| Case { ml_per_rev, end: OutletEnd::Immersed, ..Case::of(rollers, wider) };
-        // The law of the interval lies between the two: Student's t of six drawings makes the prior 1.325 times as
+        // The law of the interval lies between the two: Student's t of five drawings makes the prior 1.435 times as
         // wide.
         for (wider, most) in [(1.0, 0.995), (1.5, 0.99)] {
             let found = found(&Case { doses_ml: (0.5, 25.0), ..case(wider) });

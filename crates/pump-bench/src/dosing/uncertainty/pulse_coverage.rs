@@ -100,6 +100,7 @@ fn calibrated(file: &PumpFile, plant: &Plant<'_>, dice: &mut Dice) -> Calibratio
         digit: None,
         speed_rpm: 20.0,
         start_angle_deg: None,
+        start_half_width_deg: None,
         turned_deg: 1800.0,
         reading: Reading::VolumeMl(
             plant.delivers_ml(0.3, radians(1800.0), dice) + READING_ML * dice.normal(),

@@ -28,9 +28,10 @@ pub(super) fn standard_ml(
         (None, Some(_)) => Some(0.0),
         (None, None) => None,
     };
-    let of_runs = weighed
-        .map_or(0.0, |sureness| scatter_ml(pump, sureness.repeatability, Some(sureness.run_ml), volume_ml));
-    let floor_ml = scatter_ml(pump, of_file, at_ml, volume_ml);
+    let of_runs = weighed.map_or(0.0, |sureness| {
+        scatter_ml(pump.revolution_ml(), sureness.repeatability, Some(sureness.run_ml), volume_ml)
+    });
+    let floor_ml = scatter_ml(pump.revolution_ml(), of_file, at_ml, volume_ml);
     let stated_ml = sureness.map_or(0.0, |sureness| prior_ml(pump, table, sureness, volume_ml));
     floor_ml.max(hypot(of_runs, stated_ml))
 }
@@ -44,7 +45,8 @@ fn prior_ml(pump: &Pump, table: &UncertaintyTable, sureness: &Sureness, volume_m
 
 /// Returns the standard deviation that a prior states for doses of `volume_ml`, in mL.
 pub(super) fn stated_ml(pump: &Pump, table: &UncertaintyTable, prior: &ScatterPrior, volume_ml: f64) -> f64 {
-    prior.over_expected * scatter_ml(pump, table.repeatability_percent / 100.0, None, volume_ml)
+    prior.over_expected
+        * scatter_ml(pump.revolution_ml(), table.repeatability_percent / 100.0, None, volume_ml)
 }
 
 #[cfg(test)]

@@ -69,7 +69,7 @@ impl NextWeighing {
             return Ok(None);
         }
         let sure_of = |found: &Displacement| -> Result<Sure, CalibrationError> {
-            let mean = found.whole_standard_at(base, run.speed_rpm)?;
+            let mean = found.whole_part_at(base, run.speed_rpm)?;
             Ok(Sure { mean, dose: found.prior.map(|prior| hypot(mean, prior.of_dose())) })
         };
         let now = sure_of(found)?;
@@ -86,7 +86,7 @@ impl NextWeighing {
         }
         let next = (1..).zip(after).find(|(_, then)| then.of_most_use() < SURER * now.of_most_use());
         let (more, then) = next.unwrap_or((0, now));
-        let percent = |standard: f64| 200.0 * standard / found.factor;
+        let percent = |standard: f64| 200.0 * standard;
         let is_anywhere = run.start_angle_deg.is_none();
         let whole_pitches_ml = match is_anywhere {
             true => {
@@ -108,7 +108,7 @@ impl NextWeighing {
 
     /// Says how sure doses are, on which prior that rests, and first of all what one more weighing brings.
     pub(super) fn text(&self, found: &Displacement, words: Wording) -> String {
-        let stated = found.prior.map_or(String::new(), |prior| stated(&prior, found.factor));
+        let stated = found.prior.as_ref().map_or(String::new(), stated);
         format!("{stated}{}", self.offer(words))
     }
 
@@ -145,13 +145,13 @@ impl NextWeighing {
 }
 
 /// Says which prior stands for the scatter that few doses do not show.
-fn stated(prior: &ScatterPrior, factor: f64) -> String {
+fn stated(prior: &ScatterPrior) -> String {
     let shows = match prior.weighed {
         1 => "one weighed dose shows no scatter".to_owned(),
         few if prior.rests_on_few() => format!("{few} weighed doses hardly show their scatter"),
-        many => format!("{many} weighed doses show their scatter"),
+        many => format!("{many} weighed doses show their scatter in part"),
     };
-    let percent = significant(100.0 * prior.standard / factor, 2);
+    let percent = significant(100.0 * prior.standard, 2);
     let known = 100.0 / sqrt(2.0 * f64::from(prior.degrees_of_freedom));
     let role = if prior.shown == 0 { "is assumed for a dose like this" } else { "is assumed beside theirs" };
     format!(
@@ -161,9 +161,9 @@ fn stated(prior: &ScatterPrior, factor: f64) -> String {
     )
 }
 
-/// Returns the standard uncertainties of the factor that one more weighed dose and more are expected to bring, where no
-/// prior stands beside them. So few doses show their scatter badly, and Student's t widens it (GUM,
-/// table G.2): a second one alone brings nothing.
+/// Returns the standard uncertainties of the mean, as parts of the volume, that one more weighed dose and more are
+/// expected to bring, where no prior stands beside them. So few doses show their scatter badly, and Student's t widens
+/// it (GUM, table G.2): a second one alone brings nothing.
 fn standards_of_more(found: &Displacement, standard: f64, weighed: usize) -> Vec<f64> {
     let reading = found.reading;
     let of_mean = sqrt((standard * standard - reading * reading).max(0.0));

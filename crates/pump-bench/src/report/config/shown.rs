@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::config::Config;
+use crate::config::{Config, DoseDefaults};
 use crate::notice::with_sources;
 use crate::record::FolderError;
 
@@ -27,6 +27,8 @@ pub struct ShownConfig {
     pub state_dir: PathBuf,
     /// Shell's command that is run once a dose fails. `None` without one.
     pub on_fail: Option<String>,
+    /// Options of a dose that the configuration sets.
+    pub defaults: DoseDefaults,
     /// Pumps of the configuration, in the order of their names.
     pub pumps: Vec<ShownPump>,
     /// Racks of the configuration, in the order of their names.
@@ -71,6 +73,7 @@ impl ShownConfig {
             default_pump: config.default_pump().to_owned(),
             state_dir,
             on_fail: config.on_fail().map(str::to_owned),
+            defaults: config.defaults().clone(),
             pumps: ShownPump::all(config),
             racks: ShownRack::all(config),
         })
@@ -91,10 +94,17 @@ impl ShownConfig {
         let (default, records) = (&self.default_pump, self.state_dir.display());
         let on_fail =
             self.on_fail.as_ref().map_or(String::new(), |command| format!("on failure     {command}\n"));
+        let options: Vec<_> =
+            self.defaults.all().map(|(key, value)| format!("--{} {value}", key.replace('_', "-"))).collect();
+        let defaults = match options[..] {
+            [] => String::new(),
+            _ => format!("defaults       {}\n", options.join(" ")),
+        };
         let pumps: String = self.pumps.iter().map(ShownPump::line).collect();
         let racks: String = self.racks.iter().map(ShownRack::line).collect();
         format!(
-            "configuration  {path}\ndefault pump   {default}\nrecords        {records}\n{on_fail}{pumps}{racks}"
+            "configuration  {path}\ndefault pump   {default}\nrecords        {records}\n{on_fail}{defaults}{pumps}\
+             {racks}"
         )
     }
 }

@@ -14,7 +14,9 @@ impl Explain for BalanceError {
             Self::Unanswered { protocol, .. } => facts.value(protocol),
             Self::OtherProtocol { asked, seen, .. } => facts.value(asked).allowed(seen),
             Self::Program { command, .. } | Self::ProgramFailed { command, .. } => facts.value(command),
-            Self::Unreadable { said } => facts.value(said).allowed("a number with kg, g or mg"),
+            Self::Unreadable { said } | Self::NoUnit { said } => {
+                facts.value(said).allowed("a number with kg, g or mg")
+            }
             Self::OutOfRange { said, .. } | Self::Refused { said } => facts.value(said),
             Self::NotStill { last, .. } => facts.value(last),
             Self::Silent { .. } => facts,

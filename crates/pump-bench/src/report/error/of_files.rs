@@ -180,6 +180,14 @@ impl Explain for CalibrationError {
             Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg, .. } => {
                 facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
             }
+            Self::UnlikelyReading { measured_ml, expected_ml, expanded_ml } => {
+                let allowed = [expected_ml - 2.0 * expanded_ml, expected_ml + 2.0 * expanded_ml];
+                facts.value(format!("{measured_ml:.4} mL")).allowed(format!(
+                    "{:.4} to {:.4} mL",
+                    allowed[0].max(0.0),
+                    allowed[1]
+                ))
+            }
             Self::DosedWith { source, .. } | Self::Fluid(source) => source.facts(),
             Self::WeighedWith { weighed, now, .. } => facts.value(now).allowed(weighed),
             Self::WeighedOtherwise { version, .. } => facts.value(format!("calibration {version}")),

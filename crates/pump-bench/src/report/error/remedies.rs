@@ -179,6 +179,7 @@ impl CalibrationError {
             | Self::TooFew { .. }
             | Self::UnknownAngle { .. }
             | Self::Implausible { .. }
+            | Self::UnlikelyReading { .. }
             | Self::FluidTemperature { .. }
             | Self::NoSpeed { .. }
             | Self::NoSuchVersion { .. }

@@ -50,6 +50,8 @@ pub fn sizing_json(sizing: &Sizing) -> String {
             json!({
                 "kind": head.source.kind.as_str(),
                 "document": head.source.document,
+                "table": head.source.table,
+                "quoted_by": head.source.quoted_by,
                 "published": head.published,
             })
         }),

@@ -76,8 +76,16 @@ impl TubeReport {
         let state = bench.stands()?;
         let since_s = tube_since_s(bench, state.tube());
         let stored = bench.calibrations().list()?;
-        let of_tube = |stored: &&Stored| is_of_tube(stored, state.tube(), since_s);
-        let calibrations: Vec<&Stored> = stored.iter().filter(of_tube).collect();
+        let of_tube: Vec<&Stored> =
+            stored.iter().filter(|stored| is_of_tube(stored, state.tube(), since_s)).collect();
+        // A reading in whose place another one came is none.
+        let is_replaced = |at: usize| of_tube.get(at + 1).is_some_and(|next| of_one_dose(of_tube[at], next));
+        let calibrations: Vec<&Stored> = of_tube
+            .iter()
+            .enumerate()
+            .filter(|(at, _)| !is_replaced(*at))
+            .map(|(_, stored)| *stored)
+            .collect();
         let last_rpm = |stored: &&Stored| Some(stored.calibration.displacement.as_ref()?.reference_rpm);
         let speed_rpm = calibrations.last().and_then(last_rpm);
         let at_speed = |stored: &&Stored| {
@@ -160,8 +168,8 @@ impl TubeReport {
             ),
             (Some((drift, unsure)), None) => format!("drift {drift} % ± {unsure} % in 30 days (k = 2)\n"),
             (None, _) if self.calibrations.len() >= DRIFT_NEEDS => format!(
-                "calibrate again by: unknown, since the {} calibrations of this tube were made at one time or have no \
-                 uncertainty; a drift shows after days\n",
+                "calibrate again by: unknown, since the {} calibrations of this tube lie too close together to tell \
+                 its drift, or have no uncertainty; a drift shows after days\n",
                 self.calibrations.len()
             ),
             (None, _) => format!(
@@ -203,6 +211,12 @@ fn tube_since_s(bench: &Bench, tube: u32) -> u64 {
         _ => None,
     };
     lines.into_iter().flatten().filter_map(earlier).last().unwrap_or(0)
+}
+
+/// Returns true for two calibrations whose last readings are of one dose.
+fn of_one_dose(one: &Stored, next: &Stored) -> bool {
+    let last = |stored: &Stored| stored.calibration.runs.last().cloned();
+    last(one).zip(last(next)).is_some_and(|(one, next)| one.time.is_some() && one.is_of_dose(&next))
 }
 
 /// Returns true for a calibration of the tube of that number. One of an earlier version has no number: it counts if it

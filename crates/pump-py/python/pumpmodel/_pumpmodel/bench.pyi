@@ -114,6 +114,7 @@ class _Bench:
         reading: str,
         add: bool,
         anew: bool,
+        anyway: bool,
         scale: str | None,
         tube: str | None,
         note: str | None,

@@ -91,6 +91,7 @@ class BenchCalibration:
         *,
         add: bool = False,
         anew: bool = False,
+        anyway: bool = False,
         scale: str | None = None,
         tube: str | None = None,
         note: str | None = None,
@@ -107,6 +108,8 @@ class BenchCalibration:
             Join the reading to the runs of the calibration in use, whatever made them.
         anew : bool, optional
             Calibrate by this reading alone.
+        anyway : bool, optional
+            Take a reading that lies far beyond the uncertainty of the dose.
         scale : str, optional
             Standard uncertainty of a reading, as "0.01g". Without it the last digit of the reading tells it.
         tube, note : str, optional
@@ -125,7 +128,7 @@ class BenchCalibration:
         DriveError
             If another process holds the pump.
         """
-        return self._core.calibrate_last(reading, add, anew, scale, tube, note)
+        return self._core.calibrate_last(reading, add, anew, anyway, scale, tube, note)
 
     def calibrate_phase(
         self,

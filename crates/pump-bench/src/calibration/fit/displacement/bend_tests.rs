@@ -18,6 +18,7 @@ fn best(speeds_rpm: &[f64], mut factor: impl FnMut(f64) -> f64) -> Displacement 
             digit: None,
             speed_rpm,
             start_angle_deg: None,
+            start_half_width_deg: None,
             turned_deg: 720.0,
             reading: Reading::VolumeMl(2.0 * pump.revolution_ml() * factor(speed_rpm)),
             temperature_degc: None,

@@ -81,7 +81,8 @@ impl Displacement {
         let departures = points.departures(over.fitted());
         let errors = Errors::of(&points, points.parameters(), &line, &departures);
         let degrees_of_freedom = errors.scatter.degrees_of_freedom();
-        let law = over.law(errors.standards(&over.line), points.reading, degrees_of_freedom)?;
+        let standards = errors.standards(&over.line);
+        let law = over.law(standards, (points.level, points.reading), degrees_of_freedom)?;
         Ok(Self::of(&points, &line, &departures, &errors, Shape::Law(law)))
     }
 
@@ -92,17 +93,18 @@ impl Displacement {
         errors: &Errors,
         shape: Shape,
     ) -> Self {
-        let [factor_standard, slope_standard_per_rpm] = errors.standards(line);
+        let level = points.level;
+        let [factor_standard, slope_standard_per_rpm] = errors.standards(line).map(|part| level * part);
         let (bend, law) = match shape {
             Shape::Line => (None, None),
-            Shape::Bent(bend) => (Some(bend), None),
+            Shape::Bent(bend) => (Some(bend.times(level)), None),
             Shape::Law(law) => (None, Some(law)),
         };
         Self {
             reference_rpm: line.reference,
-            factor: line.offset.value,
+            factor: level * line.offset.value,
             factor_standard,
-            slope_per_rpm: line.slope.value,
+            slope_per_rpm: level * line.slope.value,
             slope_standard_per_rpm,
             scatter: errors.scatter,
             prior: errors.prior,
@@ -175,7 +177,7 @@ impl Errors {
         ScatterPrior::pooled_with(&Shown { own, known, ratio, degrees_of_freedom, weighed }, mean_sigma)
     }
 
-    /// Returns the standard errors of the factor and the slope of a line.
+    /// Returns the standard errors of the offset and the slope of a line over the level.
     fn standards(&self, line: &StraightLine) -> [f64; 2] {
         [self.of_factor * sqrt(line.offset.variance), self.of_slope * sqrt(line.slope.variance)]
     }

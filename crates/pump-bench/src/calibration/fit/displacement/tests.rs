@@ -13,6 +13,7 @@ fn run(speed_rpm: f64, volume_ml: f64) -> CalibrationRun {
         digit: None,
         speed_rpm,
         start_angle_deg: None,
+        start_half_width_deg: None,
         turned_deg: 720.0,
         reading: crate::calibration::Reading::VolumeMl(volume_ml),
         temperature_degc: None,
@@ -55,13 +56,10 @@ fn one_run_is_as_sure_as_was_expected_and_no_surer() {
     let fit = fit(&[(60.0, 0.98)], &expected).unwrap();
     assert!((fit.factor - 0.98).abs() < 1e-12 && fit.slope_per_rpm == 0.0 && !fit.is_line());
     assert_eq!(fit.scatter, Scatter::Expected);
-    let reading = 0.1 / (2.0 * 21.318_5);
+    let reading = 0.1 / (0.98 * 2.0 * 21.318_5);
     assert!((fit.reading - reading).abs() < 1e-6);
-    assert!(
-        (fit.standard_at(&Pump::three_roller(), 60.0).unwrap() - sqrt(0.0047 * 0.0047 + reading * reading))
-            .abs()
-            < 1e-6
-    );
+    let standard = fit.standard_at(&Pump::three_roller(), 60.0).unwrap();
+    assert!((standard - 0.98 * sqrt(0.0047 * 0.0047 + reading * reading)).abs() < 1e-6);
     assert!(fit.covers(1.0) && fit.covers(170.0), "one speed is used at all of them");
 }
 
