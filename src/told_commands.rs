@@ -186,7 +186,7 @@ mod tests {
         };
         let root =
             motor(Command::new("dose")).subcommands([motor(Command::new("resume")), Command::new("log")]);
-        let told = Told { typed: typed.to_vec(), pump: None, root };
+        let told = Told { typed: typed.to_vec(), pump: None, usual: None, root };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(told("`dose resume` makes"), "`dose resume --driver grbl --port /dev/pts/4` makes");
         assert_eq!(told("`dose log` lists"), "`dose log` lists");

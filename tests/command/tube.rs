@@ -238,7 +238,7 @@ fn calibrations_of_one_time_show_no_drift_and_no_course_and_the_reason_says_so()
         fs::write(path, stored.to_string()).unwrap();
     }
     let text = user.types(&["tube"]).out;
-    assert!(text.contains("unknown, since the 3 calibrations of this tube were made at one time"), "{text}");
+    assert!(text.contains("unknown, since the 3 calibrations of this tube lie too close together"), "{text}");
     assert!(!text.contains("0 to 0 s") && !text.contains("3 of 3"), "{text}");
 }
 
