@@ -14,7 +14,7 @@ fn the_total_of_a_resumed_dose_is_stated_from_the_least_to_the_most_that_it_can_
         let part = lab.unfinished();
         let rest = lab.rest(DoseRequest::dose(0.0));
         let stated = warning(&rest, "will be delivered in all");
-        let stated = numbers(stated.split("so that").nth(1).unwrap());
+        let stated = numbers(stated.split("with this rest").nth(1).unwrap());
         let curve = lab.bench.model().outlet_curve();
         let rest_rad = rest.plan.steps() as f64 * rest.plan.step_rad();
         let total_ml = |made: i64| {
