@@ -31,18 +31,20 @@ fn assert_near(found: f64, stored: f64, part: f64) {
     assert!((found - stored).abs() <= part * stored.abs(), "{found} {stored}");
 }
 
-/// Compares a fit with the one on disk, which an earlier version made.
+/// Compares a fit with the one on disk, which an earlier version made. Earlier versions took the scatter, and with it
+/// the weights of the runs, as parts of the model's volume. They are parts of the measured volume now, 1 to 2 % larger
+/// here.
 fn assert_same(found: &Displacement, stored: &Displacement) {
-    for (found, stored) in [
-        (found.reference_rpm, stored.reference_rpm),
-        (found.factor, stored.factor),
-        (found.factor_standard, stored.factor_standard),
-        (found.slope_per_rpm, stored.slope_per_rpm),
-        (found.slope_standard_per_rpm, stored.slope_standard_per_rpm),
-        (found.scatter.standard().unwrap(), stored.scatter.standard().unwrap()),
-        (found.lack_of_fit, stored.lack_of_fit),
+    for (found, stored, part) in [
+        (found.reference_rpm, stored.reference_rpm, 1e-4),
+        (found.factor, stored.factor, 1e-5),
+        (found.factor_standard, stored.factor_standard, 0.03),
+        (found.slope_per_rpm, stored.slope_per_rpm, 0.03),
+        (found.slope_standard_per_rpm, stored.slope_standard_per_rpm, 0.03),
+        (found.scatter.standard().unwrap(), stored.scatter.standard().unwrap(), 0.03),
+        (found.lack_of_fit, stored.lack_of_fit, 0.1),
     ] {
-        assert_near(found, stored, 1e-9);
+        assert_near(found, stored, part);
     }
     assert_eq!(found.scatter.degrees_of_freedom(), stored.scatter.degrees_of_freedom());
     assert_eq!((&found.speeds_rpm, &found.outliers), (&stored.speeds_rpm, &stored.outliers));
@@ -64,14 +66,14 @@ fn a_stored_speed_law_is_read_and_found_again() {
     let found = again(&stored, Fit::Law, 0.0);
     assert_same(&found, known);
     let (found, known) = (found.law.unwrap(), known.law.unwrap());
-    for (found, known) in [
-        (found.scale, known.scale),
-        (found.scale_standard, known.scale_standard),
-        (found.distensibility_per_kpa, known.distensibility_per_kpa),
-        (found.distensibility_standard_per_kpa, known.distensibility_standard_per_kpa),
-        (found.reference_kpa, known.reference_kpa),
+    for (found, known, part) in [
+        (found.scale, known.scale, 1e-5),
+        (found.scale_standard, known.scale_standard, 0.03),
+        (found.distensibility_per_kpa, known.distensibility_per_kpa, 0.03),
+        (found.distensibility_standard_per_kpa, known.distensibility_standard_per_kpa, 0.03),
+        (found.reference_kpa, known.reference_kpa, 1e-4),
     ] {
-        assert_near(found, known, 1e-9);
+        assert_near(found, known, part);
     }
 }
 
