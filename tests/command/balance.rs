@@ -117,7 +117,7 @@ fn a_balance_at_a_serial_port_calibrates_without_a_hand() {
     {
         let user = User::new();
         let balance = SimulatedBalance::start(journal(&user), speech);
-        let run = ["calibrate", "run", "--speeds", "10rpm,40rpm,100rpm", "--runs", "1", "--volume", "20mL"];
+        let run = ["calibrate", "run", "--speeds", "10rpm,14rpm,100rpm", "--runs", "1", "--volume", "20mL"];
         let found = user.json(&[&run[..], &["--scale-port", &balance.path], &options].concat());
         let factor = number(&found["displacement"], "factor");
         assert!((factor - KAPPA).abs() < 6e-4, "{factor}");

@@ -128,9 +128,9 @@ fn the_options_of_a_dose_that_a_laboratory_sets_once_hold_where_none_is_typed() 
     // What is typed wins: a rate, its ramps, and a speed or a time in place of the rate.
     assert_eq!(rate(&["--rate", "5mL/s", "--ramps", "line-aware"]), usual);
     assert!(rate(&["--speed", "60rpm"]).0 > 20.0 && rate(&["--within", "30s"]).0 < 1.0);
-    let beyond = user.types(&["51mL"]);
+    assert_eq!(user.types(&["49mL", "--max-per-day", "60mL"]).code, 0);
+    let beyond = user.types(&["2mL"]);
     assert!(beyond.code == 5 && beyond.err.contains("50"), "{}", beyond.err);
-    assert_eq!(user.types(&["51mL", "--max-per-day", "60mL"]).code, 0);
     // Other commands have their own words.
     assert_eq!(user.types(&["simulate", "--speed", "60rpm", "--duration", "1s"]).code, 0);
     let shown = user.types(&["config", "show"]).out;
