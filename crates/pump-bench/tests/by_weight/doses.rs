@@ -1,6 +1,5 @@
 //! Claims about doses that arrive.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{Scope, scope};
 
 use proptest::prelude::*;
@@ -111,9 +110,6 @@ fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
     });
 }
 
-/// Doses from an unknown angle that told how long liquid still arrives after a stop.
-static LEARNED: AtomicUsize = AtomicUsize::new(0);
-
 #[test]
 fn doses_from_an_unknown_angle_end_within_a_drop_at_the_default_rate() {
     let numbered: Vec<_> = draw(24).into_iter().enumerate().collect();
@@ -136,15 +132,9 @@ fn doses_from_an_unknown_angle_end_within_a_drop_at_the_default_rate() {
                     truth.drop_ml.max(0.5 * prepared.whole.drop_ml) + 2.0 * truth.digit_g / g_ml + 0.002;
                 assert!(off_ml.abs() <= allowed_ml, "{off_ml} mL off of {volume_ml}: {truth:?}: {made:?}");
                 assert!(made.stretches < 25, "{volume_ml}: {truth:?}: {made:?}");
-                // A time that all angles tell is that of fall and filter, whatever the true angle is.
-                if let Some(told) = made.after_stop {
-                    let true_s = truth.fall_s + truth.lag_s;
-                    assert!((told.mean_s - true_s).abs() < 0.3 * true_s + 0.15, "{told:?}: {truth:?}");
-                    LEARNED.fetch_add(1, Ordering::Relaxed);
-                }
+                // A flow after a stop is not learned from volumes that the model does not know.
+                assert!(made.after_stop.is_none(), "{made:?}");
             });
         }
     });
-    let learned = LEARNED.load(Ordering::Relaxed);
-    assert!(learned >= 4, "{learned} of 24 doses told what still falls");
 }

@@ -43,7 +43,7 @@ impl Angles {
     }
 
     /// Returns the volume in mL, from one angle, of the turn between two turns since the start.
-    pub(super) fn volume_ml(&self, start_rad: f64, (from_rad, to_rad): (f64, f64)) -> f64 {
+    fn volume_ml(&self, start_rad: f64, (from_rad, to_rad): (f64, f64)) -> f64 {
         let curve = self.pump.outlet_curve();
         curve.volume_ml(start_rad + to_rad) - curve.volume_ml(start_rad + from_rad)
     }
@@ -83,20 +83,6 @@ impl Angles {
         let before_rad = self.weighings.last().map_or(0.0, |(turned_rad, _)| *turned_rad);
         self.weighings.push((turned_rad, weighed_ml));
         before_rad
-    }
-
-    /// Returns the middle of the values that `value` has over the angles that no weighing has ruled out. Returns `None`
-    /// if it has none for one of them, or if the least is smaller than the largest by more than the part `apart` of it.
-    pub(super) fn agreed(&self, apart: f64, value: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for start_rad in &self.starts_rad {
-            let value = value(*start_rad)?;
-            (least, most) = (least.min(value), most.max(value));
-            if most - least > apart * most {
-                return None;
-            }
-        }
-        Some(0.5 * (least + most))
     }
 
     /// Returns the least turn beyond `turned_rad` that `stretch` allows from any angle, in rad, and its mark. From the
@@ -172,28 +158,6 @@ mod tests {
         let count = angles.starts_rad.len();
         angles.weighed(2.0, 1.0, |_, _| false);
         assert_eq!(angles.starts_rad.len(), count);
-    }
-
-    #[test]
-    fn a_value_is_agreed_on_where_all_angles_that_may_be_true_have_nearly_the_same() {
-        let (pump, mut angles) = unknown();
-        let flow_ml_rad = |start_rad: f64| {
-            pump.outlet_curve().volume_ml(start_rad + 0.1) - pump.outlet_curve().volume_ml(start_rad)
-        };
-        assert_eq!(angles.agreed(0.25, |start_rad| Some(flow_ml_rad(start_rad))), None, "the flow pulsates");
-        assert!(angles.agreed(0.25, |start_rad| Some(3.0 + 0.1 * start_rad)).is_some());
-        assert_eq!(angles.agreed(0.25, |start_rad| (start_rad < 0.9).then_some(1.0)), None);
-        let truth_rad = 0.4;
-        let volume_ml = |turned_rad: f64| {
-            pump.outlet_curve().volume_ml(truth_rad + turned_rad) - pump.outlet_curve().volume_ml(truth_rad)
-        };
-        for turn in 1..20 {
-            let turned_rad = 0.1 * f64::from(turn);
-            let near = |weighed_ml: f64, ml: f64| (ml - weighed_ml).abs() < 0.005;
-            angles.weighed(turned_rad, volume_ml(turned_rad), near);
-        }
-        let agreed = angles.agreed(0.25, |start_rad| Some(flow_ml_rad(start_rad))).unwrap();
-        assert!((agreed / flow_ml_rad(truth_rad) - 1.0).abs() < 0.25, "{agreed}");
     }
 
     #[test]

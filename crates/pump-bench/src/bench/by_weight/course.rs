@@ -26,10 +26,6 @@ const FILTER_S: f64 = 0.5;
 /// then a quarter of it.
 const CLEARLY: f64 = 4.0;
 
-/// Part by which the times after a stop may differ over the angles that may be true, so that they tell one: as much as
-/// a drop more or less makes.
-const TOLD_APART: f64 = 0.25;
-
 /// Dose by weight under way.
 #[derive(Debug)]
 pub(super) struct Course<'p> {
@@ -56,21 +52,6 @@ pub(super) struct Course<'p> {
     began: Instant,
     pub(super) after_stop: Option<AfterStop>,
     pub(super) reckoned_s: Option<(f64, bool)>,
-    /// Stops that have told no time yet: the angles that no weighing has ruled out give them different ones.
-    untold: Vec<WeighedStop>,
-}
-
-/// Stop of a stretch that was weighed at rest.
-#[derive(Debug)]
-struct WeighedStop {
-    /// Part of the stretch's volume that the balance showed only after the stop.
-    late: f64,
-    /// Turns since the start of the dose at the beginning and at the end of the stretch, in rad.
-    turns_rad: (f64, f64),
-    /// Turns since the start of the dose, in rad, and when.
-    notes: VecDeque<(Instant, f64)>,
-    /// Instant at which the motor came to rest.
-    stood: Instant,
 }
 
 impl Course<'_> {
@@ -184,7 +165,6 @@ impl<'p> Course<'p> {
             began: Instant::now(),
             after_stop,
             reckoned_s: None,
-            untold: Vec::new(),
         }
     }
 
@@ -219,7 +199,7 @@ impl<'p> Course<'p> {
 
     /// Takes the reading at rest after a stretch, and learns from it: the angle, and how much still arrived after the
     /// stop.
-    pub(super) fn weigh(&mut self, end: StretchEnd, reading: BalanceReading) {
+    pub(super) fn weigh(&mut self, end: &StretchEnd, reading: BalanceReading) {
         let begun_ml = self.weighed_ml();
         self.shown_g = reading.mass_g;
         self.digit_g = reading.step_g;
@@ -227,40 +207,35 @@ impl<'p> Course<'p> {
         let (to_rad, weighed_ml) = (self.turned_rad(), self.weighed_ml());
         let follows = |weighed_ml, ml| self.aim.may_follow(weighed_ml, ml);
         let from_rad = self.angles.weighed(to_rad, weighed_ml, follows);
-        if let Some(at_rest_g) = end.at_rest_g {
-            let late = (self.shown_g - at_rest_g) * self.prepared.z_ml_g / (weighed_ml - begun_ml);
-            let (notes, stood) = (end.notes, end.stood);
-            self.untold.push(WeighedStop { late, turns_rad: (from_rad, to_rad), notes, stood });
-        }
-        self.learn_after_stops();
-    }
-
-    /// Learns how much still arrived after the stops, from those of which all angles that may be true tell one time. A
-    /// later weighing may rule out the angles that tell another.
-    fn learn_after_stops(&mut self) {
-        for stop in std::mem::take(&mut self.untold) {
-            match self.angles.agreed(TOLD_APART, |start_rad| self.after_stop_s(&stop, start_rad)) {
-                Some(after_s) => self.after_stop = Some(AfterStop::with(self.after_stop, after_s)),
-                None => self.untold.push(stop),
-            }
+        // From an angle that is not known the model does not tell how long ago the pump had turned for a volume.
+        if let Some(at_rest_g) = end.at_rest_g.filter(|_| self.angles.is_stated()) {
+            self.learn_after_stop((at_rest_g, weighed_ml - begun_ml), (from_rad, to_rad), end);
         }
     }
 
-    /// Returns the time of flow that still arrived after a stop, in s, if the dose began at `start_rad`. Returns `None`
-    /// if drops and digits hide it.
-    fn after_stop_s(&self, stop: &WeighedStop, start_rad: f64) -> Option<f64> {
-        let (from_rad, to_rad) = stop.turns_rad;
-        let since_ml = |noted_rad: f64| self.angles.volume_ml(start_rad, (noted_rad, to_rad));
+    /// Learns how much still arrived after the stop of a stretch. `at_rest_g` was read at the stop, and the stretch
+    /// brought `arrived_ml`.
+    fn learn_after_stop(
+        &mut self,
+        (at_rest_g, arrived_ml): (f64, f64),
+        (from_rad, to_rad): (f64, f64),
+        end: &StretchEnd,
+    ) {
+        let since_ml = |noted_rad: f64| self.angles.booked_ml((noted_rad, to_rad));
+        let turned_ml = since_ml(from_rad);
         // The flow pulsates, so the model tells how long ago the pump had turned for what was still missing.
-        let missing_ml = stop.late * since_ml(from_rad);
-        let (at, _) = stop.notes.iter().rev().find(|(_, noted_rad)| since_ml(*noted_rad) >= missing_ml)?;
+        let missing_ml = (self.shown_g - at_rest_g) * self.prepared.z_ml_g * turned_ml / arrived_ml;
+        let before = end.notes.iter().rev().find(|(_, noted_rad)| since_ml(*noted_rad) >= missing_ml);
         // Drops and digits hide what follows a slow stretch. The expected volume decides: the one found has their
         // scatter.
-        let lag_ago = stop.stood.checked_sub(Duration::from_secs_f64(self.reckoned().0));
-        let then = stop.notes.iter().rev().find(|(at, _)| lag_ago.is_some_and(|ago| *at <= ago));
+        let lag_ago = end.stood.checked_sub(Duration::from_secs_f64(self.reckoned().0));
+        let then = end.notes.iter().rev().find(|(at, _)| lag_ago.is_some_and(|ago| *at <= ago));
         let expected_ml = since_ml(then.map_or(from_rad, |(_, noted_rad)| *noted_rad));
         let is_clear = expected_ml > CLEARLY * (self.aim.drop_ml + self.aim.digit_ml);
-        is_clear.then(|| stop.stood.saturating_duration_since(*at).as_secs_f64())
+        if let Some((at, _)) = before.filter(|_| is_clear) {
+            let after_s = end.stood.saturating_duration_since(*at).as_secs_f64();
+            self.after_stop = Some(AfterStop::with(self.after_stop, after_s));
+        }
     }
 
     /// Returns the weighing as the record keeps it.

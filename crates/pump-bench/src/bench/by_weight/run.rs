@@ -163,7 +163,7 @@ impl Session<'_> {
                 at_rest(balance, longest, &user_stop, simulated)
             };
             match settled {
-                Ok(reading) => course.weigh(end, reading),
+                Ok(reading) => course.weigh(&end, reading),
                 Err(BalanceError::Stopped) => {
                     course.shown_g = end.last_g.unwrap_or(course.shown_g);
                     return Ok(course.delivered(false, std::mem::take(&mut self.notes)));

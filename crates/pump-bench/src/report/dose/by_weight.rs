@@ -160,7 +160,7 @@ impl ByWeightReport {
         let source = if is_learned { "learned before" } else { "the model's first value" };
         let is_of_any_angle = self.turned_least_ml < self.turned_most_ml;
         let unlearned = match is_of_any_angle {
-            true => "; no stop told more, as the rollers may have stood; an angle known to 1 deg tells it",
+            true => "; it is learned from an angle that is known to better than 2 deg alone",
             false => "",
         };
         let told = self.after_stop_s.zip(self.after_stop_stops);
