@@ -88,7 +88,6 @@ impl Bench {
     /// Calibrates by the reading of the last dose.
     #[pyo3(signature = (reading, add, anew, anyway, scale, tube, note))]
     #[expect(clippy::too_many_arguments, reason = "the arguments of the Python method")]
-    #[expect(clippy::fn_params_excessive_bools, reason = "the arguments of the Python method")]
     fn calibrate_last(
         &self,
         py: Python<'_>,

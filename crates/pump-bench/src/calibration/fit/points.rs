@@ -57,21 +57,27 @@ impl Points {
         weighing: &Weighing<'_>,
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
-        let mut points: Vec<Point> = Vec::new();
-        let mut reading_sum = 0.0;
+        let mut ratios = Vec::new();
         for (n, run) in runs.iter().enumerate() {
             let (measured_ml, model_ml) = run.volumes_ml(pump, weighing, n + 1)?;
-            let ratio = measured_ml / model_ml;
+            ratios.push((measured_ml / model_ml, model_ml));
+        }
+        let level = ratios.iter().map(|(ratio, _)| ratio).sum::<f64>() / ratios.len() as f64;
+        let mut points = Vec::new();
+        let mut reading_sum = 0.0;
+        for (run, (ratio, model_ml)) in runs.iter().zip(ratios) {
+            // By the mean of all runs, so that the weight of a run does not depend on its own reading.
+            let volume_ml = level * model_ml;
             // Runs of one volume after each other may err by their angles alike, as readings do.
-            let reading = hypot(expected.reading_ml / measured_ml, run.angle_standard_ml(pump) / model_ml);
-            let repeatability = expected.repeatability_of(ratio * pump.revolution_ml(), measured_ml);
-            let known = expected.known_of(ratio, measured_ml);
+            let reading = hypot(expected.reading_ml / volume_ml, run.angle_standard_ml(pump) / model_ml);
+            let repeatability = expected.repeatability_of(level * pump.revolution_ml(), volume_ml);
+            let known = expected.known_of(level, volume_ml);
             let sigma = sqrt(repeatability * repeatability + known * known + reading * reading);
             reading_sum += hypot(reading, expected.density);
             points.push(Point {
                 rpm: run.speed_rpm,
                 speed_rad_s: rad_s(run.speed_rpm).copysign(run.turned_deg),
-                ratio,
+                ratio: ratio / level,
                 // Nothing is ever repeated exactly: this keeps the weights of a pump that claims so finite.
                 sigma: sigma.max(1e-9),
                 repeatability,
@@ -83,8 +89,6 @@ impl Points {
         }
         let speeds_rpm = distinct(points.iter().map(|point| point.rpm));
         let reading = reading_sum / points.len() as f64;
-        let level = points.iter().map(|point| point.ratio).sum::<f64>() / points.len() as f64;
-        points.iter_mut().for_each(|point| point.ratio /= level);
         Ok(Self { points, level, speeds_rpm, reading, is_prior: expected.is_prior })
     }
 

@@ -159,8 +159,10 @@ impl ByWeightReport {
         let Some((time_s, is_learned)) = self.reckoned_s.zip(self.reckoned_learned) else { return weighed };
         let source = if is_learned { "learned before" } else { "the model's first value" };
         let is_of_any_angle = self.turned_least_ml < self.turned_most_ml;
-        let unlearned =
-            if is_of_any_angle { "; it is learned once the rollers' angle is known to 1 deg" } else { "" };
+        let unlearned = match is_of_any_angle {
+            true => "; it is learned from an angle that is known to better than 2 deg alone",
+            false => "",
+        };
         let told = self.after_stop_s.zip(self.after_stop_stops);
         let now = told.map_or(unlearned.to_owned(), |(mean_s, stops)| {
             let plural = if stops == 1 { "" } else { "s" };
