@@ -90,7 +90,7 @@ fn a_configuration_that_cannot_be_is_refused_with_the_key_and_what_is_allowed() 
         ),
         (
             "schema = \"config/1\"\n[defaults]\nramps = \"slow\"",
-            &["[defaults] ramps is `slow`; allowed: ", "line-aware"],
+            &["[defaults] ramps is `slow`; allowed: ", "line"],
         ),
         ("schema = \"config/1\"\n[defaults]\nmax_per_day = 50", &["invalid type: integer"]),
         ("]", &["line 1, column 1"]),
@@ -126,7 +126,7 @@ fn the_options_of_a_dose_that_a_laboratory_sets_once_hold_where_none_is_typed() 
     let fastest = rate(&["--rate", "5mL/s"]);
     assert!(fastest.0 == 5.0 && fastest.1 < usual.1, "{fastest:?} {usual:?}");
     // What is typed wins: a rate, its ramps, and a speed or a time in place of the rate.
-    assert_eq!(rate(&["--rate", "5mL/s", "--ramps", "line-aware"]), usual);
+    assert_eq!(rate(&["--rate", "5mL/s", "--ramps", "line"]), usual);
     assert!(rate(&["--speed", "60rpm"]).0 > 20.0 && rate(&["--within", "30s"]).0 < 1.0);
     assert_eq!(user.types(&["49mL", "--max-per-day", "60mL"]).code, 0);
     let beyond = user.types(&["2mL"]);

@@ -16,7 +16,7 @@ use crate::units;
 pub struct DoseDefaults {
     /// Mean flow, as `10mL/s`, or `max`.
     pub rate: Option<String>,
-    /// Ramps, `line-aware` or `fastest`.
+    /// Ramps, `line` or `fastest`.
     pub ramps: Option<String>,
     /// Place in a pitch at which a dose may end, `any` or `low-flow`.
     pub finish: Option<String>,
