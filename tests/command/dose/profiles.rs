@@ -238,7 +238,7 @@ fn a_stopped_profile_wears_its_tube_for_the_time_that_it_turned() {
     let words = ["run", "--profile", "flow.csv", "--pace", "real"];
     let mut child = user.command(&words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(120);
-    while !user.record().is_some_and(|text| text.matches("progress").count() > 2) {
+    while user.record().is_none_or(|text| text.matches("progress").count() <= 2) {
         assert!(Instant::now() < deadline, "no progress on record");
         sleep(Duration::from_millis(20));
     }

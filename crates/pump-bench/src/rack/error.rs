@@ -126,9 +126,9 @@ pub enum RackError {
     #[error("{}", self.each().map(|error| with_sources(error)).collect::<Vec<_>>().join("; "))]
     Several {
         /// Refusal of the first pump in the order of the rack.
-        first: Box<RackError>,
+        first: Box<Self>,
         /// Refusals of the other pumps.
-        others: Vec<RackError>,
+        others: Vec<Self>,
     },
     /// Somebody asked to stop before anything moved.
     #[error("stopped by the user before anything moved")]
@@ -137,7 +137,7 @@ pub enum RackError {
 
 impl RackError {
     /// Returns the refusal of each pump, or this one error.
-    pub fn each(&self) -> impl Iterator<Item = &RackError> {
+    pub fn each(&self) -> impl Iterator<Item = &Self> {
         let (first, others) = match self {
             Self::Several { first, others } => (first.as_ref(), others.as_slice()),
             error => (error, [].as_slice()),
