@@ -49,7 +49,7 @@ pub struct Drift {
 impl Drift {
     /// Fits a straight line to the factors of three calibrations or more, each weighted by its standard uncertainty.
     /// The last one is the present calibration. Returns `None` with fewer calibrations, with all at one time, or where
-    /// the uncertainty of the drift in [`TOLD_DAYS`] exceeds the factor itself: their span is too short to tell it.
+    /// the uncertainty of the drift in 30 days exceeds the factor itself: their span is too short to tell it.
     ///
     /// The slope of weighted least squares is b = sum w (t - t0) y / sum w (t - t0)^2, w = 1 / u^2, with t0 the
     /// weighted mean time, and its variance 1 / sum w (t - t0)^2 (Bevington and Robinson, Data Reduction and

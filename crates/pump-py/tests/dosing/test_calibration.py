@@ -182,7 +182,9 @@ def test_the_weight_of_the_last_dose_calibrates_the_next(tmp_path: Path) -> None
 
 
 def test_a_dose_is_weighed_as_the_fluid_that_it_was_made_with(tmp_path: Path) -> None:
-    with pm.Bench.open("three-roller", state_dir=tmp_path, fluid="glycerol 60%", temperature="22degC") as bench:
+    with pm.Bench.open(
+        "three-roller", state_dir=tmp_path, fluid="glycerol 60%", temperature="22degC"
+    ) as bench:
         bench.dose("213mL")
     with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
         found = bench.calibrate_last("245.5g")
