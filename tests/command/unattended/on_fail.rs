@@ -91,26 +91,27 @@ fn the_rest_of_a_dose_and_a_calibration_tell_their_failure_too() {
 }
 
 #[test]
-fn a_stopped_dose_tells_the_bounds_that_its_log_has() {
+fn a_stopped_dose_tells_the_bounds_that_its_report_has() {
     let user = User::new();
     assert_eq!(user.types(&["home", "--set", "30deg", "--tolerance", "5deg"]).code, 0);
-    let mut child = user.command(&["3L", "--on-fail", TELL]).stdout(Stdio::null()).spawn().unwrap();
+    let words = ["3L", "--on-fail", TELL, "--format", "json"];
+    let child = user.command(&words).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(120);
     while user.record().is_none_or(|text| !text.contains("progress")) {
         assert!(Instant::now() < deadline, "no progress on record");
         sleep(Duration::from_millis(2));
     }
     assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let stopped = child.wait_with_output().unwrap();
+    assert_eq!(stopped.status.code(), Some(130));
+    let report: Value = serde_json::from_slice(&stopped.stdout).unwrap();
     let (_, environment) = told(&user);
     let bound = |name: &str| -> f64 {
         let line = environment.lines().find_map(|line| line.strip_prefix(name)).unwrap();
         line.trim_start_matches('=').parse().unwrap()
     };
     let (least_ml, most_ml) = (bound("DOSE_FAIL_LEAST_ML"), bound("DOSE_FAIL_MOST_ML"));
-    let logged: Value = serde_json::from_str(user.types(&["log", "--format", "json"]).out.trim()).unwrap();
-    let of_log = |key: &str| logged[key].as_f64().unwrap();
-    let (log_least_ml, log_most_ml) = (of_log("delivered_least_ml"), of_log("delivered_most_ml"));
+    let stated = ["volume_least_ml", "volume_most_ml"].map(|key| report[key].as_f64().unwrap());
     assert!(most_ml - least_ml > 0.1, "{environment}");
-    assert!((least_ml - log_least_ml).abs() < 1e-6 && (most_ml - log_most_ml).abs() < 1e-6, "{logged}");
+    assert!((least_ml - stated[0]).abs() < 1e-9 && (most_ml - stated[1]).abs() < 1e-9, "{report}");
 }

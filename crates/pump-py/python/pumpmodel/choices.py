@@ -60,7 +60,7 @@ LogEnd: TypeAlias = Literal["done", "weighed", "stopped", "fault", "cut-off"]
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "run", "calibrate", "retract", "jog"]
 #: End of a rack. "planned" is a rehearsal.
 RackEnd: TypeAlias = Literal["planned", "completed", "stopped", "fault"]
-#: Ramps in which a dose starts and stops. The name of earlier versions for "line", "line-aware", is still read.
+#: Ramps in which a dose starts and stops. "line-aware", the name of earlier versions for "line", is read too.
 Ramps: TypeAlias = Literal["line", "fastest"]
 #: Result of `sweep` and `Pump.steady_state`, for `plot_map`.
 SteadyQuantity: TypeAlias = Literal[
