@@ -146,7 +146,10 @@ fn command(rest: &str, typed: &[(&str, String)], root: &Command) -> String {
         };
         path.last().is_some_and(|leaf| lists(leaf, false)) && path.iter().any(|command| lists(command, true))
     };
-    let missing = typed.iter().filter(|(option, _)| !words.contains(option) && takes(option));
+    // `dose setup` finds a board wherever it is, and asks for what a new pump needs.
+    let asks = |option: &str| words.first() == Some(&"setup") && ["--driver", "--port"].contains(&option);
+    let missing =
+        typed.iter().filter(|(option, _)| !words.contains(option) && takes(option) && !asks(option));
     let added: String = missing.map(|(option, value)| format!(" {option} {}", shell_word(value))).collect();
     format!("dose {rest}{added}")
 }
@@ -184,12 +187,16 @@ mod tests {
         let motor = |command: Command| {
             command.arg(Arg::new("driver").long("driver")).arg(Arg::new("port").long("port"))
         };
-        let root =
-            motor(Command::new("dose")).subcommands([motor(Command::new("resume")), Command::new("log")]);
+        let root = motor(Command::new("dose")).subcommands([
+            motor(Command::new("resume")),
+            motor(Command::new("setup")),
+            Command::new("log"),
+        ]);
         let told = Told { typed: typed.to_vec(), pump: None, usual: None, root };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(told("`dose resume` makes"), "`dose resume --driver grbl --port /dev/pts/4` makes");
         assert_eq!(told("`dose log` lists"), "`dose log` lists");
+        assert_eq!(told("`dose setup` finds the boards"), "`dose setup` finds the boards");
     }
 
     #[test]
