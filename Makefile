@@ -150,9 +150,9 @@ embedded: node-pico
 	cd firmware/emulated && cargo fmt --check
 	cd firmware/emulated && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
-	cargo build --locked -p check-node --bin check-node-mps2
-	timeout 120 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED) one
-	timeout 120 cargo run --locked -p check-node $(FIRMWARE) one
+	cargo build --locked -p check-node
+	timeout 300 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED) one
+	timeout 300 cargo run --locked -p check-node $(FIRMWARE) one
 
 # The node's firmware for the mps2-an386, which QEMU emulates. `make embedded` makes one dose with it and one with the
 # Pico's, `make node` more.
@@ -187,7 +187,7 @@ node: node-pico
 	rustup target add thumbv7em-none-eabihf
 	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
-	timeout 300 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
+	timeout 900 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
 
 docs:
 	cargo doc --locked --workspace --no-deps --open
