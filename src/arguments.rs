@@ -138,7 +138,7 @@ fn takes_value(node: &Command, found: &[&Arg], next: Option<&str>) -> bool {
 /// A configuration that cannot be used sets nothing: the dose itself refuses it.
 ///
 /// # Errors
-/// What clap refuses beside the defaults.
+/// Typed options that clap refuses beside the defaults.
 pub(crate) fn with_defaults(
     command: Command,
     words: &[OsString],

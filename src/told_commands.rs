@@ -77,7 +77,7 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
         Some((option, values.next()?.to_str()?.to_owned()))
     });
     let mut typed: Vec<_> = typed.collect();
-    // What makes a pump file writes its driver and port into it.
+    // A command that makes a pump file writes its driver and port into it.
     if matches.subcommand_name().is_some_and(|command| ["setup", "pumps"].contains(&command)) {
         typed.retain(|(option, _)| !["--driver", "--port"].contains(option));
     }

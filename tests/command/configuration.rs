@@ -125,7 +125,7 @@ fn the_options_of_a_dose_that_a_laboratory_sets_once_hold_where_none_is_typed() 
     // The fastest ramps take less time than those that leave the line at rest.
     let fastest = rate(&["--rate", "5mL/s"]);
     assert!(fastest.0 == 5.0 && fastest.1 < usual.1, "{fastest:?} {usual:?}");
-    // What is typed wins: a rate, its ramps, and a speed or a time in place of the rate.
+    // A typed option wins: a rate, its ramps, and a speed or a time in place of the rate.
     assert_eq!(rate(&["--rate", "5mL/s", "--ramps", "line"]), usual);
     assert!(rate(&["--speed", "60rpm"]).0 > 20.0 && rate(&["--within", "30s"]).0 < 1.0);
     assert_eq!(user.types(&["49mL", "--max-per-day", "60mL"]).code, 0);

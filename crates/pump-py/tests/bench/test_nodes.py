@@ -12,7 +12,7 @@ import pumpmodel as pm
 
 NODE = Path(__file__).parents[4] / "target" / "debug" / "examples" / "simulated_node"
 
-# What a dose warns of is not the matter here.
+# Warnings of a dose are not the matter here.
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 
 
