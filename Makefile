@@ -175,7 +175,8 @@ node-pico:
 
 # Doses by the drive of the node with the firmware of two boards in emulators, and holds the edges of their pins against
 # the plan. Time is the boards', so a slow computer makes this slow and changes no result. Two idle cores take less than
-# 15 minutes in all, and each part says its own time. The part `command` runs the command in real time. `check-node FIRMWARE.elf PART [NUMBER]` makes one part.
+# 15 minutes in all, and each part says its own time. The part `command` runs the command in real time. `check-node
+# FIRMWARE.elf PART [NUMBER]` makes one part.
 node: node-pico
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings

@@ -138,7 +138,7 @@ fn takes_value(node: &Command, found: &[&Arg], next: Option<&str>) -> bool {
 /// A configuration that cannot be used sets nothing: the dose itself refuses it.
 ///
 /// # Errors
-/// Typed options that clap refuses beside the defaults.
+/// Clap's error where it refuses the words beside the defaults.
 pub(crate) fn with_defaults(
     command: Command,
     words: &[OsString],
