@@ -13,7 +13,7 @@ MODEL_FEATURES := integrator construction identification experimental serde defm
 test: test-rust test-python
 
 test-rust:
-	cargo test --locked
+	cargo test --locked --features serve
 
 test-python: $(VENV)/installed
 	cargo build --locked --example simulated_node
@@ -35,6 +35,7 @@ clock:
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults: clock
 	FAULTS_RUNS=500 cargo test --locked --test faults
+	SERVE_KILLS=200 cargo test --locked --features serve --test serve -- kills
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
 # All 10,000 random doses on heads whose flow reverses; `make test` draws 1000. Doses of 500 bought heads; `make test`
@@ -66,8 +67,8 @@ lint: $(VENV)/installed
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	cargo fmt --all --check
 	cargo fmt --manifest-path tests/no_panic/Cargo.toml --check
-	cargo clippy --locked --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --document-private-items
+	cargo clippy --locked --workspace --all-targets --features serve -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --features serve --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
@@ -85,6 +86,8 @@ features:
 	cargo clippy --locked -p pump-ctl --features serde,defmt -- -D warnings
 	cargo clippy --locked -p pump-link --all-targets -- -D warnings
 	cargo clippy --locked -p pump-node --all-targets -- -D warnings
+	cargo clippy --locked -p pump-service -- -D warnings
+	cargo clippy --locked -p pump-dose --bins -- -D warnings
 	cargo clippy --locked -p pump-bench -- -D warnings
 	for feature in balance grbl node plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
 

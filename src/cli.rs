@@ -20,6 +20,7 @@ use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
 use crate::commands::run::RunArgs;
 use crate::commands::safety::{SafetyArgs, VesselArgs};
+use crate::commands::serve::ServeArgs;
 use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
@@ -92,6 +93,8 @@ enum Command {
     Backup(BackupArgs),
     /// Put the records of a backup in place; a record never turns back
     Restore(RestoreArgs),
+    /// Share the pumps: a page, HTTP and a schedule for several people and programs
+    Serve(ServeArgs),
     /// Print the completions of a shell
     Completions(CompletionsArgs),
     /// List, show, check and make pump files
@@ -158,6 +161,7 @@ impl Cli {
             Some(Command::Home(args)) => args.run(),
             Some(Command::Backup(args)) => args.run(),
             Some(Command::Restore(args)) => args.run(),
+            Some(Command::Serve(args)) => args.run(),
             Some(Command::Completions(args)) => args.run(&mut Self::command()),
             Some(Command::Pumps(args)) => args.run(),
             Some(Command::Config(args)) => args.run(),

@@ -3,7 +3,7 @@
 use std::io;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use pump_bench::drives::StopRequest;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -11,6 +11,9 @@ use signal_hook::flag;
 
 /// Number of the signal that came; 0 for none. Signals end the process while nothing watches for them.
 static SIGNAL: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
+
+/// Why a supervising program stopped this one; empty while none did.
+static REASON: OnceLock<String> = OnceLock::new();
 
 /// The signals cannot be watched for.
 #[derive(Debug)]
@@ -47,13 +50,27 @@ pub(crate) fn signal() -> Option<i32> {
     }
 }
 
+/// Stops as SIGTERM does, for this reason of a supervising program. The name of another signal stops as that one.
+pub(crate) fn stop_for(reason: &str) {
+    let signal = [SIGINT, SIGHUP].into_iter().find(|signal| name(*signal) == reason);
+    if signal.is_none() && !reason.is_empty() {
+        // The first reason is the one that counts.
+        let _ = REASON.set(reason.to_owned());
+    }
+    let number = signal.unwrap_or(SIGTERM) as usize;
+    let _ = SIGNAL.compare_exchange(0, number, Ordering::Relaxed, Ordering::Relaxed);
+}
+
 /// The request to stop that ends the waits for a device once a signal came.
 pub(crate) fn stop_request() -> StopRequest {
     StopRequest::new(|| signal().is_some()).saying(|| signal().map(name))
 }
 
-/// The name of a signal, as the log keeps it.
-fn name(signal: i32) -> String {
+/// The name of a signal, or the reason of a supervising program, as the log keeps it.
+pub(crate) fn name(signal: i32) -> String {
+    if let Some(reason) = REASON.get() {
+        return reason.clone();
+    }
     match signal {
         SIGINT => "SIGINT".to_owned(),
         SIGTERM => "SIGTERM".to_owned(),

@@ -2,6 +2,8 @@
 
 mod advice;
 mod arguments;
+#[cfg(feature = "serve")]
+mod asking;
 mod cli;
 mod commands;
 mod failure;
@@ -13,6 +15,7 @@ mod outputs;
 mod progress;
 mod refusals;
 mod shown;
+mod supervised;
 mod terminal;
 mod told_commands;
 mod warned;
@@ -27,10 +30,12 @@ use cli::Cli;
 use failure::Failure;
 
 fn main() -> ExitCode {
+    supervised::begin();
     let words: Vec<OsString> = std::env::args_os().collect();
     let json = arguments::asks_for_json(&words);
     let (ended, on_fail) = match parse(words) {
-        Ok(cli) => (cli.run(), cli.on_fail()),
+        Ok(Parsed::Here(cli)) => (cli.run(), cli.on_fail()),
+        Ok(Parsed::Asked(code)) => return code,
         Err(Unparsed::Refused(failure)) => (Err(failure), None),
         Err(Unparsed::Clap(error)) if json && error.use_stderr() => (Err(refusals::unparsed(&error)), None),
         Err(Unparsed::Clap(error)) => {
@@ -57,7 +62,18 @@ enum Unparsed {
     Clap(clap::Error),
 }
 
-fn parse(words: Vec<OsString>) -> Result<Cli, Unparsed> {
+/// A command line that was understood.
+enum Parsed {
+    /// The command is carried out here.
+    Here(Box<Cli>),
+    /// The running service has carried it out, with this exit code.
+    #[cfg_attr(not(feature = "serve"), expect(dead_code, reason = "nobody is asked without the service"))]
+    Asked(ExitCode),
+}
+
+fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
+    #[cfg(feature = "serve")]
+    let typed: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let mut definitions = cli::command();
     definitions.build();
     let arranged = arguments::arrange(words.into_iter(), &definitions).map_err(Unparsed::Refused)?;
@@ -66,7 +82,13 @@ fn parse(words: Vec<OsString>) -> Result<Cli, Unparsed> {
     let matches = matches.and_then(|typed| arguments::with_defaults(command, &arranged.words, typed));
     let read = |matches: ArgMatches| {
         told_commands::note(&matches, cli::command());
-        Cli::from_arg_matches(&matches)
+        let cli = Cli::from_arg_matches(&matches)?;
+        // What cannot be understood is refused here, before anybody is asked.
+        #[cfg(feature = "serve")]
+        if let Some(code) = asking::ask(&matches, &typed) {
+            return Ok(Parsed::Asked(code));
+        }
+        Ok(Parsed::Here(Box::new(cli)))
     };
     matches.and_then(read).map_err(|error| {
         let misplaced = (error.kind() == ErrorKind::UnknownArgument)

@@ -6,6 +6,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use pump_bench::Prepared;
 use pump_bench::dosing::RunEnd;
 
+use crate::supervised::{Lines, Reached};
 use crate::terminal::waiting;
 
 /// The bar of a motion: it counts millilitres.
@@ -16,42 +17,46 @@ pub(crate) struct MotionBar {
     /// Time of the whole motion by its plan, in s; `None` if a balance ends it, at a time that nobody knows.
     whole_s: Option<f64>,
     steps: u64,
+    /// Lines to a supervising program.
+    lines: Option<Lines>,
 }
 
 impl MotionBar {
-    /// The bar of a motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads the
+    /// The bar of a pump's motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads the
     /// report wants none.
-    pub(crate) fn new(steps: u64, whole_ml: f64, whole_s: Option<f64>, json: bool) -> Self {
+    pub(crate) fn new(pump: &str, steps: u64, whole_ml: f64, whole_s: Option<f64>, json: bool) -> Self {
+        let lines = Lines::of(pump, steps, whole_ml);
         if json {
-            return Self { bar: ProgressBar::hidden(), whole_ml, whole_s, steps };
+            return Self { bar: ProgressBar::hidden(), whole_ml, whole_s, steps, lines };
         }
         let style = ProgressStyle::with_template("{bar:40} {msg}");
         let bar = ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        let bar = Self { bar, whole_ml, whole_s, steps };
-        bar.made(0, || 0.0);
-        bar
+        bar.set_message(shown(0.0, whole_ml) + &whole_s.map_or(String::new(), |s| time_left(0, steps, s)));
+        Self { bar, whole_ml, whole_s, steps, lines }
     }
 
     /// The bar of a prepared dose, or a sign that turns for a run without an end.
-    pub(crate) fn of(prepared: &Prepared, json: bool) -> Self {
+    pub(crate) fn of(pump: &str, prepared: &Prepared, json: bool) -> Self {
         let whole_ml = prepared.plan.planned_ml();
         match prepared.request.end {
             RunEnd::Stop if !json => {
                 let bar = waiting("running until stopped by Ctrl-C");
-                Self { bar, whole_ml: f64::INFINITY, whole_s: None, steps: 0 }
+                let lines = Lines::of(pump, 0, f64::INFINITY);
+                Self { bar, whole_ml: f64::INFINITY, whole_s: None, steps: 0, lines }
             }
             _ => {
                 let whole_s = Some(prepared.plan.profile().duration_s());
-                Self::new(prepared.plan.steps().unsigned_abs(), whole_ml, whole_s, json)
+                Self::new(pump, prepared.plan.steps().unsigned_abs(), whole_ml, whole_s, json)
             }
         }
     }
 
-    /// Shows the steps made, and the volume that `delivered_ml` tells.
-    pub(crate) fn made(&self, steps: u64, delivered_ml: impl FnOnce() -> f64) {
+    /// Shows the steps made, and the place that they have `reached`.
+    pub(crate) fn made(&self, steps: u64, reached: impl Fn() -> Reached) {
+        self.lines.iter().for_each(|lines| lines.made(steps, &reached));
         self.bar.set_position(steps);
         if !self.bar.is_hidden() {
-            let volume = shown(delivered_ml(), self.whole_ml);
+            let volume = shown(reached().delivered_ml, self.whole_ml);
             let left = self.whole_s.map_or(String::new(), |whole_s| time_left(steps, self.steps, whole_s));
             self.bar.set_message(format!("{volume}{left}"));
         }

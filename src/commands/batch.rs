@@ -19,6 +19,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
 use crate::progress::until_next;
+use crate::supervised;
 use crate::terminal::{is_reader_gone, noted, print, tell, waiting, warn};
 use crate::warned::Warned;
 
@@ -246,6 +247,7 @@ impl Batch<'_> {
         interrupt: &Interrupt,
     ) -> Result<(), Failure> {
         let left = || until.saturating_sub(started.elapsed());
+        supervised::waits(&self.bench.file().pump.id, left(), number, self.count);
         let sign = (!self.said.json).then(|| waiting(&until_next(left(), number, self.count)));
         let ended = loop {
             if let Err(error) = session.release_when_due() {

@@ -11,6 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
 use crate::progress::MotionBar;
+use crate::supervised::{self, Reached};
 use crate::terminal::{announced, noted, waiting, warn};
 use crate::warned::Warned;
 
@@ -85,8 +86,9 @@ fn make(
     let mut session = bench.session()?;
     let (prepared, reading) = prepare(&mut session, scale.as_mut(), &interrupt)?;
     let (steps, whole_ml) = (prepared.whole.plan.steps().unsigned_abs(), prepared.whole.plan.planned_ml());
-    let bar = LazyCell::new(|| MotionBar::new(steps, whole_ml, None, json));
+    let bar = LazyCell::new(|| MotionBar::new(&bench.file().pump.id, steps, whole_ml, None, json));
     let (mut before, mut last) = (0, 0);
+    supervised::begun(|| DoseReport::new(bench, &prepared.whole, None));
     let made = announced(&mut session, json, &prepared.whole.warnings, |session| {
         session.run_from_tare(&prepared, reading, scale.as_mut(), |made| {
             // Each stretch counts its own steps.
@@ -94,7 +96,10 @@ fn make(
                 before += last;
             }
             last = made;
-            bar.made(before + made, || whole_ml * (before + made) as f64 / steps as f64);
+            bar.made(before + made, || Reached {
+                delivered_ml: whole_ml * (before + made) as f64 / steps as f64,
+                angle_rad: prepared.whole.plan.angle_after(before + made),
+            });
             interrupt.flow()
         })
     });

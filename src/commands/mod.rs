@@ -18,6 +18,7 @@ pub(crate) mod release;
 pub(crate) mod resume;
 pub(crate) mod run;
 pub(crate) mod safety;
+pub(crate) mod serve;
 pub(crate) mod setup;
 pub(crate) mod simulate;
 pub(crate) mod size;

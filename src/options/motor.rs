@@ -54,6 +54,9 @@ pub(crate) struct MotorOptions {
     /// Wait so long while another command has the pump or its port, as 60s [default: refuse at once]
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     pub(crate) wait: Option<f64>,
+    /// Move the pump from here, also while `dose serve` has it
+    #[arg(long, hide_short_help = true)]
+    pub(crate) no_service: bool,
     /// Pace of a simulated motor [default: the pump file's, or fast; of a rack real]
     #[arg(long, value_name = "real|fast", value_parser = choice(&[
         (Pace::Real, "It takes the time of its plan"),

@@ -18,6 +18,7 @@ use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
+use crate::supervised::{self, Reached};
 use crate::terminal::{announced, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
@@ -95,9 +96,13 @@ pub(super) fn deliver(
     // The report of a simulated motor tells them.
     let before = if warns_first(bench) { warned.untold(&prepared.warnings) } else { Vec::new() };
     let delivered = announced(session, json, &before, |session| {
-        let bar = LazyCell::new(|| MotionBar::of(prepared, json));
+        supervised::begun(|| DoseReport::new(bench, prepared, None));
+        let bar = LazyCell::new(|| MotionBar::of(&bench.file().pump.id, prepared, json));
         let delivered = session.run(prepared, |made| {
-            bar.made(made, || prepared.plan.delivered_ml(&prepared.model, made));
+            bar.made(made, || Reached {
+                delivered_ml: prepared.plan.delivered_ml(&prepared.model, made),
+                angle_rad: prepared.plan.angle_after(made),
+            });
             interrupt.flow()
         });
         bar.end();

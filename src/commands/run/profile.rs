@@ -19,6 +19,7 @@ use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
+use crate::supervised::{self, Reached};
 use crate::terminal::{announced, noted, warn};
 use crate::warned::Warned;
 
@@ -66,9 +67,15 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     let motion = prepared.motion();
     let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
     let delivered = announced(&mut session, json, &prepared.whole.warnings, |session| {
-        let bar = LazyCell::new(|| MotionBar::new(steps, prepared.planned_ml(), Some(whole_s), json));
+        supervised::begun(|| DoseReport::by_profile(&bench, &prepared, None));
+        let bar = LazyCell::new(|| {
+            MotionBar::new(&bench.file().pump.id, steps, prepared.planned_ml(), Some(whole_s), json)
+        });
         let delivered = session.run_profile(&prepared, |made| {
-            bar.made(made, || prepared.delivered_ml(made));
+            bar.made(made, || Reached {
+                delivered_ml: prepared.delivered_ml(made),
+                angle_rad: motion.angle_after(made),
+            });
             interrupt.flow()
         });
         bar.end();

@@ -15,6 +15,7 @@ use crate::commands::delivery::{before_dose, unprinted};
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::options::dosing::DosingOptions;
+use crate::supervised::{self, Lines, Reached};
 use crate::terminal::{announce, print_json, tell, waiting, warn};
 use crate::told_commands::{completed, meaning};
 
@@ -190,6 +191,8 @@ struct Told {
     warned: BTreeSet<String>,
     /// Volume of each pump and that of its whole step, in mL, and the number of the step.
     volumes: BTreeMap<String, (f64, f64, usize)>,
+    /// Lines to a supervising program, of each pump and step.
+    lines: BTreeMap<(String, usize), Option<Lines>>,
 }
 
 impl<'a> Shown<'a> {
@@ -213,6 +216,14 @@ impl<'a> Shown<'a> {
                     warn(&[text]);
                 }
             }
+        }
+        if let Some(member) = member.filter(|_| supervised::tells()) {
+            let lines = told.lines.entry((progress.pump.to_owned(), progress.step));
+            let lines = lines.or_insert_with(|| {
+                Lines::of(&member.bench.file().pump.id, progress.steps, progress.whole_ml)
+            });
+            let reached = || Reached { delivered_ml: progress.volume_ml, angle_rad: progress.angle_rad };
+            lines.iter().for_each(|lines| lines.made(progress.made, reached));
         }
         if self.bar.is_hidden() {
             return;

@@ -2,12 +2,14 @@
 
 use clap::Args;
 use pump_bench::Bench;
+use pump_bench::report::Status;
 use pump_bench::safety::SafetyLimit;
 
 use crate::failure::Failure;
 use crate::options::motor::DriverOption;
 use crate::options::pump::{ConfigOption, RecordOption};
-use crate::terminal::{noted, tell, warn};
+use crate::options::report::FormatOption;
+use crate::terminal::{noted, print_json, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct ClearArgs {
@@ -23,6 +25,8 @@ pub(crate) struct ClearArgs {
     record: RecordOption,
     #[command(flatten)]
     driver: DriverOption,
+    #[command(flatten)]
+    format: FormatOption,
 }
 
 impl ClearArgs {
@@ -37,6 +41,9 @@ impl ClearArgs {
         let cleared = session.clear_safety(&self.reason);
         let cleared = noted(&mut session, cleared)?;
         warn(&session.notes());
+        if self.format.json() {
+            return print_json(&(Status::of(&bench)?.json() + "\n"));
+        }
         let pump = &bench.file().pump.id;
         let full = match cleared.stand.limit {
             SafetyLimit::Vessel if cleared.vessel_ml > 0.0 => format!(

@@ -1,5 +1,6 @@
 //! Doses that nobody watches: what becomes of an interrupted dose, of a disturbed angle, and of a failure.
 
+use std::env;
 use std::io::{self, IsTerminal};
 
 use clap::Args;
@@ -69,9 +70,9 @@ fn pump_name(pump: &PumpOption) -> String {
     configured.or(pump.typed().map(str::to_owned)).unwrap_or_default()
 }
 
-/// True if standard input is no terminal.
+/// True if standard input is no terminal. A service says whether the command that it carries out was typed at one.
 pub(crate) fn has_no_terminal() -> bool {
-    !io::stdin().is_terminal()
+    !io::stdin().is_terminal() && env::var_os("DOSE_ATTENDED").is_none()
 }
 
 impl UnattendedOptions {

@@ -4,7 +4,7 @@ mod calibrating;
 mod run_volume;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
@@ -257,6 +257,16 @@ impl Bench {
     /// Returns the folder of the journal.
     pub fn folder(&self) -> &Folder {
         &self.folder
+    }
+
+    /// Returns the time at which the pump's journal was written last. `None` if nothing is on record.
+    pub fn journal_written(&self) -> Option<SystemTime> {
+        self.folder.journal().metadata().and_then(|journal| journal.modified()).ok()
+    }
+
+    /// Returns true if another process holds the pump now.
+    pub fn is_held(&self) -> bool {
+        self.folder.holder().is_some()
     }
 
     /// Returns the calibrations of the pump.

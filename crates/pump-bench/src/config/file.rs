@@ -9,6 +9,7 @@ use super::defaults::DoseDefaults;
 use super::error::ConfigError;
 use super::place::{default_path, named_path};
 use super::pumps::{built_in_names, is_built_in};
+use super::service::ServiceTable;
 use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
 use crate::record::{FolderError, default_state_dir};
 
@@ -46,6 +47,7 @@ pub struct Config {
     defaults: DoseDefaults,
     pub(super) pumps: BTreeMap<String, PathBuf>,
     pub(super) racks: BTreeMap<String, PathBuf>,
+    service: ServiceTable,
 }
 
 /// Keys of the file.
@@ -62,6 +64,8 @@ struct ConfigKeys {
     pumps: BTreeMap<String, PathBuf>,
     #[serde(default)]
     racks: BTreeMap<String, PathBuf>,
+    #[serde(default)]
+    service: ServiceTable,
 }
 
 impl Config {
@@ -112,6 +116,7 @@ impl Config {
             defaults: keys.defaults,
             pumps: keys.pumps.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
             racks: keys.racks.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
+            service: keys.service.inside(folder),
         })
     }
 
@@ -148,6 +153,11 @@ impl Config {
     /// Returns the options of a dose that the file sets.
     pub fn defaults(&self) -> &DoseDefaults {
         &self.defaults
+    }
+
+    /// Returns what the file says of the service.
+    pub fn service(&self) -> &ServiceTable {
+        &self.service
     }
 
     /// Returns the folder of the records: that of the file, or else that of the user.

@@ -7,6 +7,7 @@ mod file;
 mod place;
 mod pumps;
 mod racks;
+mod service;
 
 pub use defaults::DoseDefaults;
 pub use error::ConfigError;
@@ -14,3 +15,4 @@ pub use file::Config;
 pub(crate) use file::is_name;
 pub use place::config_path;
 pub use pumps::{DEFAULT_PUMP, PumpPlace};
+pub use service::ServiceTable;

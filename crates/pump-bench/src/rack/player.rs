@@ -241,6 +241,7 @@ impl Part<'_> {
         let (steps, volume_ml) = (self.prepared.steps(), self.prepared.delivered_ml(made));
         let warnings = if made == 0 { &self.prepared.whole().warnings[..] } else { &[] };
         let (step, whole_ml) = (self.step + 1, self.prepared.planned_ml());
-        on_progress(RackProgress { pump, step, made, steps, volume_ml, whole_ml, warnings });
+        let angle_rad = self.prepared.angle_after(made);
+        on_progress(RackProgress { pump, step, made, steps, volume_ml, whole_ml, angle_rad, warnings });
     }
 }

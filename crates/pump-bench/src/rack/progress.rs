@@ -18,6 +18,8 @@ pub struct RackProgress<'a> {
     pub volume_ml: f64,
     /// Volume of all motor steps of this step of the rack, in mL, by the model.
     pub whole_ml: f64,
+    /// Angle of the rollers after the motor steps made, in rad.
+    pub angle_rad: f64,
     /// Warnings of the motion, before its first step. Empty from then on.
     pub warnings: &'a [Notice],
 }

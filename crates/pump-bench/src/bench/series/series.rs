@@ -89,6 +89,11 @@ impl SeriesMotion {
         self.with_motion(|motion| motion.delivered_ml(&self.whole().model, made))
     }
 
+    /// Returns the angle of the rollers after the first `made` steps, in rad.
+    pub fn angle_after(&self, made: u64) -> f64 {
+        self.with_motion(|motion| motion.angle_after(made))
+    }
+
     fn whole_mut(&mut self) -> &mut Prepared {
         match self {
             Self::Dose(prepared) => prepared,

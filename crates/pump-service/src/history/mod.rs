@@ -1,0 +1,12 @@
+//! What was ordered, when, by whom, and how it ended: a file of SQLite that users may open.
+//!
+//! Journals and logs of the pumps are the truth about volumes. The history adds the orders, their keys, the events of
+//! the service and the runs of the schedule. A history that was lost is begun anew: nothing of a pump is lost with it.
+
+mod error;
+mod history;
+mod record;
+
+pub use self::error::HistoryError;
+pub use self::history::History;
+pub use self::record::{EventRecord, Key, OrderRecord, OrderState};

@@ -1,0 +1,244 @@
+//! The pumps, and the orders that they are given.
+
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde_json::{Value, json};
+
+use super::super::bodies::{OptionsBody, ReadingBody, ReasonBody, VolumeBody, body};
+use super::super::failure::Failure;
+use super::super::router::Shared;
+use crate::history::{Key, OrderState};
+use crate::order::{Options, Order, Origin, Task};
+use crate::service::PumpView;
+
+/// Header with the key of an order.
+const KEY: &str = "idempotency-key";
+
+/// Header of the answer to a key that was used before.
+const REPEATED: &str = "idempotent-replayed";
+
+/// The pumps of the configuration, with their records and what they do now.
+#[utoipa::path(get, path = "/api/v1/pumps", tag = "pumps", responses(
+    (status = 200, description = "A list of `pump-view/1`", body = Vec<Object>)))]
+pub(in super::super) async fn list(State(shared): State<Shared>) -> Json<Vec<PumpView>> {
+    let service = &shared.service;
+    Json(service.pumps().map(|pump| service.view(pump)).collect())
+}
+
+/// One pump, with its record and what it does now.
+#[utoipa::path(get, path = "/api/v1/pumps/{name}", tag = "pumps",
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 200, description = "`pump-view/1`", body = Object), (status = 404, description = "`error/1`")))]
+pub(in super::super) async fn one(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+) -> Result<Json<PumpView>, Failure> {
+    Ok(Json(shared.service.view(shared.service.pump(&name)?)))
+}
+
+/// Makes a dose, or several with the options `repeat` and `every`.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/dose", tag = "orders", request_body = VolumeBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration"),
+        ("Idempotency-Key" = Option<String>, Header, description = "A key by which a repeated request doses once, \
+         for 24 h and over restarts")),
+    responses((status = 202, description = "`order/1`: the dose began, or was made", body = Object),
+        (status = 409, description = "`error/1`: the pump is in use, or a dose is unfinished"),
+        (status = 422, description = "`error/1`: refused before anything moved, or the key stands for another order"),
+        (status = 423, description = "`error/1`: the pump stands at a safety limit")))]
+pub(in super::super) async fn dose(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let VolumeBody { volume, options } = body(&bytes)?;
+    place(&shared, &name, Task::Dose { volume }, options, &headers).await
+}
+
+/// Fills the line; the carry stays as it is.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/prime", tag = "orders", request_body = VolumeBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn prime(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let VolumeBody { volume, options } = body(&bytes)?;
+    place(&shared, &name, Task::Prime { volume }, options, &headers).await
+}
+
+/// Empties the line; a negative volume runs back.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/purge", tag = "orders", request_body = VolumeBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn purge(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let VolumeBody { volume, options } = body(&bytes)?;
+    place(&shared, &name, Task::Purge { volume }, options, &headers).await
+}
+
+/// Runs at a rate for a time (`for`), for a volume, or until it is stopped.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/run", tag = "orders", request_body = OptionsBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn run(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let OptionsBody { options } = body(&bytes)?;
+    place(&shared, &name, Task::Run, options, &headers).await
+}
+
+/// Makes the rest of a dose that was stopped or cut off.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/resume", tag = "orders", request_body = OptionsBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn resume(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let OptionsBody { options } = body(&bytes)?;
+    place(&shared, &name, Task::Resume, options, &headers).await
+}
+
+/// Accepts a dose that was stopped or cut off as it is.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/accept", tag = "orders",
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn accept(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Failure> {
+    place(&shared, &name, Task::Accept, Options::new(), &headers).await
+}
+
+/// Clears a pump that stands at a safety limit, for a reason on record.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/clear", tag = "orders", request_body = ReasonBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn clear(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let ReasonBody { reason } = body(&bytes)?;
+    place(&shared, &name, Task::Clear { reason }, Options::new(), &headers).await
+}
+
+/// Says that the receiving vessel was emptied.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/emptied", tag = "orders",
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn emptied(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Failure> {
+    place(&shared, &name, Task::Emptied, Options::new(), &headers).await
+}
+
+/// Calibrates by a reading of the last dose.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/calibrate", tag = "orders", request_body = ReadingBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn calibrate(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let ReadingBody { reading, options } = body(&bytes)?;
+    place(&shared, &name, Task::Calibrate { reading }, options, &headers).await
+}
+
+/// Stops a pump: its motor decelerates and stands, and its volume is on record.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/stop", tag = "stop",
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 200, description = "Names of the orders that stop", body = Object),
+        (status = 404, description = "`error/1`")))]
+pub(in super::super) async fn stop(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+) -> Result<Json<Value>, Failure> {
+    shared.service.pump(&name)?;
+    Ok(Json(json!({"stopped": shared.service.stop(Some(&name), "the service's stop")})))
+}
+
+/// Stops every pump.
+#[utoipa::path(post, path = "/api/v1/stop", tag = "stop",
+    responses((status = 200, description = "Names of the orders that stop", body = Object)))]
+pub(in super::super) async fn stop_all(State(shared): State<Shared>) -> Json<Value> {
+    Json(json!({"stopped": shared.service.stop(None, "the service's stop of all pumps")}))
+}
+
+/// Runs a rack of the configuration.
+#[utoipa::path(post, path = "/api/v1/racks/{name}/run", tag = "orders", request_body = OptionsBody,
+    params(("name" = String, Path, description = "Name of the rack in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object), (status = 404, description = "`error/1`")))]
+pub(in super::super) async fn run_rack(
+    State(shared): State<Shared>,
+    Path(rack): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    if !shared.service.config().racks().contains_key(&rack) {
+        return Err(Failure::missing("rack", &rack));
+    }
+    let OptionsBody { options } = body(&bytes)?;
+    place(&shared, "", Task::Rack { rack }, options, &headers).await
+}
+
+/// The racks of the configuration.
+#[utoipa::path(get, path = "/api/v1/racks", tag = "pumps",
+    responses((status = 200, description = "Names of the racks", body = Vec<String>)))]
+pub(in super::super) async fn racks(State(shared): State<Shared>) -> Json<Vec<String>> {
+    Json(shared.service.config().racks().keys().cloned().collect())
+}
+
+/// Gives an order, and answers with it as it stands: what was refused before anything moved is a refusal here too.
+async fn place(
+    shared: &Shared,
+    pump: &str,
+    task: Task,
+    options: Options,
+    headers: &HeaderMap,
+) -> Result<Response, Failure> {
+    let order = Order { pump: pump.to_owned(), task, options };
+    let key = match headers.get(KEY) {
+        None => None,
+        Some(text) => {
+            let text = text.to_str().map_err(|_| {
+                Failure::new(StatusCode::BAD_REQUEST, "key", "the header Idempotency-Key is no plain text")
+            })?;
+            let body = json!(order).to_string();
+            Some(Key { text: text.to_owned(), body })
+        }
+    };
+    let placed = shared.service.place(order, &Origin::Http, key).await?;
+    if placed.record.state == OrderState::Refused {
+        return Err(Failure::of_command(placed.record.code.unwrap_or(2), placed.record.error));
+    }
+    let location = format!("/api/v1/orders/{}", placed.record.id);
+    let mut response = (StatusCode::ACCEPTED, [("location", location)], Json(placed.record)).into_response();
+    if placed.repeated {
+        response
+            .headers_mut()
+            .insert(REPEATED, "true".parse().unwrap_or_else(|_| unreachable!("plain text")));
+    }
+    Ok(response)
+}

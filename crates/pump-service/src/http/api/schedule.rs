@@ -1,0 +1,17 @@
+//! The schedule of the service.
+
+use axum::Json;
+use axum::extract::State;
+use serde_json::{Value, json};
+
+use super::super::router::Shared;
+
+/// The schedule that is in force, and the next time of each entry.
+#[utoipa::path(get, path = "/api/v1/schedule", tag = "schedule",
+    responses((status = 200, description = "`schedule/1` as JSON, and the next times", body = Object)))]
+pub(in super::super) async fn schedule(State(shared): State<Shared>) -> Json<Value> {
+    Json(match shared.schedule.as_ref() {
+        Some(schedule) => schedule.shown(),
+        None => json!({"schedule": null, "next": [], "file": null}),
+    })
+}

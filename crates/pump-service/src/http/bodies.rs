@@ -1,0 +1,71 @@
+//! Bodies of requests.
+
+use axum::body::Bytes;
+use axum::http::StatusCode;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::failure::Failure;
+use crate::order::Options;
+
+/// Volume and options of a dose, a prime or a purge.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct VolumeBody {
+    /// Volume or mass with its unit, as typed to the command: `25mL`, `-5mL`, `25g`.
+    #[schema(example = "25mL")]
+    pub(super) volume: String,
+    /// Options of the command by their names without dashes: texts with units, or true.
+    #[serde(default)]
+    #[schema(value_type = Object, example = json!({"rate": "5mL/s", "smooth": true}))]
+    pub(super) options: Options,
+}
+
+/// Options alone.
+#[derive(Debug, Default, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OptionsBody {
+    /// Options of the command by their names without dashes: texts with units, or true.
+    #[serde(default)]
+    #[schema(value_type = Object)]
+    pub(super) options: Options,
+}
+
+/// Reason of a person who clears a pump.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReasonBody {
+    /// Reason, which the pump's record keeps.
+    #[schema(example = "the tank was changed")]
+    pub(super) reason: String,
+}
+
+/// Reason of a stop.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StopBody {
+    /// Reason, which the log keeps.
+    pub(super) reason: Option<String>,
+}
+
+/// Reading of the last dose.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReadingBody {
+    /// Mass or volume with its unit.
+    #[schema(example = "23.8g")]
+    pub(super) reading: String,
+    /// Options of `dose calibrate last`.
+    #[serde(default)]
+    #[schema(value_type = Object)]
+    pub(super) options: Options,
+}
+
+/// Reads a body, or says what is wrong with it. An empty body is `{}`.
+pub(super) fn body<T: DeserializeOwned>(bytes: &Bytes) -> Result<T, Failure> {
+    let text: &[u8] = if bytes.is_empty() { b"{}" } else { bytes };
+    serde_json::from_slice(text).map_err(|error| {
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "usage", format!("the body: {error}"))
+    })
+}

@@ -1,0 +1,95 @@
+//! Commands of this user on this machine, which the service carries out in their place.
+
+use std::path::PathBuf;
+
+use axum::body::{Body, Bytes};
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::{CONTENT_TYPE, HeaderMap};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio::sync::mpsc::{Sender, channel, unbounded_channel};
+use tokio_stream::wrappers::ReceiverStream;
+
+use super::bodies::body;
+use super::failure::Failure;
+use super::router::Shared;
+use crate::order::OrderId;
+use crate::service::Service;
+use crate::worker::{Line, Seat};
+
+/// Lines that wait for a slow reader.
+const WAITING: usize = 64;
+
+/// A command with its words.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CommandBody {
+    /// Name of the pump in the configuration.
+    pump: String,
+    /// Words after the program's name.
+    words: Vec<String>,
+    /// Folder of the files that the words name.
+    folder: PathBuf,
+    /// True if a person sits at the terminal.
+    attended: bool,
+}
+
+/// Carries out a command of this machine's user. The answer is a line of JSON with the order's name, `{"order": ID}`,
+/// then one for each line of its output: `{"out": TEXT}`, `{"err": TEXT}` or `{"progress": {..}}`, and at last `{"code": CODE}`. A reader that goes away stops the
+/// command.
+pub(super) async fn command(
+    State(shared): State<Shared>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    if !shared.access.is_local(&headers) {
+        let message = "only commands of this user on this machine may do so; their token is in serve.json";
+        return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
+    }
+    let CommandBody { pump, words, folder, attended } = body(&bytes)?;
+    let (hearer, mut lines) = unbounded_channel();
+    let seat = Seat { folder: Some(folder), is_attended: attended };
+    let service = shared.service.clone();
+    let id = service.place_command(&pump, words, seat, hearer)?;
+    let (give, take) = channel::<Result<String, std::io::Error>>(WAITING);
+    tokio::spawn(async move {
+        if give.send(Ok(format!("{}\n", json!({"order": id})))).await.is_err() {
+            return end(&service, &id, &give).await;
+        }
+        loop {
+            let line = tokio::select! {
+                () = give.closed() => break,
+                line = lines.recv() => line,
+            };
+            let Some((line, text)) = line else { break };
+            if give.send(Ok(format!("{}\n", told(&line, text)))).await.is_err() {
+                break;
+            }
+        }
+        end(&service, &id, &give).await;
+    });
+    Ok(([(CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(ReceiverStream::new(take)))
+        .into_response())
+}
+
+/// Tells the exit code, or stops a command whose reader has gone.
+async fn end(service: &Service, id: &OrderId, give: &Sender<Result<String, std::io::Error>>) {
+    if give.is_closed() {
+        service.stop_order(id, "the end of the command that ordered it");
+        return;
+    }
+    let code = service.order(id).ok().flatten().and_then(|record| record.code).unwrap_or(1);
+    // A reader that went away at the very end has missed the code alone.
+    let _ = give.send(Ok(format!("{}\n", json!({"code": code})))).await;
+}
+
+/// A line of the command as the answer tells it.
+fn told(line: &Line, text: String) -> Value {
+    match line {
+        Line::Progress(value) => json!({"progress": value}),
+        Line::Report(_) | Line::Words(_) => json!({"out": text}),
+        Line::Message(_) | Line::Error(_) => json!({"err": text}),
+    }
+}

@@ -1,0 +1,62 @@
+//! Refusals over HTTP: `error/1` with a status.
+
+use axum::http::StatusCode;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::{IntoResponse, Response};
+use serde_json::Value;
+
+use crate::service::Refusal;
+use crate::service::error_report;
+
+/// Refusal of a request: its status and its `error/1`.
+#[derive(Debug)]
+pub(super) struct Failure {
+    status: StatusCode,
+    report: Value,
+}
+
+impl Failure {
+    /// A refusal in words.
+    pub(super) fn new(status: StatusCode, kind: &str, message: impl ToString) -> Self {
+        Self { status, report: error_report(2, kind, &message.to_string()) }
+    }
+
+    /// The `error/1` of a command that refused before anything moved.
+    pub(super) fn of_command(code: i32, error: Option<Value>) -> Self {
+        let status = match code {
+            3 | 4 => StatusCode::CONFLICT,
+            5 => StatusCode::LOCKED,
+            _ => StatusCode::UNPROCESSABLE_ENTITY,
+        };
+        let report =
+            error.unwrap_or_else(|| error_report(2, "command", "the command was refused without a reason"));
+        Self { status, report }
+    }
+
+    /// Something that does not exist.
+    pub(super) fn missing(what: &str, name: &str) -> Self {
+        let name: String = name.chars().take(80).collect();
+        Self::new(StatusCode::NOT_FOUND, "missing", format!("there is no {what} `{}`", name.escape_debug()))
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        let status = match &refusal {
+            Refusal::UnknownPump { .. } => StatusCode::NOT_FOUND,
+            Refusal::Busy { .. } => StatusCode::CONFLICT,
+            Refusal::Order(_) | Refusal::KeyReused { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            Refusal::Key(_) => StatusCode::BAD_REQUEST,
+            Refusal::Ending => StatusCode::SERVICE_UNAVAILABLE,
+            Refusal::History(_) | Refusal::Start(_) | Refusal::Random(_) => StatusCode::INTERNAL_SERVER_ERROR,
+        };
+        Self { status, report: refusal.report() }
+    }
+}
+
+impl IntoResponse for Failure {
+    fn into_response(self) -> Response {
+        let headers = [(CONTENT_TYPE, "application/json")];
+        (self.status, headers, self.report.to_string()).into_response()
+    }
+}

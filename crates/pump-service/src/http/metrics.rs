@@ -1,0 +1,64 @@
+//! Numbers for Prometheus and the like.
+
+use std::fmt::Write;
+
+use axum::extract::State;
+use axum::http::header::CONTENT_TYPE;
+use axum::response::IntoResponse;
+
+use super::router::Shared;
+
+/// A number of each pump: its name, its type, its help, and its value.
+type Metric = (&'static str, &'static str, &'static str, Vec<(String, f64)>);
+
+/// The state of each pump in numbers.
+#[utoipa::path(get, path = "/metrics", tag = "events",
+    responses((status = 200, description = "Text of the Prometheus exposition format 0.0.4", content_type = "text/plain")))]
+pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
+    let service = &shared.service;
+    let views: Vec<_> = service.pumps().map(|pump| service.view(pump)).collect();
+    let of = |value: fn(&pump_bench::report::Status) -> f64| {
+        let values = views.iter().filter_map(|view| Some((view.name.clone(), value(view.status.as_ref()?))));
+        values.collect()
+    };
+    let moves = views.iter().map(|view| (view.name.clone(), f64::from(u8::from(view.order.is_some()))));
+    let read = views.iter().map(|view| (view.name.clone(), f64::from(u8::from(view.error.is_none()))));
+    let metrics: [Metric; 7] = [
+        ("dose_pump_readable", "gauge", "1 if the record of the pump can be read.", read.collect()),
+        ("dose_pump_ordered", "gauge", "1 while the pump carries out an order.", moves.collect()),
+        (
+            "dose_tube_volume_ml_total",
+            "counter",
+            "Volume that the tube has pumped, in mL.",
+            of(|status| status.wear.volume_ml),
+        ),
+        ("dose_carry_ml", "gauge", "Volume that the next dose owes, in mL.", of(|status| status.carry_ml)),
+        (
+            "dose_angle_known",
+            "gauge",
+            "1 if the rollers' angle is known.",
+            of(|status| f64::from(u8::from(status.angle_known))),
+        ),
+        (
+            "dose_unfinished",
+            "gauge",
+            "1 if a dose is unfinished.",
+            of(|status| f64::from(u8::from(status.unfinished.is_some()))),
+        ),
+        (
+            "dose_stands",
+            "gauge",
+            "1 if the pump stands at a safety limit.",
+            of(|status| f64::from(u8::from(status.safety.stand.is_some()))),
+        ),
+    ];
+    let mut text = String::new();
+    for (name, kind, help, values) in metrics {
+        let _ = write!(text, "# HELP {name} {help}\n# TYPE {name} {kind}\n");
+        for (pump, value) in values {
+            let pump = pump.replace('\\', "\\\\").replace('"', "\\\"");
+            let _ = writeln!(text, "{name}{{pump=\"{pump}\"}} {value}");
+        }
+    }
+    ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], text)
+}

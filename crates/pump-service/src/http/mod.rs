@@ -1,0 +1,19 @@
+//! The service over HTTP: for programs, for the page, and for the command on this machine.
+//!
+//! Everything below `/api/v1` takes and gives JSON, and `/openapi.json` describes it. `/events` tells what happens, as
+//! server-sent events. The page is at `/`.
+
+mod access;
+mod api;
+mod assets;
+mod bodies;
+mod command;
+mod events;
+mod failure;
+mod metrics;
+mod router;
+mod serve;
+mod session;
+
+pub use self::access::{Access, AccessError};
+pub use self::serve::{Limits, serve};

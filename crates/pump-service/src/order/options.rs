@@ -1,0 +1,92 @@
+//! Options of an order: those of the command that reach no file, no device and no other program.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::OrderError;
+use super::task::{Task, text};
+
+/// Options by their names without dashes.
+pub type Options = BTreeMap<String, Choice>;
+
+/// Value of an option.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Choice {
+    /// An option with a value, as it was typed.
+    Text(String),
+    /// An option without a value: `true`, or `false` for one that is left out.
+    Switch(bool),
+}
+
+/// Options of motions that have a value.
+const OF_MOTIONS: [&str; 7] =
+    ["rate", "speed", "within", "ramps", "max-outlet-pressure", "min-inlet-pressure", "start-angle"];
+
+/// Options with a value that doses, primes, purges and runs have beside those of motions.
+const OF_VOLUMES: [&str; 5] = ["fluid", "temperature", "tube-limit", "max-per-day", "unfinished"];
+
+impl Task {
+    /// Options with a value.
+    fn valued(&self) -> Vec<&'static str> {
+        let of = |own: &[&'static str]| [&OF_MOTIONS[..], &OF_VOLUMES[..], own].concat();
+        match self {
+            Self::Dose { .. } => of(&["retract", "finish", "repeat", "every", "missed"]),
+            Self::Prime { .. } | Self::Purge { .. } => of(&[]),
+            Self::Run => of(&["for", "volume"]),
+            Self::Resume => {
+                let not = |name: &&str| *name != "start-angle";
+                OF_MOTIONS.into_iter().filter(not).chain(["fluid", "temperature", "finish"]).collect()
+            }
+            Self::Rack { .. } => vec!["unfinished", "max-per-day"],
+            Self::Calibrate { .. } => vec!["scale"],
+            Self::Accept | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => Vec::new(),
+        }
+    }
+
+    /// Options without a value.
+    fn switches(&self) -> &'static [&'static str] {
+        match self {
+            Self::Dose { .. } | Self::Prime { .. } | Self::Purge { .. } | Self::Run => {
+                &["smooth", "reverse", "dry-run"]
+            }
+            Self::Resume => &["smooth", "dry-run"],
+            Self::Rack { .. } => &["dry-run"],
+            Self::Calibrate { .. } => &["anew", "anyway"],
+            Self::Accept | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => &[],
+        }
+    }
+
+    /// Returns the options as words of the command line.
+    pub(super) fn options(&self, options: &Options) -> Result<Vec<String>, OrderError> {
+        let (valued, switches) = (self.valued(), self.switches());
+        let mut words = Vec::new();
+        for (name, choice) in options {
+            let is_valued = valued.contains(&name.as_str());
+            let is_switch = switches.contains(&name.as_str());
+            match choice {
+                _ if !is_valued && !is_switch => {
+                    let allowed = valued.iter().chain(switches).copied().collect::<Vec<_>>().join(", ");
+                    let allowed = if allowed.is_empty() { "none".to_owned() } else { allowed };
+                    return Err(OrderError::Option { option: name.clone(), allowed });
+                }
+                Choice::Text(value) if is_valued => {
+                    words.push(format!("--{name}={}", text("an option", value)?));
+                }
+                Choice::Switch(on) if is_switch => {
+                    words.extend(on.then(|| format!("--{name}")));
+                }
+                Choice::Text(_) => {
+                    let (wrong, instead) = ("takes no value", "write true or false");
+                    return Err(OrderError::Value { option: name.clone(), wrong, instead });
+                }
+                Choice::Switch(_) => {
+                    let (wrong, instead) = ("needs a value", "write it as a text with its unit");
+                    return Err(OrderError::Value { option: name.clone(), wrong, instead });
+                }
+            }
+        }
+        Ok(words)
+    }
+}

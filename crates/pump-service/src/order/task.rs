@@ -1,0 +1,144 @@
+//! What an order asks for.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::OrderError;
+
+/// Thing that an order asks for. Texts are as they were typed; the command checks them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "task", rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Task {
+    /// A dose, or several with `repeat`.
+    Dose {
+        /// Volume or mass with its unit; negative in reverse.
+        volume: String,
+    },
+    /// The line is filled.
+    Prime {
+        /// Volume with its unit; negative in reverse.
+        volume: String,
+    },
+    /// The line is emptied.
+    Purge {
+        /// Volume with its unit; negative in reverse.
+        volume: String,
+    },
+    /// A flow for a time, for a volume, or until it is stopped.
+    Run,
+    /// The rest of an interrupted dose.
+    Resume,
+    /// An interrupted dose is accepted as it is.
+    Accept,
+    /// The pump may go on after a safety limit.
+    Clear {
+        /// Reason of the person who clears it.
+        reason: String,
+    },
+    /// The receiving vessel was emptied.
+    Emptied,
+    /// The last dose was weighed or measured.
+    Calibrate {
+        /// Mass or volume with its unit.
+        reading: String,
+    },
+    /// Several pumps by one timetable.
+    Rack {
+        /// Name of the rack in the configuration.
+        rack: String,
+    },
+    /// A command that this machine's user typed. Nobody else gives such an order.
+    Command {
+        /// Words after the program's name.
+        words: Vec<String>,
+    },
+}
+
+/// Most bytes of a text.
+const MOST_BYTES: usize = 1000;
+
+impl Task {
+    /// Returns the word that names the task.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Dose { .. } => "dose",
+            Self::Prime { .. } => "prime",
+            Self::Purge { .. } => "purge",
+            Self::Run => "run",
+            Self::Resume => "resume",
+            Self::Accept => "accept",
+            Self::Clear { .. } => "clear",
+            Self::Emptied => "emptied",
+            Self::Calibrate { .. } => "calibrate",
+            Self::Rack { .. } => "rack",
+            Self::Command { .. } => "command",
+        }
+    }
+
+    /// Returns true if the task turns a motor.
+    pub fn moves(&self) -> bool {
+        !matches!(self, Self::Accept | Self::Clear { .. } | Self::Emptied | Self::Calibrate { .. })
+    }
+
+    /// Returns the words of the command before its options, for `pump`.
+    pub(super) fn words(&self, pump: &str) -> Result<Vec<String>, OrderError> {
+        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
+        Ok(match self {
+            Self::Dose { volume } => words(&[amount("volume", volume)?]),
+            Self::Prime { volume } => words(&["prime", amount("volume", volume)?]),
+            Self::Purge { volume } => words(&["purge", amount("volume", volume)?]),
+            Self::Run => words(&["run"]),
+            Self::Resume => words(&["resume"]),
+            Self::Accept => words(&["accept"]),
+            Self::Clear { reason } => {
+                let reason = text("reason", reason)?;
+                words(&["safety", "clear", name("pump", pump)?, &format!("--reason={reason}")])
+            }
+            Self::Emptied => words(&["vessel", "emptied"]),
+            Self::Calibrate { reading } => words(&["calibrate", "last", amount("reading", reading)?]),
+            Self::Rack { rack } => words(&["run", name("rack", rack)?]),
+            Self::Command { words } => words.clone(),
+        })
+    }
+}
+
+/// Passes a number with its unit. A word with two dashes would be an option.
+fn amount<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
+    let value = text(what, value)?.trim();
+    let first = value.trim_start_matches(['-', '+', '−']).chars().next();
+    if first.is_some_and(|c| c.is_ascii_digit() || c == '.') && !value.starts_with("--") {
+        return Ok(value);
+    }
+    Err(wrong(what, value, "write a number with its unit, as 25mL"))
+}
+
+/// Passes the name of a pump or a rack of the configuration. A path would be any file of the computer.
+pub(super) fn name<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
+    let letters = |c: char| c.is_alphanumeric() || c == '-' || c == '_' || c == '.';
+    if value.chars().all(letters)
+        && !value.starts_with(['-', '.'])
+        && !value.is_empty()
+        && !value.ends_with(".toml")
+    {
+        return Ok(value);
+    }
+    Err(wrong(what, value, "write a name of the configuration"))
+}
+
+/// Passes a text without control characters.
+pub(super) fn text<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
+    if value.trim().is_empty() {
+        return Err(wrong(what, value, "write it"));
+    }
+    if value.len() > MOST_BYTES {
+        return Err(wrong(what, "too long", "1000 bytes are allowed"));
+    }
+    if value.chars().any(char::is_control) {
+        return Err(wrong(what, value, "leave control characters out"));
+    }
+    Ok(value)
+}
+
+fn wrong(what: &'static str, value: &str, allowed: &'static str) -> OrderError {
+    OrderError::Text { what, value: value.escape_debug().to_string(), allowed }
+}

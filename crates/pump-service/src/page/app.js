@@ -1,0 +1,1439 @@
+// The page of `dose serve`. Data from the service become text nodes and attributes, and never markup.
+'use strict';
+
+/* Elements. */
+
+const $ = (id) => document.getElementById(id);
+
+/** Builds an element. `props`: attributes, `text`, and listeners as `onclick`. */
+function fill(node, props, kids) {
+  for (const [name, value] of Object.entries(props || {})) {
+    if (value == null || value === false) continue;
+    if (name === 'text') node.textContent = value;
+    else if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
+    else node.setAttribute(name, value === true ? '' : value);
+  }
+  node.append(...kids.flat(2).filter((kid) => kid != null && kid !== false));
+  return node;
+}
+const h = (tag, props, ...kids) => fill(document.createElement(tag), props, kids);
+const s = (tag, props, ...kids) => fill(document.createElementNS('http://www.w3.org/2000/svg', tag), props, kids);
+
+/** Sets a text if it has changed. */
+function say(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+function attr(node, name, value) {
+  if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+}
+/** Replaces the children of a node if `key` has changed. */
+function remake(node, key, make) {
+  key = JSON.stringify(key);
+  if (node.made === key) return;
+  node.made = key;
+  node.replaceChildren(...[make()].flat().filter(Boolean));
+}
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+let ids = 0;
+const newId = () => `n${++ids}`;
+
+/* Numbers and times in words. */
+
+const minus = (text) => text.replace('-', '−');
+const fixed = (value, decimals) => minus(value.toFixed(decimals));
+/** Decimals that show an uncertainty with two digits. */
+const decimalsOf = (u) => (u > 0 ? Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
+const ml = (value, u) => (value == null ? '–' : fixed(value, decimalsOf(u)));
+const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
+const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
+const pad = (n) => String(n).padStart(2, '0');
+const clock = (t) => `${pad(t.getHours())}:${pad(t.getMinutes())}:${pad(t.getSeconds())}`;
+const date = (t) => `${t.getFullYear()}-${pad(t.getMonth() + 1)}-${pad(t.getDate())} ${clock(t)}`;
+function span(seconds) {
+  const n = Math.max(0, Math.round(seconds));
+  if (n < 60) return `${n} s`;
+  if (n < 3600) return `${Math.floor(n / 60)} min${n < 600 && n % 60 ? ` ${n % 60} s` : ''}`;
+  if (n < 48 * 3600) return `${Math.floor(n / 3600)} h ${Math.round((n % 3600) / 60)} min`;
+  return `${Math.round(n / 86400)} days`;
+}
+/** A number alone gets the unit that the form names. */
+const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text) ? text.trim() + unit : text.trim());
+
+/* Requests. */
+
+class Refused extends Error {
+  constructor(report, status) {
+    super(report.message);
+    Object.assign(this, { code: report.code, kind: report.kind, status });
+  }
+}
+
+async function call(method, path, { body, key, timeout = 40000 } = {}) {
+  const abort = new AbortController();
+  const timer = setTimeout(() => abort.abort(), timeout);
+  const headers = method === 'POST' ? { 'Content-Type': 'application/json' } : {};
+  if (key) headers['Idempotency-Key'] = key;
+  try {
+    const answer = await fetch(path, { method, headers, body, signal: abort.signal, cache: 'no-store' });
+    const text = await answer.text();
+    let data = null;
+    try { data = JSON.parse(text); } catch { /* An answer of a proxy. */ }
+    if (answer.ok) return data;
+    if (answer.status === 401 && path !== '/login') showLogin();
+    const unknown = { code: 1, kind: 'service', message: `the service answered with status ${answer.status}` };
+    throw new Refused(data && typeof data.message === 'string' ? data : unknown, answer.status);
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
+function newKey() {
+  if (crypto.randomUUID) return crypto.randomUUID();
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
+}
+
+/** Gives an order. A lost answer is asked for again with the same key, so that nothing is done twice. */
+async function give(slot, path, body) {
+  const text = JSON.stringify(body || {});
+  if (slot.words !== path + text) Object.assign(slot, { words: path + text, key: newKey() });
+  for (let tries = 0; ; tries += 1) {
+    try {
+      const order = await call('POST', path, { body: text, key: slot.key });
+      slot.words = null;
+      return order;
+    } catch (error) {
+      const isAnswer = error instanceof Refused && ![408, 502, 503, 504].includes(error.status);
+      if (isAnswer) slot.words = null;
+      if (isAnswer || tries === 3) throw error;
+    }
+    await sleep(400 * 2 ** tries);
+  }
+}
+const LOST = 'The service did not answer, so the page does not know whether the order began. Look at the pump. ' +
+  'The same button asks again and does not dose twice.';
+
+/** Waits until an order has ended. */
+async function ended(order) {
+  while (order.state === 'running') {
+    await sleep(400);
+    order = await call('GET', `/api/v1/orders/${encodeURIComponent(order.id)}`, { timeout: 8000 }).catch((error) => {
+      if (error instanceof Refused) throw error;
+      return order;
+    });
+  }
+  return order;
+}
+const ofPump = (name, rest) => `/api/v1/pumps/${encodeURIComponent(name)}/${rest}`;
+
+/* What is known. */
+
+const pumps = new Map();
+let racks = [];
+let version = '';
+let notes = [];
+let isLive = false;
+let heard = Date.now();
+let source = null;
+let retryMs = 500;
+let retryTimer = 0;
+let needsLogin = false;
+
+const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Making the rest of a dose',
+  accept: 'Accepting', clear: 'Clearing', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
+  retract: 'Sucking back' };
+const isDose = (report) => report && report.schema === 'dose/1';
+
+/** The doses of an order with the names of their pumps: those of a rack are within its report. */
+const dosesOf = (order) => (order.reports || []).flatMap((report) => {
+  if (isDose(report)) return [{ name: order.pump, report }];
+  if (!report || report.schema !== 'rack/1') return [];
+  return report.pumps.flatMap((pump) => pump.doses.map((one) => ({ name: pump.name, report: one.dose })));
+});
+
+/** Takes a `pump-view/1`. */
+function take(view) {
+  const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), last: null, fault: null, motion: null };
+  pumps.set(view.name, pump);
+  const stoodBefore = pump.view && pump.view.status && pump.view.status.safety.stand;
+  pump.view = view;
+  const isHeld = view.status && view.status.in_use_by;
+  if (view.order) {
+    const old = pump.motion && pump.motion.order === view.order ? pump.motion : { order: view.order };
+    pump.motion = { ...old, task: view.task, plan: view.plan || old.plan };
+    const told = view.progress;
+    if (told && told.state === 'moving' && !old.progress) pump.motion.progress = told;
+  } else if (!isHeld || !(pump.motion && pump.motion.ofRack)) {
+    pump.motion = null;
+  }
+  const stand = view.status && view.status.safety.stand;
+  if (stand && pump.known && !stoodBefore) alertOf(standWords(pump));
+  pump.known = true;
+  return pump;
+}
+
+function takeProgress(told) {
+  const pump = pumps.get(told.name);
+  if (!pump) return;
+  if (!pump.motion || pump.motion.order !== told.order) {
+    pump.motion = { order: told.order, task: pump.view.order === told.order ? pump.view.task : 'rack',
+      ofRack: pump.view.order !== told.order };
+  }
+  const motion = pump.motion;
+  if (told.state === 'begun') {
+    Object.assign(motion, { plan: told.plan, progress: null, wait: null });
+    pump.fault = null;
+  } else if (told.state === 'waiting') {
+    motion.wait = { until: Date.now() + told.next_s * 1000, number: told.number, count: told.count };
+    motion.progress = null;
+  } else if (told.state === 'moving') {
+    if (motion.progress && motion.progress.steps === told.steps && told.steps === told.of_steps) return;
+    const wasMoving = motion.progress && !motion.wait;
+    Object.assign(motion, { progress: told, wait: null });
+    for (const panel of pump.panels) panel.head.sample(told.angle_deg, performance.now());
+    if (wasMoving) return later(pump);
+  }
+  refresh(pump);
+}
+
+/** Pumps whose figures are shown with those of the others, so that the page is laid out once for all. */
+const changed = new Set();
+function later(pump) {
+  if (!changed.size) {
+    setTimeout(() => {
+      const now = performance.now();
+      for (const one of changed) {
+        for (const panel of one.panels) {
+          panel.figures();
+          if (one.motion && one.motion.progress) panel.head.go(now);
+        }
+      }
+      changed.clear();
+      tellProgress();
+    }, 80);
+  }
+  changed.add(pump);
+}
+
+function takeOrder(order) {
+  const own = pumps.get(order.pump);
+  const isOver = order.state !== 'running';
+  if (own && !isOver) Object.assign(own.view, { order: order.id, task: order.task });
+  if (own && !isOver && !(own.motion && own.motion.order === order.id)) {
+    own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
+    own.fault = null;
+  }
+  takeReports(order);
+  if (!isOver) {
+    if (own) refresh(own);
+    return;
+  }
+  const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion && pump.motion.order === order.id);
+  for (const pump of of) {
+    if (pump.motion && pump.motion.order === order.id) pump.motion = null;
+    if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null });
+    const { error } = order;
+    if (order.state === 'failed' && error && error.kind !== 'stopped') {
+      pump.fault = { time: order.ended, message: error.message };
+      alertOf(`${pump.name} failed: ${error.message}`);
+    } else if (!isDry(order)) {
+      const stopped = error && error.kind === 'stopped';
+      const dose = pump.last && pump.last.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
+      politely(`${pump.name}: ${order.task} ${stopped ? 'stopped' : order.state}${dose}`, true);
+    }
+    refresh(pump);
+  }
+}
+const isDry = (order) => Boolean(order.options && order.options['dry-run']);
+
+/** Keeps the last report of each pump that an order has. */
+function takeReports(order) {
+  for (const { name, report } of dosesOf(order)) {
+    if (report.delivered_ml == null || !report.time) continue;
+    const pump = pumps.get(name);
+    if (!pump || (pump.last && new Date(pump.last.report.time) > new Date(report.time))) continue;
+    pump.last = { report, order: order.id, ended: order.ended, stopped: order.error && order.error.kind === 'stopped' };
+  }
+}
+
+/** Reads the last doses of all pumps that the service made. */
+async function readLast() {
+  const paths = [...pumps.keys()].map((name) => `limit=5&pump=${encodeURIComponent(name)}`).concat('limit=10');
+  for (const path of paths) {
+    const orders = await call('GET', `/api/v1/orders?${path}`, { timeout: 8000 }).catch(() => []);
+    (orders || []).forEach(takeReports);
+  }
+  pumps.forEach(refresh);
+}
+
+/* Live regions. */
+
+let politeAt = 0;
+function politely(text, isNews) {
+  // Progress is told rarely, and the end of an order at once.
+  const now = Date.now();
+  if (!isNews && now - politeAt < 10000) return;
+  politeAt = now;
+  say($('polite'), text);
+}
+function alertOf(text) {
+  $('alert').replaceChildren(h('p', { text }));
+}
+function tellProgress() {
+  if (Date.now() - politeAt < 10000) return;
+  const moving = [...pumps.values()].filter((pump) => pump.motion && pump.motion.progress);
+  politely(moving.map((pump) => `${pump.name}: ${readOf(pump).words}`).join('. '));
+}
+
+/* The stream. */
+
+function connect() {
+  clearTimeout(retryTimer);
+  if (source) source.close();
+  source = new EventSource('/events');
+  const on = (name, take) => source.addEventListener(name, (event) => {
+    heard = Date.now();
+    take(event.data ? JSON.parse(event.data) : null);
+  });
+  on('hello', hello);
+  on('pump', (view) => refresh(take(view)));
+  on('progress', takeProgress);
+  on('order', takeOrder);
+  on('note', takeNote);
+  on('alive', () => {});
+  source.onerror = () => {
+    lose();
+    if (source.readyState === EventSource.CLOSED) retry();
+  };
+}
+function retry() {
+  clearTimeout(retryTimer);
+  retryTimer = setTimeout(begin, retryMs);
+  retryMs = Math.min(8000, retryMs * 2);
+}
+/** Asks whether a login is needed, and then watches. */
+async function begin() {
+  try {
+    const login = await call('GET', '/login', { timeout: 4000 });
+    needsLogin = login.needed;
+    $('logout').hidden = !login.needed || !login.may;
+    if (login.needed && !login.may) return showLogin();
+    connect();
+  } catch {
+    lose();
+    retry();
+  }
+}
+function lose() {
+  if (isLive || !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
+  isLive = false;
+  document.body.classList.add('lost');
+  showLink();
+}
+function showLink() {
+  const text = isLive ? 'Live' : pumps.size
+    ? `Reconnecting… Values of ${clock(new Date(heard))}` : 'Reconnecting…';
+  say($('link').firstElementChild, text);
+}
+function hello(told) {
+  if (document.body.classList.contains('lost')) politely('Connected again.', true);
+  isLive = true;
+  retryMs = 500;
+  document.body.classList.remove('lost');
+  const names = told.pumps.map((pump) => pump.name);
+  const isSame = names.join('\n') === [...pumps.keys()].join('\n') && racks.join('\n') === told.racks.join('\n');
+  for (const name of [...pumps.keys()]) if (!names.includes(name)) pumps.delete(name);
+  for (const pump of pumps.values()) pump.motion = null;
+  for (const view of told.pumps) take(view);
+  ({ racks, version } = told);
+  $('about').textContent = `pump-dose ${version}`;
+  readLast();
+  if (isSame && $('main').dataset.view) pumps.forEach(refresh);
+  else show();
+  showLink();
+}
+function takeNote(note) {
+  notes = [note, ...notes].slice(0, 200);
+  const text = noteWords(note);
+  if (note.kind === 'guard') alertOf(text);
+  else politely(text, true);
+  if (onNotes) onNotes();
+}
+let onNotes = null;
+const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${note.text}`;
+/** Reads the last events, and shows them now and when another comes. `fail` tells that they cannot be read. */
+function watchNotes(most, showNotes, fail = () => {}) {
+  onNotes = showNotes;
+  showNotes();
+  call('GET', `/api/v1/notes?limit=${most}`, { timeout: 8000 }).then((told) => {
+    notes = told;
+    if (onNotes === showNotes) showNotes();
+  }).catch(fail);
+}
+
+// A stream can end without a word, as when a phone leaves its network. Silence is asked about.
+setInterval(async () => {
+  if (!isLive || document.hidden || Date.now() - heard < 12000) return;
+  try {
+    await call('GET', '/login', { timeout: 3000 });
+    if (Date.now() - heard > 60000) connect();
+  } catch {
+    lose();
+    connect();
+  }
+}, 4000);
+addEventListener('offline', lose);
+addEventListener('online', () => { if (!isLive) begin(); });
+// A hidden page leaves its connection to the others: a browser has six for a service.
+let hiddenTimer = 0;
+document.addEventListener('visibilitychange', () => {
+  clearTimeout(hiddenTimer);
+  if (document.hidden) {
+    hiddenTimer = setTimeout(() => { if (source) source.close(); source = null; }, 20000);
+  } else if (!source || source.readyState === EventSource.CLOSED) {
+    lose();
+    begin();
+  }
+});
+
+/* Stop. */
+
+let stopRun = 0;
+async function stopAll() {
+  const run = ++stopRun;
+  const tell = (text, isBad) => {
+    if (run === stopRun) $('stop-said').replaceChildren(h('p', { text, class: isBad ? 'bad' : null }));
+  };
+  tell('Stopping…');
+  for (let tries = 1; run === stopRun; tries += 1) {
+    try {
+      const answer = await call('POST', '/api/v1/stop', { body: '{}', timeout: 1500 });
+      const count = answer.stopped.length;
+      const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status && pump.view.status.in_use_by);
+      const also = others.length
+        ? ` In use by another program, which this page cannot stop: ${others.map((pump) => pump.name).join(', ')}.` : '';
+      const told = count ? `The service stops ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
+      tell(told + also, others.length > 0);
+      await sleep(others.length ? 30000 : 6000);
+      if (run === stopRun) $('stop-said').replaceChildren();
+      return;
+    } catch (error) {
+      if (error instanceof Refused && error.status === 401) return tell('Not stopped: log in first.', true);
+      tell(tries < 20
+        ? `The service cannot be reached: NOT stopped (${tries} ${tries === 1 ? 'try' : 'tries'}, trying again). ` +
+          'If a pump must stop now, switch it off.'
+        : 'NOT stopped: the service cannot be reached. Switch the pumps off by hand. The button tries again.', true);
+      if (tries === 20) return;
+      // The stream may hold the last free connection.
+      if (tries === 2 && source) { source.close(); lose(); retry(); }
+      await sleep(Math.min(2000, 200 * tries));
+    }
+  }
+}
+function stopButton(text, act, isCalm) {
+  const button = h('button', { type: 'button', class: isCalm ? 'stop calm' : 'stop', text });
+  bindStop(button, act);
+  return button;
+}
+/** A stop acts when it is pressed, not when it is let go. */
+function bindStop(button, act) {
+  let pressed = 0;
+  button.addEventListener('pointerdown', (event) => {
+    if (event.button !== 0) return;
+    pressed = Date.now();
+    act();
+  });
+  button.addEventListener('click', () => {
+    if (Date.now() - pressed > 1000) act();
+    pressed = 0;
+  });
+}
+bindStop($('stop'), stopAll);
+let escapeAt = 0;
+document.addEventListener('keydown', (event) => {
+  if (event.key !== 'Escape' || event.repeat || event.isComposing) return;
+  const now = Date.now();
+  if (now - escapeAt < 1000) {
+    escapeAt = 0;
+    stopAll();
+  } else {
+    escapeAt = now;
+  }
+}, true);
+
+/* The turning head. */
+
+const calm = matchMedia('(prefers-reduced-motion: reduce)');
+
+/** Longest time for which a head turns on without a new measurement, in ms. */
+const GUESSED = 400;
+
+/**
+ * A head that turns at the rate that was measured. Each measurement begins a new animation from the angle that is
+ * shown now. The browser's compositor carries it out, so a busy page does not make it jerk, and it ends by itself.
+ */
+class Head {
+  constructor(rollers) {
+    this.pitch = 360 / rollers;
+    this.rollers = rollers;
+    this.base = this.rate = this.at = 0;
+    this.from = this.to = null;
+    this.begun = this.lasts = 0;
+    this.motion = null;
+    this.known = null;
+    this.rotor = s('svg', { class: 'rotor', viewBox: '-60 -60 120 120', 'aria-hidden': 'true' });
+    this.unsure = s('text', { class: 'unsure', y: 8, text: '?' });
+    const tube = 'M-40 58V0A40 40 0 0 1 40 0V58';
+    const bed = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' },
+      s('path', { class: 'bed', d: 'M-49 8V0A49 49 0 0 1 49 0V8' }),
+      s('path', { class: 'tube', d: tube }), s('path', { class: 'lumen', d: tube }),
+      s('text', { class: 'port', x: -54, y: 57, text: 'in' }), s('text', { class: 'port', x: 54, y: 57, text: 'out' }),
+      this.unsure);
+    this.el = h('div', { class: 'head', role: 'img' }, bed, this.rotor);
+  }
+
+  /** Shows the rollers, or a hatched ring where their angle is unknown. */
+  know(known) {
+    if (this.known === known) return;
+    this.known = known;
+    this.unsure.setAttribute('visibility', known ? 'hidden' : 'visible');
+    if (!known) {
+      this.rotor.replaceChildren(s('circle', { class: 'hatched', r: 27 }));
+      return;
+    }
+    const parts = [];
+    for (let i = 0; i < this.rollers; i += 1) {
+      const [x, y] = [Math.cos(2 * Math.PI * i / this.rollers), Math.sin(2 * Math.PI * i / this.rollers)];
+      parts.push(s('line', { class: 'arm', x2: 33 * x, y2: 33 * y }),
+        s('circle', { class: 'roller', r: 7.5, cx: 34 * x, cy: 34 * y }),
+        s('circle', { class: 'pin', r: 1.8, cx: 34 * x, cy: 34 * y }));
+    }
+    this.rotor.replaceChildren(...parts, s('circle', { class: 'hub', r: 9 }));
+  }
+
+  /** The angle nearest to `near` at which the picture is that of `angle`. */
+  like(angle, near, by) {
+    return angle + by * Math.round((near - angle) / by);
+  }
+
+  /** The angle that is shown now. */
+  shown(now) {
+    const part = this.lasts ? Math.min(1, Math.max(0, (now - this.begun) / this.lasts)) : 1;
+    return this.from + (this.to - this.from) * part;
+  }
+
+  stand(angle) {
+    const now = performance.now();
+    const isFirst = this.to == null;
+    this.base = isFirst ? angle : this.like(angle, this.shown(now), this.pitch);
+    this.rate = this.at = 0;
+    if (isFirst || calm.matches) this.put(this.base);
+    else this.turn(this.base, now, 120);
+  }
+
+  /** Takes an angle that was measured while the rotor turns. */
+  sample(angle, now) {
+    if (this.at && now - this.at < 1000) {
+      if (now - this.at < 20) return;
+      angle = this.like(angle, this.base + this.rate * (now - this.at), 360);
+      const rate = (angle - this.base) / (now - this.at);
+      this.rate = this.rate ? 0.6 * this.rate + 0.4 * rate : rate;
+    } else {
+      angle = this.like(angle, this.to == null ? angle : this.shown(now), this.pitch);
+      this.rate = 0;
+    }
+    this.base = angle;
+    this.at = now;
+  }
+
+  /** Turns on from what is shown, as the last measurements tell. */
+  go(now) {
+    if (calm.matches || !this.at) return;
+    if (this.to == null) this.put(this.base);
+    this.turn(this.base + this.rate * (now + GUESSED - this.at), now, GUESSED);
+  }
+
+  turn(to, now, lasts) {
+    this.from = this.shown(now);
+    Object.assign(this, { to, begun: now, lasts });
+    const at = (angle) => ({ transform: `rotate(${angle.toFixed(2)}deg)` });
+    const motion = this.rotor.animate([at(this.from), at(to)], { duration: lasts, fill: 'forwards' });
+    if (this.motion) this.motion.cancel();
+    this.motion = motion;
+    motion.onfinish = () => this.put(to);
+  }
+
+  put(angle) {
+    this.from = this.to = angle;
+    this.lasts = 0;
+    this.rotor.style.transform = `rotate(${(angle % 360).toFixed(2)}deg)`;
+    if (this.motion) this.motion.cancel();
+    this.motion = null;
+  }
+}
+
+/* What a pump is shown to do. */
+
+function standWords(pump) {
+  const stand = pump.view.status.safety.stand;
+  const limit = stand.limit === 'vessel' ? 'limit of the vessel' : 'limit of 24 h';
+  return `${pump.name} stands at its ${limit} since ${date(new Date(stand.since))}: ${short(stand.used_ml)} mL were ` +
+    `pumped, ${stand.planned_ml ? `${short(stand.planned_ml)} mL more were planned, ` : ''}` +
+    `${short(stand.allowed_ml)} mL are allowed.`;
+}
+
+function stateOf(pump) {
+  const { view, motion } = pump;
+  const { status } = view;
+  if (motion) {
+    if (motion.isPlan) return ['wait', 'Planning'];
+    if (motion.wait) {
+      const left = span((motion.wait.until - Date.now()) / 1000);
+      return ['wait', `Waiting: dose ${motion.wait.number} of ${motion.wait.count} begins in ${left}`];
+    }
+    const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan && motion.plan.purpose : null;
+    const word = motion.task === 'rack' ? TASKS.rack : TASKS[purpose] || TASKS[motion.task] || 'Busy';
+    return [motion.progress ? 'move' : 'wait', motion.progress || motion.task === 'rack' ? word : `${word}: beginning`];
+  }
+  if (!status) return ['fault', 'The record cannot be read'];
+  if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
+  if (status.safety.stand) return ['stand', 'Stands at a limit'];
+  if (status.unfinished) return ['open', 'A dose is unfinished'];
+  return ['ready', 'Ready'];
+}
+
+const plusMinus = (report) => `± ${ml(report.expanded_uncertainty_ml, report.expanded_uncertainty_ml)} mL (k = 2)`;
+const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
+const askedWords = (report) => report.asked || `${short(report.requested_ml)} mL`;
+const purposeWord = (purpose) => (purpose === 'calibrate' ? 'calibration run' : purpose === 'retract' ? 'retraction' : purpose);
+
+/** The volume in large numerals: figure, words below it, and the bar. */
+function readOf(pump) {
+  const { view, motion, last } = pump;
+  const unfinished = view.status && view.status.unfinished;
+  if (motion && motion.progress) {
+    const { plan } = motion;
+    const { delivered_ml: delivered, of_ml: of } = motion.progress;
+    const u = plan ? plan.expanded_uncertainty_ml : 0;
+    const isRest = motion.task === 'resume';
+    const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
+    const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
+    const rest = isRest ? ' (the rest of a dose)' : '';
+    return { figure: ml(delivered, u), below: `${asked}${sure}${rest}`, words: `${ml(delivered, u)} mL ${asked}`,
+      bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
+  }
+  if (motion && motion.plan && !motion.wait) {
+    const { plan } = motion;
+    return { figure: ml(0, plan.expanded_uncertainty_ml), below: `of ${askedWords(plan)} asked`, words: 'beginning',
+      bar: null };
+  }
+  if (unfinished && !motion) {
+    const { delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked } = unfinished;
+    const isSure = Math.abs(most - least) < 0.0005 * Math.max(1, Math.abs(most));
+    const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL asked`;
+    return { figure: isSure ? fixed(most, 2) : `${fixed(least, 2)} to ${fixed(most, 2)}`, below: `${what}; unfinished`,
+      words: '', bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
+  }
+  if (last) {
+    const { report } = last;
+    const u = report.expanded_uncertainty_ml;
+    const ended = new Date(report.time);
+    const how = report.completed ? '' : last.stopped ? ', stopped' : ', not complete';
+    return { figure: ml(report.delivered_ml, u), words: '',
+      below: `last ${purposeWord(report.purpose)}: ${askedWords(report)} asked, ${plusMinus(report)}${how}; ` +
+        `began ${date(ended)}`,
+      bar: { at: report.delivered_ml, asked: report.requested_ml, of: report.requested_ml, u } };
+  }
+  return { figure: '–', below: 'the service has made no dose yet', words: '', bar: null };
+}
+
+const between = (least, most, u) => (least == null ? 'unknown: the pump file has no such line'
+  : `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`);
+
+function angleWords({ view, motion }) {
+  const { status } = view;
+  if (!status.angle_known) return 'unknown';
+  const isTurning = motion && motion.progress;
+  const angle = isTurning ? motion.progress.angle_deg : status.angle_deg;
+  const within = status.half_width_deg > 0.005 && !isTurning ? ` ± ${short(status.half_width_deg, 2)}°` : '';
+  return `${fixed(((angle % 360) + 360) % 360, 1)}°${within}`;
+}
+
+function factsOf(pump, isWide) {
+  const { view, motion, last } = pump;
+  const { status } = view;
+  if (!status) return [];
+  const plan = (motion && motion.plan) || (last && last.report);
+  const facts = [];
+  facts.push(['Angle', angleWords(pump)]);
+  const within = status.carry_half_width_ml > 0 ? ` ± ${small(status.carry_half_width_ml)}` : '';
+  facts.push(['Carry', `${small(status.carry_ml)}${within}`]);
+  if (plan) {
+    const when = motion && motion.plan ? '' : ', last';
+    facts.push([`Inlet${when}`, between(plan.inlet_min_kpa, plan.inlet_max_kpa, plan.inlet_pressure_uncertainty_kpa)],
+      [`Outlet${when}`, between(plan.outlet_min_kpa, plan.outlet_max_kpa, plan.outlet_pressure_uncertainty_kpa)]);
+  } else {
+    facts.push(['Pressures', 'predicted with the next plan']);
+  }
+  const { wear, safety } = status;
+  const life = [[status.tube_life_ml, wear.volume_ml, 'mL'], [status.tube_life_h, wear.motion_s / 3600, 'h'],
+    [status.tube_life_revolutions, wear.revolutions, 'rev']].filter(([of]) => of != null);
+  facts.push(['Tube', life.length ? life.map(([of, used, unit]) => `${short(used)} of ${short(of)} ${unit}`).join(', ')
+    : `${short(wear.volume_ml)} mL pumped, ${short(wear.revolutions)} rev; no life stated`]);
+  facts.push(['24 h limit', safety.max_ml_per_day == null ? `none; ${short(safety.day_ml)} mL pumped`
+    : `${short(safety.day_left_ml)} mL left of ${short(safety.max_ml_per_day)} mL`]);
+  facts.push(['Vessel', safety.vessel_ml == null ? `no limit; ${short(safety.received_ml)} mL received`
+    : `${short(safety.vessel_left_ml)} mL left of ${short(safety.vessel_ml)} mL`]);
+  if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record; frees no volume`]);
+  if (!isWide) return facts;
+  if (plan) facts.push(['Flow', `${short(plan.cruise_flow_ml_s)} mL/s at ${short(plan.cruise_speed_rpm)} r/min`]);
+  facts.push(['Calibration', status.calibration ? `number ${status.calibration.version} of ${status.calibration.date.slice(0, 10)}`
+    : 'none; volumes are those of the model']);
+  if (status.unfinished_calibration) facts.push(['Also', 'a guided calibration of the command is unfinished']);
+  facts.push(['Rollers', `${view.rollers}, ${short(view.pitch_deg)}° apart; 0° is where one begins to leave the outlet`],
+    ['Motor', view.simulated ? `simulated (${view.driver})` : `${view.driver}${view.port ? ` at ${view.port}` : ''}`],
+    ['Usual flow', `${short(view.default_flow_ml_s)} mL/s`],
+    ['Record', status.folder]);
+  return facts;
+}
+
+function showFacts(list, facts) {
+  const names = facts.map(([name]) => name).join('\n');
+  if (list.names !== names) {
+    list.names = names;
+    list.replaceChildren(...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', { class: name === 'Angle' ? 'line' : null })]));
+  }
+  facts.forEach(([, value], i) => say(list.children[2 * i + 1], value));
+}
+
+/* Forms. */
+
+/** What a form was answered. */
+function showError(said, error, name) {
+  const pump = pumps.get(name);
+  const kids = [];
+  if (!(error instanceof Refused)) kids.push(h('p', { class: 'error', text: LOST }));
+  else {
+    const lead = error.code === 3 ? 'In use: ' : '';
+    kids.push(h('p', { class: 'error', text: lead + error.message }));
+    if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
+    if (pump && error.code === 5) kids.push(...standActions(pump));
+    // The message goes once its reason has gone.
+    if (pump && (error.code === 4 || error.code === 5)) pump.refused.set(said, error.code);
+  }
+  said.replaceChildren(h('div', { class: 'notice bad', role: 'alert' }, kids));
+}
+
+/** Sends an order from a form or button, and shows its answer in `said`. */
+async function send(button, said, slot, name, path, body, done) {
+  if (button.getAttribute('aria-disabled') === 'true') return;
+  button.setAttribute('aria-disabled', 'true');
+  said.replaceChildren(h('p', { text: 'Sent…' }));
+  try {
+    await done(await give(slot, path, body));
+  } catch (error) {
+    showError(said, error, name);
+  } finally {
+    button.setAttribute('aria-disabled', 'false');
+  }
+}
+const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
+function orderError(order) {
+  const error = order.error || { code: order.code, message: `the order ended with exit code ${order.code}` };
+  return new Refused(error, 422);
+}
+
+function field(label, props = {}) {
+  const id = newId();
+  const hintId = props.hint ? `${id}h` : null;
+  const { hint, ...rest } = props;
+  const input = h('input', { type: 'text', id, name: label.toLowerCase(), autocomplete: 'off', autocapitalize: 'off',
+    spellcheck: 'false', 'aria-describedby': hintId, ...rest });
+  const el = h('div', { class: 'grow' }, h('label', { for: id, text: label }), input,
+    hint && h('p', { class: 'hint', id: hintId, text: hint }));
+  return { el, input };
+}
+function check(label) {
+  const input = h('input', { type: 'checkbox' });
+  return { el: h('label', { class: 'check' }, input, h('span', { text: label })), input };
+}
+function choice(label, options) {
+  const id = newId();
+  const input = h('select', { id }, options.map(([value, text]) => h('option', { value, text })));
+  return { el: h('div', {}, h('label', { for: id, text: label }), input), input };
+}
+
+/** The plan of a dose as a list. */
+function planList(report) {
+  const facts = [
+    ['Volume', `${ml(report.planned_ml, report.expanded_uncertainty_ml)} mL ${plusMinus(report)}`],
+    ['Time', `${short(report.motion_s)} s${report.settle_s ? `, then ${short(report.settle_s, 2)} s to settle` : ''}`],
+    ['Flow', `${short(report.cruise_flow_ml_s)} mL/s at ${short(report.cruise_speed_rpm)} r/min`],
+    ['Inlet', between(report.inlet_min_kpa, report.inlet_max_kpa, report.inlet_pressure_uncertainty_kpa)],
+    ['Outlet', between(report.outlet_min_kpa, report.outlet_max_kpa, report.outlet_pressure_uncertainty_kpa)],
+    ['Carry after it', small(report.carry_ml)],
+  ];
+  if (report.limited_by !== 'none') facts.push(['Limited by', report.limited_by.replaceAll('_', ' ')]);
+  if (!report.phase.known) facts.push(['Angle', 'unknown: the plan suits every angle']);
+  const list = h('dl', { class: 'facts' });
+  showFacts(list, facts);
+  return [list, warningsOf(report)];
+}
+function warningsOf(report) {
+  const warnings = (report.warnings || []).map((text) => h('li', { text: String(text) }));
+  return warnings.length ? h('ul', { class: 'plain' }, warnings) : null;
+}
+function showPlans(said, order) {
+  const heading = h('h3', { text: 'Plan (nothing has moved)', tabindex: '-1' });
+  const doses = dosesOf(order);
+  const parts = doses.map(({ name, report }) => [
+    doses.length > 1 ? h('p', { class: 'what', text: `${name}: ${askedWords(report)}` }) : null, planList(report)]);
+  said.replaceChildren(h('div', { class: 'plan' }, heading, parts.flat(2)));
+  heading.focus();
+}
+
+const text = (box, unit) => (unit ? withUnit(box.input.value, unit) : box.input.value.trim());
+
+/** The form of a dose, short on a card. */
+function doseForm(pump, isWide) {
+  const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone means mL. 25g doses by mass; a minus reverses.' : null });
+  const said = saidBox();
+  const [slot, planSlot] = [{}, {}];
+  const button = h('button', { type: 'submit', class: 'first', text: 'Dose' });
+  const parts = { rate: null };
+  let more = null;
+  let plan = null;
+  if (isWide) {
+    Object.assign(parts, {
+      rate: field('Rate', { placeholder: `${short(pump.view.default_flow_ml_s)}mL/s`, hint: 'A number alone means mL/s; max is the fastest.' }),
+      within: field('Within', { placeholder: '10s' }), retract: field('Retract', { placeholder: '0.1mL' }),
+      temperature: field('Temperature', { placeholder: '20degC' }), fluid: field('Fluid', { placeholder: 'water' }),
+      repeat: field('Number of doses', { placeholder: '5' }), every: field('One every', { placeholder: '30s' }),
+      'max-per-day': field('Most in 24 h', { placeholder: '50mL' }),
+      finish: choice('End', [['', 'as configured'], ['any', 'anywhere'], ['low-flow', 'at low flow']]),
+      ramps: choice('Ramps', [['', 'as configured'], ['line', 'gentle on the line'], ['fastest', 'fastest']]),
+    });
+    parts.smooth = check('Smooth flow');
+    parts.reverse = check('Reverse');
+    const { rate, smooth, ...others } = parts;
+    more = h('details', {}, h('summary', { text: 'More options' }),
+      h('div', { class: 'fields' }, Object.values(others).map((part) => part.el)));
+    plan = h('button', { type: 'button', text: 'Plan' });
+  }
+  const body = (dry) => {
+    const options = {};
+    for (const [name, part] of Object.entries(parts)) {
+      if (!part) continue;
+      if (part.input.type === 'checkbox') { if (part.input.checked) options[name] = true; }
+      else if (part.input.value.trim()) options[name] = text(part, { rate: 'mL/s', retract: 'mL', 'max-per-day': 'mL' }[name]);
+    }
+    if (dry) options['dry-run'] = true;
+    return { volume: text(volume, 'mL'), options };
+  };
+  const form = h('form', { novalidate: true, 'aria-label': `Dose with ${pump.name}`, onsubmit: (event) => {
+    event.preventDefault();
+    if (!volume.input.value.trim()) return needs(volume, said, 'Write a volume, as 25mL.');
+    send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), body(false), (order) => {
+      if (order.state === 'failed') throw orderError(order);
+      said.replaceChildren(h('p', { text: `${order.state === 'done' ? 'Done' : 'Begun'}: ${order.volume}.` }));
+    });
+  } }, isWide ? h('div', { class: 'fields' }, volume.el, parts.rate.el) : h('div', { class: 'row' }, volume.el, button),
+  isWide && parts.smooth.el, more, isWide && h('div', { class: 'row' }, button, plan), said);
+  if (plan) {
+    plan.addEventListener('click', () => {
+      if (!volume.input.value.trim()) return needs(volume, said, 'Write a volume, as 25mL.');
+      send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
+        order = await ended(order);
+        if (order.state !== 'done') throw orderError(order);
+        showPlans(said, order);
+      });
+    });
+  }
+  return form;
+}
+function needs(box, said, words) {
+  said.replaceChildren(h('p', { class: 'error', role: 'alert', text: words }));
+  box.input.focus();
+}
+
+/** A form with one or two fields and one button, for an order of `word`. */
+function plainForm(pump, word, label, hint, boxes, bodyOf) {
+  const said = saidBox();
+  const slot = {};
+  const button = h('button', { type: 'submit', text: label });
+  return h('form', { novalidate: true, 'aria-label': `${label}: ${pump.name}`, onsubmit: (event) => {
+    event.preventDefault();
+    const missing = boxes.find((box) => box.input.required && !box.input.value.trim());
+    if (missing) return needs(missing, said, 'Fill this in first.');
+    send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
+      if (order.state === 'failed') throw orderError(order);
+      said.replaceChildren(h('p', { text: order.state === 'done' ? 'Done.' : 'Begun.' }));
+    });
+  } }, h('h3', { text: label }), h('p', { class: 'hint', text: hint }),
+  h('div', { class: 'row' }, boxes.map((box) => box.el), button), said);
+}
+
+/** A button that gives an order and tells its end beside it. */
+function orderButton(pump, word, label, isFirst, bodyOf, done) {
+  const said = saidBox();
+  const slot = {};
+  const button = h('button', { type: 'button', class: isFirst ? 'first' : null, text: label });
+  button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
+    async (order) => {
+      if (order.state === 'failed') throw orderError(order);
+      said.replaceChildren(h('p', { text: order.state === 'done' ? 'Done.' : 'Begun.' }));
+      if (done) done(order);
+    }));
+  return { button, said };
+}
+function unfinishedActions(pump) {
+  const unfinished = pump.view.status && pump.view.status.unfinished;
+  const isOverTime = unfinished && unfinished.over_time;
+  const resume = orderButton(pump, 'resume', 'Resume', true);
+  const accept = h('button', { type: 'button', text: 'Accept…', onclick: () => askAccept(pump) });
+  const words = isOverTime ? 'Its times have passed, so no rest can be made. Accept leaves it as it is.'
+    : unfinished && unfinished.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
+      : 'Resume makes the rest. Accept leaves the dose as it is.';
+  return [h('p', { text: words }), h('div', { class: 'row' }, isOverTime ? null : resume.button, accept), resume.said];
+}
+function standActions(pump) {
+  const { stand } = (pump.view.status && pump.view.status.safety) || {};
+  const emptied = stand && stand.limit === 'vessel'
+    ? h('button', { type: 'button', text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
+  return [h('p', { text: 'No motion begins until a person clears the pump.' }),
+    h('div', { class: 'row' }, emptied, h('button', { type: 'button', class: 'first', text: 'Clear…', onclick: () => askClear(pump) }))];
+}
+
+/* Dialogs. Each has the stop, since it covers the page's. */
+
+function dialog(title, kids) {
+  const id = newId();
+  const close = h('button', { type: 'button', text: 'Close' });
+  const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
+    h('div', { class: 'row' }, close, stopButton('Stop all', stopAll)));
+  close.addEventListener('click', () => box.close());
+  box.addEventListener('close', () => box.remove());
+  document.body.append(box);
+  box.showModal();
+  return box;
+}
+const pumpStop = (pump) => async () => {
+  try {
+    await call('POST', ofPump(pump.name, 'stop'), { body: '{}', timeout: 1500 });
+  } catch {
+    // The stop of all tries again, and says so.
+    stopAll();
+  }
+};
+
+function askAccept(pump) {
+  const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
+  const box = dialog(`Accept the dose of ${pump.name}?`, [
+    h('p', { text: 'The rest is not made, and the carry begins at 0.' }), h('div', { class: 'row' }, accept.button), accept.said]);
+}
+function askEmptied(pump) {
+  const act = orderButton(pump, 'emptied', 'The vessel is empty', true, null, () => box.close());
+  const box = dialog(`Vessel of ${pump.name}`, [
+    h('p', { text: 'Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands still waits to be cleared.' }),
+    h('div', { class: 'row' }, act.button), act.said]);
+}
+function askClear(pump) {
+  const name = field('Name of the pump', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
+  const reason = field('Reason', { required: true, placeholder: 'the tank was changed', hint: 'The record keeps it. Say who you are.' });
+  const said = saidBox();
+  const slot = {};
+  const button = h('button', { type: 'submit', class: 'first', text: 'Clear the pump' });
+  const box = dialog(`Clear ${pump.name}`, [h('p', { text: pump.view.status && pump.view.status.safety.stand ? standWords(pump) : '' }),
+    h('form', { novalidate: true, onsubmit: (event) => {
+      event.preventDefault();
+      if (name.input.value.trim() !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
+      if (!reason.input.value.trim()) return needs(reason, said, 'Write a reason.');
+      send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason) }, async (order) => {
+        order = await ended(order);
+        if (order.state !== 'done') throw orderError(order);
+        box.close();
+        politely(`${pump.name} is cleared.`, true);
+      });
+    } }, name.el, reason.el, h('div', { class: 'row' }, button), said)]);
+}
+
+/** Guided calibration: dose, weigh, enter the reading, and see the factor. */
+function calibrate(pump) {
+  const step = h('div', { class: 'step' });
+  const box = dialog(`Calibrate ${pump.name}`, [step]);
+  const steps = 3;
+  const put = (number, title, ...kids) => {
+    const heading = h('h3', { text: `${number ? `Step ${number} of ${steps}: ` : ''}${title}`, tabindex: '-1' });
+    step.replaceChildren(heading, ...kids.flat().filter(Boolean));
+    heading.focus();
+  };
+  const first = () => {
+    const volume = field('Volume', { value: '10mL', required: true, hint: 'Several revolutions of the head make a sure calibration.' });
+    const said = saidBox();
+    const slot = {};
+    const button = h('button', { type: 'submit', class: 'first', text: 'Dose' });
+    put(1, 'dose', h('p', { text: 'Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.' }),
+      h('form', { novalidate: true, onsubmit: (event) => {
+        event.preventDefault();
+        send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), { volume: text(volume, 'mL'), options: {} }, (order) => second(order));
+      } }, volume.el, h('div', { class: 'row' }, button, h('button', { type: 'button', text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
+  };
+  const second = async (order) => {
+    const figure = h('p', { class: 'big' });
+    put(2, 'wait', h('p', { text: 'The pump doses. Leave the scale alone.' }), figure);
+    const timer = setInterval(() => {
+      const read = readOf(pump);
+      figure.replaceChildren(read.figure, h('small', { text: ' mL' }));
+    }, 200);
+    try {
+      order = await ended(order);
+    } catch (error) {
+      const said = saidBox();
+      put(2, 'the end is not known', said);
+      return showError(said, error, pump.name);
+    } finally {
+      clearInterval(timer);
+    }
+    if (!box.isConnected) return;
+    if (order.state === 'done') return third(order.reports.filter(isDose).pop());
+    const said = saidBox();
+    put(2, 'the dose was not completed', said);
+    showError(said, orderError(order), pump.name);
+  };
+  const third = (report) => {
+    const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type all digits that the scale shows, with the unit: the last digit says how fine the scale is.' });
+    const anyway = check('Take it although it is far from what was expected');
+    const anew = check('Begin a new calibration with it');
+    const said = saidBox();
+    const slot = {};
+    const button = h('button', { type: 'submit', class: 'first', text: 'Calibrate' });
+    put(3, 'weigh', report ? h('p', { text: `${volumeWords(report)}. Wait until the last drop has fallen.` }) : h('p', { text: 'Enter the reading of the last dose.' }),
+      h('form', { novalidate: true, onsubmit: (event) => {
+        event.preventDefault();
+        if (!reading.input.value.trim()) return needs(reading, said, 'Write the reading, as 23.8g.');
+        const options = {};
+        if (anyway.input.checked) options.anyway = true;
+        if (anew.input.checked) options.anew = true;
+        send(button, said, slot, pump.name, ofPump(pump.name, 'calibrate'), { reading: text(reading), options }, async (order) => {
+          order = await ended(order);
+          if (order.state !== 'done') throw orderError(order);
+          last(order.reports.find((one) => one && one.schema === 'calibration/1'));
+        });
+      } }, reading.el, h('details', {}, h('summary', { text: 'More options' }), anyway.el, anew.el), h('div', { class: 'row' }, button), said));
+    reading.input.focus();
+  };
+  const last = (made) => {
+    const facts = [];
+    if (made && made.displacement) {
+      facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
+        ['Revolution', `${short(made.revolution_ml)} mL`], ['Doses weighed', String(made.runs.length)]);
+    }
+    if (made && made.next_weighing) {
+      const next = made.next_weighing;
+      facts.push(['Sure now', `one dose ± ${short(next.dose_percent, 2)} %, the mean of many ± ${short(next.mean_percent, 2)} %`],
+        ['One more', `then one dose ± ${short(next.then_dose_percent, 2)} %, the mean of many ± ${short(next.then_mean_percent, 2)} %`]);
+    }
+    const list = h('dl', { class: 'facts' });
+    showFacts(list, facts);
+    const used = made && made.used === false
+      ? 'It waits: doses keep to the model, which is surer than this calibration. Weigh one more dose.'
+      : 'Doses use it from now on.';
+    put(0, 'Calibration kept', h('p', { text: used }), list, made && warningsOf(made),
+    h('div', { class: 'row' }, h('button', { type: 'button', class: 'first', text: 'Weigh one more dose', onclick: first })));
+  };
+  first();
+}
+
+/* A pump's panel, as a card or as a view. */
+
+class Panel {
+  constructor(pump, isWide) {
+    this.pump = pump;
+    this.isWide = isWide;
+    const { view } = pump;
+    this.head = new Head(view.rollers);
+    this.state = h('p', { class: 'state' });
+    this.notice = h('div', { class: 'notices' });
+    this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
+    this.below = h('p', { class: 'what' });
+    this.full = h('div', { class: 'full' });
+    this.band = h('div', { class: 'band' });
+    this.mark = h('div', { class: 'mark' });
+    this.bar = h('div', { class: 'bar', 'aria-hidden': 'true' }, this.band, this.full, this.mark);
+    this.facts = h('dl', { class: 'facts' });
+    this.warnings = h('div');
+    const title = isWide ? h('h1', { tabindex: '-1', text: pump.name })
+      : h('h2', {}, h('a', { href: `#/pump/${encodeURIComponent(pump.name)}`, text: pump.name }));
+    this.sim = h('p', { class: 'sim', text: 'Simulated: no motor moves', hidden: !view.simulated });
+    const top = [h('div', { class: 'titled' }, title, this.sim), h('p', { class: 'what', text: view.title }), this.state,
+      this.notice, h('div', { class: 'face' }, this.head.el,
+        h('div', { class: 'read' }, this.figure, this.bar, this.below))];
+    const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
+    this.stop = stop;
+    if (!isWide) {
+      this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false), stop, this.facts);
+      return;
+    }
+    const volume = (label, hint) => field(label, { required: true, placeholder: '20mL', hint });
+    const [prime, purge] = [volume('Volume'), volume('Volume')];
+    const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min' })];
+    const log = h('div');
+    const logView = pumpLog(pump.name, log, '30d', 10);
+    this.log = logView;
+    this.el = h('div', { class: 'wide' }, h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
+      h('section', { class: 'panel', 'aria-label': pump.name }, top, this.warnings, stop),
+      h('div', { class: 'two' },
+        h('div', {}, h('section', { class: 'panel' }, h('h2', { text: 'Dose' }), doseForm(pump, true)),
+          h('section', { class: 'panel' }, h('h2', { text: 'Care' }),
+            h('p', { text: 'Weigh a dose, so that the next ones are right.' }),
+            h('div', { class: 'row' }, h('button', { type: 'button', text: 'Calibrate…', onclick: () => calibrate(pump) }),
+              h('button', { type: 'button', text: 'Vessel emptied…', onclick: () => askEmptied(pump) })))),
+        h('section', { class: 'panel' }, h('h2', { text: 'State' }), this.facts),
+        h('section', { class: 'panel' }, h('h2', { text: 'Line' }),
+          plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
+          plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs back.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
+          plainForm(pump, 'run', 'Run', 'Runs at the rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
+            const options = {};
+            if (rate.input.value.trim()) options.rate = text(rate, 'mL/s');
+            if (time.input.value.trim()) options.for = text(time);
+            return { options };
+          }))),
+      h('section', { class: 'panel' }, h('h2', { text: 'Last doses' }), log));
+  }
+
+  update() {
+    const { pump } = this;
+    const { view, motion, fault } = pump;
+    const { status } = view;
+    const [state, words] = stateOf(pump);
+    attr(this.el, 'data-state', state);
+    say(this.state, words);
+    this.sim.hidden = !view.simulated;
+    this.stop.classList.toggle('calm', !motion);
+    const unfinished = !motion && status && !status.in_use_by && status.unfinished;
+    const stand = status && status.safety.stand;
+    const busy = Boolean(motion || (status && status.in_use_by));
+    remake(this.notice, [view.error, fault, stand, unfinished && [unfinished.began_unix_s, unfinished.delivered_most_ml], busy], () => [
+      view.error && h('div', { class: 'notice bad' }, h('p', { class: 'error', text: view.error })),
+      fault && h('div', { class: 'notice bad' }, h('p', { class: 'error', text: `The last order failed: ${fault.message}` })),
+      stand && !busy && h('div', { class: 'notice bad' }, h('p', { class: 'error', text: standWords(pump) }), standActions(pump)),
+      unfinished && h('div', { class: 'notice' },
+        h('p', { text: `A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.` }),
+        unfinishedActions(pump)),
+    ]);
+    for (const [said, code] of pump.refused) {
+      if (!status || (code === 4 ? status.unfinished && !motion : stand)) continue;
+      said.replaceChildren();
+      pump.refused.delete(said);
+    }
+    this.figures();
+    showFacts(this.facts, factsOf(pump, this.isWide));
+    const angleKnown = Boolean(status && status.angle_known);
+    this.head.know(angleKnown);
+    if (!(motion && motion.progress) && angleKnown) {
+      if (this.stoodAt !== status.angle_deg || this.wasTurning) this.head.stand(status.angle_deg);
+      this.stoodAt = status.angle_deg;
+    }
+    this.wasTurning = Boolean(motion && motion.progress);
+    const turns = this.wasTurning ? 'turning' : 'standing';
+    attr(this.head.el, 'aria-label', angleKnown
+      ? `Pump head with ${view.rollers} rollers, ${this.wasTurning ? turns : `${turns} at ${fixed(status.angle_deg, 1)}°`}`
+      : `Pump head with ${view.rollers} rollers, ${turns}; the angle is unknown`);
+    if (this.isWide) {
+      const report = pump.last && !motion ? pump.last.report : null;
+      remake(this.warnings, report && report.warnings, () => report && warningsOf(report));
+      const shown = pump.last && pump.last.order;
+      if (!motion && this.logged !== shown) {
+        this.logged = shown;
+        this.log();
+      }
+    }
+  }
+
+  /** Shows what changes while the pump turns. */
+  figures() {
+    const { pump } = this;
+    const read = readOf(pump);
+    say(this.figure.firstChild, read.figure);
+    say(this.below, read.below);
+    if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
+    if (read.bar) this.drawBar(read.bar);
+    if (pump.view.status && this.facts.children[1]) say(this.facts.children[1], angleWords(pump));
+  }
+
+  drawBar({ at, asked, of, u }) {
+    const whole = 1.03 * (Math.max(Math.abs(asked), Math.abs(of)) + u) || 1;
+    const part = (value) => Math.min(1, Math.max(0, Math.abs(value) / whole));
+    this.full.style.transform = `scaleX(${part(at).toFixed(4)})`;
+    const key = `${asked} ${of} ${u}`;
+    if (this.bar.key === key) return;
+    this.bar.key = key;
+    const low = part(Math.max(0, Math.abs(of) - u));
+    this.band.style.left = `${100 * low}%`;
+    this.band.style.right = `${100 * (1 - part(Math.abs(of) + u))}%`;
+    this.mark.style.left = `calc(${100 * part(asked)}% - 1px)`;
+  }
+}
+
+function refresh(pump) {
+  for (const panel of pump.panels) panel.update();
+}
+// What counts down by itself: a batch that waits.
+setInterval(() => pumps.forEach((pump) => { if (pump.motion && pump.motion.wait) refresh(pump); }), 1000);
+
+/* The log. */
+
+function table(caption, heads, rows) {
+  // Blocks on a phone lose the roles of a table, so the roles are written.
+  return h('table', { role: 'table' }, h('caption', { text: caption }),
+    h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, heads.map((text) => h('th', { role: 'columnheader', scope: 'col', text })))),
+    h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row' },
+      row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, h('span', { text: cell })))))));
+}
+
+/** Reads a log line by line, and keeps its last `most` doses. */
+async function readLog(path, most) {
+  const answer = await fetch(path, { cache: 'no-store' });
+  if (!answer.ok) {
+    if (answer.status === 401) showLogin();
+    const report = await answer.json().catch(() => ({ message: `the service answered with status ${answer.status}` }));
+    throw new Refused(report, answer.status);
+  }
+  const [reader, decoder] = [answer.body.getReader(), new TextDecoder()];
+  const kept = [];
+  let count = 0;
+  let rest = '';
+  for (;;) {
+    const { done, value } = await reader.read();
+    rest += done ? '\n' : decoder.decode(value, { stream: true });
+    const lines = rest.split('\n');
+    rest = lines.pop();
+    for (const line of lines) {
+      if (!line.includes('"log/1"')) continue;
+      kept.push(line);
+      count += 1;
+    }
+    if (kept.length > 2 * most) kept.splice(0, kept.length - most);
+    if (done) return { count, doses: kept.slice(-most).map((line) => JSON.parse(line)).reverse() };
+  }
+}
+
+function logRow(dose) {
+  const u = dose.expanded_uncertainty_ml;
+  const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${ml(u, u)}`} mL`
+    : `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
+  const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
+  const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
+  return [String(dose.number), date(new Date(dose.time)) + (dose.clock_went_back ? ' (the clock had gone back)' : ''), what, asked, volume,
+    small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube)];
+}
+
+/** Fills `box` with the last doses of a pump. Returns the function that reads them anew. */
+function pumpLog(name, box, since, most) {
+  let run = 0;
+  return async () => {
+    const mine = ++run;
+    const part = since ? `since=${since}` : '';
+    const path = (format) => `${ofPump(name, 'log')}?${[`format=${format}`, part].filter(Boolean).join('&')}`;
+    const links = h('p', { class: 'row' },
+      h('a', { class: 'button', href: path('csv'), download: `${name}.csv`, text: 'Export CSV' }),
+      h('a', { class: 'button', href: path('json'), download: `${name}.jsonl`, text: 'Export JSON' }));
+    try {
+      const { count, doses } = await readLog(path('json'), most);
+      if (mine !== run) return;
+      const which = count > doses.length ? `The last ${doses.length} of ${count} doses of ${name}` : `Doses of ${name}`;
+      box.replaceChildren(doses.length ? table(`${which}, latest first; ± is k = 2`,
+        ['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube'], doses.map(logRow))
+        : h('p', { text: `${name} has no dose on record in this time.` }), links);
+    } catch (error) {
+      if (mine !== run) return;
+      const words = error instanceof Refused ? error.message : 'The log cannot be read: the service does not answer.';
+      box.replaceChildren(h('p', { class: 'error', text: words }), links);
+    }
+  };
+}
+
+/* Views. */
+
+function viewPumps() {
+  const cards = [...pumps.values()].map((pump) => panelOf(pump, false).el);
+  const rackCards = racks.map((name) => {
+    const said = saidBox();
+    const [slot, planSlot] = [{}, {}];
+    const path = `/api/v1/racks/${encodeURIComponent(name)}/run`;
+    const plan = h('button', { type: 'button', text: 'Plan', 'aria-label': `Plan rack ${name}` });
+    plan.addEventListener('click', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
+      order = await ended(order);
+      if (order.state !== 'done') throw orderError(order);
+      showPlans(said, order);
+    }));
+    const run = h('button', { type: 'button', text: 'Run…', 'aria-label': `Run rack ${name}` });
+    run.addEventListener('click', () => {
+      const answer = saidBox();
+      const go = h('button', { type: 'button', class: 'first', text: 'Run the rack' });
+      const box = dialog(`Run rack ${name}?`, [h('p', { text: 'Several pumps move by one timetable.' }), h('div', { class: 'row' }, go), answer]);
+      go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
+        if (order.state === 'failed') throw orderError(order);
+        box.close();
+        said.replaceChildren(h('p', { text: order.state === 'done' ? 'Done.' : 'Begun.' }));
+      }));
+    });
+    return h('section', { class: 'panel' }, h('h3', { text: name }), h('div', { class: 'row' }, run, plan), said);
+  });
+  const events = h('ul', { class: 'plain' });
+  const section = h('section', { class: 'panel' }, h('h2', { text: 'Last events' }), events, h('p', {}, h('a', { href: '#/log', text: 'All events' })));
+  watchNotes(5, () => {
+    section.hidden = notes.length === 0;
+    events.replaceChildren(...notes.slice(0, 5).map((note) => h('li', { text: `${date(new Date(note.time))} ${noteWords(note)}` })));
+  });
+  return ['Pumps', [h('h1', { tabindex: '-1', text: 'Pumps' }), h('div', { class: 'grid' }, cards),
+    racks.length ? h('h2', { text: 'Racks' }) : null, racks.length ? h('div', { class: 'grid' }, rackCards) : null, section]];
+}
+
+function panelOf(pump, isWide) {
+  const panel = new Panel(pump, isWide);
+  pump.panels.add(panel);
+  panel.update();
+  const told = pump.motion && pump.motion.progress;
+  if (told) panel.head.sample(told.angle_deg, performance.now());
+  return panel;
+}
+
+function viewPump(name) {
+  const pump = pumps.get(name);
+  if (!pump) return ['No such pump', [h('h1', { tabindex: '-1', text: 'No such pump' }),
+    h('p', {}, `The configuration names no pump ${name}. `, h('a', { href: '#/', text: 'All pumps' }))]];
+  const panel = panelOf(pump, true);
+  panel.log();
+  return [name, [panel.el]];
+}
+
+function viewLog() {
+  const which = choice('Pump', [...pumps.keys()].map((name) => [name, name]));
+  const since = choice('Since', [['1d', '1 day ago'], ['7d', '7 days ago'], ['30d', '30 days ago'], ['', 'the first dose']]);
+  since.input.value = '7d';
+  const box = h('div');
+  const load = () => pumpLog(which.input.value, box, since.input.value, 200)();
+  which.input.addEventListener('change', load);
+  since.input.addEventListener('change', load);
+  const list = h('div');
+  const showNotes = () => {
+    list.replaceChildren(notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
+      notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', note.text])) : h('p', { text: 'There is no event on record.' }));
+  };
+  watchNotes(100, showNotes,
+    () => list.replaceChildren(h('p', { class: 'error', text: 'The events cannot be read: the service does not answer.' })));
+  if (pumps.size) load();
+  return ['Log', [h('h1', { tabindex: '-1', text: 'Log' }),
+    h('section', { class: 'panel' }, h('h2', { text: 'Doses' }), h('div', { class: 'fields' }, which.el, since.el), box),
+    h('section', { class: 'panel' }, h('h2', { text: 'Events' }), list)]];
+}
+
+function entryWords(entry) {
+  const what = entry.dose ? `${entry.pump}: dose ${entry.dose}` : entry.prime ? `${entry.pump}: prime ${entry.prime}` : `rack ${entry.rack}`;
+  const batch = entry.batch ? `, ${entry.batch.repeat} times${entry.batch.every ? `, one every ${entry.batch.every}` : ''}` : '';
+  const options = Object.entries(entry.options || {}).map(([name, value]) => (value === true ? name : `${name} ${value}`));
+  return what + batch + (options.length ? ` (${options.join(', ')})` : '');
+}
+function timeWords(entry) {
+  const list = (value) => (Array.isArray(value) ? value.join(', ') : String(value));
+  const parts = [entry.at && `at ${list(entry.at)}`, entry.every && `every ${entry.every}`,
+    entry.between && `from ${entry.between[0]} to ${entry.between[1]}`, entry.anchor && `counted from ${entry.anchor}`,
+    entry.days && `on ${list(entry.days)}`, entry.dates && `on ${list(entry.dates)}`, entry.from && `since ${entry.from}`,
+    entry.until && `until ${entry.until}`, entry.zone && `(${entry.zone})`];
+  return parts.filter(Boolean).join(' ');
+}
+
+function viewSchedule() {
+  const box = h('div', {}, h('p', { text: 'Reading…' }));
+  call('GET', '/api/v1/schedule', { timeout: 8000 }).then((told) => {
+    if (!told.schedule) {
+      box.replaceChildren(h('p', { text: 'The service has no schedule. Start it with --schedule FILE.' }));
+      return;
+    }
+    const next = new Map(told.next.map((one) => [one.entry, one]));
+    const entries = [...told.schedule.entry].sort((a, b) => {
+      const at = (entry) => { const one = next.get(entry.name); return one && one.at ? new Date(one.at).getTime() : Infinity; };
+      return at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0;
+    });
+    const rows = entries.map((entry) => {
+      const one = next.get(entry.name);
+      const at = one && one.at ? new Date(one.at) : null;
+      const when = entry.enabled === false ? 'switched off' : !at ? 'no further run'
+        : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
+      const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
+        entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
+      return [entry.name, when, entryWords(entry), timeWords(entry), word];
+    });
+    const zone = Intl.DateTimeFormat().resolvedOptions().timeZone || 'this device';
+    box.replaceChildren(
+      rows.length ? table(`Next runs, by the clock of this device (${zone})`, ['Entry', 'Next', 'What', 'Times', 'Policy'], rows)
+        : h('p', { text: 'The schedule has no entry.' }),
+      h('p', { class: 'hint', text: `File: ${told.file}${told.schedule.zone ? `; its zone is ${told.schedule.zone}` : ''}. The service reads it anew when it changes.` }));
+  }).catch((error) => {
+    const words = error instanceof Refused ? error.message : 'The schedule cannot be read: the service does not answer.';
+    box.replaceChildren(h('p', { class: 'error', text: words }));
+  });
+  return ['Schedule', [h('h1', { tabindex: '-1', text: 'Schedule' }), h('section', { class: 'panel', 'aria-label': 'Next runs' }, box)]];
+}
+
+function showLogin() {
+  if ($('main').dataset.view === 'login') return;
+  if (source) source.close();
+  source = null;
+  clearTimeout(retryTimer);
+  isLive = false;
+  $('main').dataset.view = 'login';
+  document.body.classList.remove('lost');
+  say($('link').firstElementChild, 'Not logged in');
+  const token = field('Token', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with (--token-file).' });
+  const said = saidBox();
+  const button = h('button', { type: 'submit', class: 'first', text: 'Log in' });
+  const form = h('form', { novalidate: true, onsubmit: async (event) => {
+    event.preventDefault();
+    try {
+      await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }), timeout: 8000 });
+      delete $('main').dataset.view;
+      begin();
+    } catch (error) {
+      needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
+    }
+  } }, token.el, h('div', { class: 'row' }, button), said);
+  $('main').replaceChildren(h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
+  document.title = 'Log in · pump-dose';
+  token.input.focus();
+}
+
+/** Shows the view that the address names. */
+function show(isMoved) {
+  if (!version) return;
+  pumps.forEach((pump) => pump.panels.clear());
+  onNotes = null;
+  const path = location.hash.replace(/^#/, '') || '/';
+  let name = null;
+  try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
+  const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
+  $('main').dataset.view = path;
+  $('main').replaceChildren(...kids.filter(Boolean));
+  document.title = `${title} · pump-dose`;
+  for (const link of document.querySelectorAll('nav a')) {
+    const here = link.getAttribute('href').slice(1) === (name != null ? '/' : path);
+    if (here) link.setAttribute('aria-current', name != null ? 'true' : 'page');
+    else link.removeAttribute('aria-current');
+  }
+  if (isMoved !== true) return;
+  scrollTo(0, 0);
+  const heading = $('main').querySelector('h1');
+  if (heading) heading.focus({ preventScroll: true });
+}
+// The address names the view, so the link to the content must not change it.
+document.querySelector('.skip').addEventListener('click', (event) => {
+  event.preventDefault();
+  $('main').focus();
+});
+addEventListener('hashchange', () => { if ($('main').dataset.view !== 'login') show(true); });
+$('logout').addEventListener('click', async () => {
+  await call('POST', '/logout', { body: '{}', timeout: 8000 }).catch(() => {});
+  showLogin();
+});
+calm.addEventListener('change', () => { if (version) show(); });
+begin();

@@ -1,0 +1,7 @@
+//! The schedule in force: its runs are given as orders when they are due.
+
+mod loaded;
+mod run;
+mod runner;
+
+pub use self::runner::{Runner, RunnerError};

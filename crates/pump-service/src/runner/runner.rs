@@ -1,0 +1,170 @@
+//! The clock of the schedule.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use jiff::Timestamp;
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use super::loaded::Loaded;
+use super::run::Run;
+use crate::history::HistoryError;
+use crate::schedule::{Missed, ScheduleError};
+use crate::service::Service;
+
+/// Time between two looks at the clock and at the file.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Schedule that cannot be run.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RunnerError {
+    /// The file cannot be read.
+    #[error("the schedule {} cannot be read: {source}", .path.display())]
+    File {
+        /// Path of the file.
+        path: PathBuf,
+        /// Cause.
+        source: std::io::Error,
+    },
+    /// The file is refused.
+    #[error("schedule {}: {source}", .path.display())]
+    Schedule {
+        /// Path of the file.
+        path: PathBuf,
+        /// Cause.
+        source: ScheduleError,
+    },
+    /// The history cannot be used.
+    #[error(transparent)]
+    History(#[from] HistoryError),
+}
+
+/// Gives the orders of a schedule when they are due.
+#[derive(Debug)]
+pub struct Runner {
+    path: PathBuf,
+    service: Service,
+    now: fn() -> Timestamp,
+    loaded: Mutex<Loaded>,
+    /// Entries that wait for a clock that was set back, and were told.
+    told_ahead: Mutex<Vec<String>>,
+}
+
+impl Runner {
+    /// Reads the schedule at `path`. `now` is the clock.
+    ///
+    /// # Errors
+    ///
+    /// [`RunnerError`] if the schedule is refused or the history cannot be used.
+    pub fn new(path: &Path, service: Service, now: fn() -> Timestamp) -> Result<Self, RunnerError> {
+        let loaded = Mutex::new(Loaded::read(path, service.history(), now())?);
+        Ok(Self { path: path.to_owned(), service, now, loaded, told_ahead: Mutex::default() })
+    }
+
+    /// Gives the orders as they are due, and reads the file anew when it changes, until the service ends.
+    pub async fn run(&self) {
+        while !self.service.is_ending() {
+            self.reload();
+            if let Err(error) = self.step() {
+                self.service.note(
+                    "schedule",
+                    None,
+                    &format!("{error}; nothing of the schedule is run meanwhile"),
+                );
+                tokio::time::sleep(60 * LOOK).await;
+            }
+            tokio::time::sleep(LOOK).await;
+        }
+    }
+
+    /// Gives the orders that are due now, and tells what was missed.
+    fn step(&self) -> Result<(), HistoryError> {
+        let now = (self.now)();
+        let loaded = self.loaded();
+        let history = self.service.history();
+        let mut recorded = Vec::new();
+        for entry in loaded.schedule.entries() {
+            recorded.push((entry.name(), history.planned(entry.name())?));
+        }
+        let of = |name: &str| recorded.iter().find(|(entry, _)| *entry == name).and_then(|(_, last)| *last);
+        let catchup = loaded.schedule.catch_up(of, loaded.since, now);
+        for missed in &catchup.missed {
+            self.tell_missed(missed)?;
+        }
+        for due in &catchup.run {
+            // On record before anything moves: it is never made twice.
+            history.plan(due.entry.name(), due.planned)?;
+            tokio::spawn(Run::of(due).make(self.service.clone(), self.now));
+        }
+        let mut told = self.told_ahead.lock().unwrap_or_else(PoisonError::into_inner);
+        told.retain(|name| catchup.ahead.iter().any(|ahead| ahead.entry.name() == name));
+        for ahead in &catchup.ahead {
+            let name = ahead.entry.name();
+            if !told.iter().any(|known| known == name) {
+                told.push(name.to_owned());
+                let text = format!(
+                    "{name} waits until {}, its last run on record: the clock was set back",
+                    ahead.recorded
+                );
+                self.service.note("schedule", ahead.entry.action().pump(), &text);
+            }
+        }
+        Ok(())
+    }
+
+    fn tell_missed(&self, missed: &Missed<'_>) -> Result<(), HistoryError> {
+        let Missed { entry, count, first, last } = missed;
+        let last_recorded = self.service.history().planned(entry.name())?;
+        // A run of the entry that is made now comes later in the list, and is on record then.
+        if last_recorded.is_none_or(|recorded| recorded < *last) {
+            self.service.history().plan(entry.name(), *last)?;
+        }
+        let text = match count {
+            1 => format!("{}: the run of {first} was missed and is left out", entry.name()),
+            _ => {
+                format!("{}: {count} runs from {first} to {last} were missed and are left out", entry.name())
+            }
+        };
+        self.service.note("schedule", entry.action().pump(), &text);
+        Ok(())
+    }
+
+    /// Reads the file anew if it was written since. A file that is refused leaves the schedule in force as it is.
+    fn reload(&self) {
+        let written = self.path.metadata().and_then(|file| file.modified()).ok();
+        let mut loaded = self.loaded();
+        if written == loaded.written {
+            return;
+        }
+        match Loaded::read(&self.path, self.service.history(), (self.now)()) {
+            Ok(read) => {
+                *loaded = read;
+                self.service.note("schedule", None, "the schedule was read anew and is in force");
+            }
+            Err(error) => {
+                // Told once for each state of the file.
+                loaded.written = written;
+                self.service.note("schedule", None, &format!("{error}; the schedule before stays in force"));
+            }
+        }
+    }
+
+    /// Returns the schedule in force, its file, and the next time of each entry.
+    pub fn shown(&self) -> Value {
+        let loaded = self.loaded();
+        let now = (self.now)();
+        let next = loaded.schedule.entries().iter().map(|entry| {
+            let due = loaded.schedule.next(entry.name(), now);
+            json!({"entry": entry.name(), "at": due.map(|due| due.planned), "words": due.map(|due| due.to_string())})
+        });
+        let next: Vec<Value> = next.collect();
+        json!({"file": self.path.display().to_string(), "schedule": loaded.schedule, "next": next})
+    }
+
+    fn loaded(&self) -> MutexGuard<'_, Loaded> {
+        self.loaded.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

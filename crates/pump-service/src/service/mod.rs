@@ -1,0 +1,18 @@
+//! The pumps of one configuration, and the orders that are carried out now.
+
+mod error;
+mod event;
+mod live;
+mod placing;
+mod pump;
+mod refresh;
+mod service;
+mod view;
+
+pub use self::error::ServiceError;
+pub use self::event::Event;
+pub(crate) use self::placing::error_report;
+pub use self::placing::{Placed, Refusal};
+pub use self::pump::Pump;
+pub use self::service::{Service, Setup};
+pub use self::view::PumpView;

@@ -1,0 +1,97 @@
+//! An order that is taken, or refused.
+
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use crate::history::{HistoryError, OrderRecord};
+use crate::order::{OrderError, OrderId};
+
+/// Order that was taken. It runs, or has ended already.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// The order as it stands.
+    pub record: OrderRecord,
+    /// True if the key was used before, so that nothing new was begun.
+    pub repeated: bool,
+}
+
+/// Order that was not taken. Nothing has moved.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The configuration has no such pump.
+    #[error("there is no pump `{name}`; the configuration names {known}")]
+    UnknownPump {
+        /// Name that was given.
+        name: String,
+        /// Names of the configuration.
+        known: String,
+    },
+    /// The pump carries out another order.
+    #[error("pump {pump} carries out order {order}; wait until it is done, or stop it")]
+    Busy {
+        /// Name of the pump.
+        pump: String,
+        /// Order that it carries out.
+        order: OrderId,
+    },
+    /// The order cannot be put into words of the command.
+    #[error(transparent)]
+    Order(#[from] OrderError),
+    /// The key stands for another order.
+    #[error(
+        "the key `{key}` stands for another order of the last 24 hours; give each order a key of its own"
+    )]
+    KeyReused {
+        /// Key that was given.
+        key: String,
+    },
+    /// The key is empty or too long.
+    #[error("the key is {0} bytes long; 1 to 200 are allowed")]
+    Key(usize),
+    /// The service ends.
+    #[error("the service is ending; nothing begins any more")]
+    Ending,
+    /// The order cannot be recorded, so it is not carried out.
+    #[error("{0}; the order was not begun")]
+    History(#[from] HistoryError),
+    /// The command cannot be started.
+    #[error("the command cannot be started: {0}; the order was not begun")]
+    Start(std::io::Error),
+    /// The system has no random numbers.
+    #[error("the system has no random numbers: {0}; the order was not begun")]
+    Random(#[from] getrandom::Error),
+}
+
+impl Refusal {
+    /// Returns the exit code that the command would have: 2 refused, 3 in use.
+    pub fn code(&self) -> u8 {
+        if matches!(self, Self::Busy { .. }) { 3 } else { 2 }
+    }
+
+    /// Returns the word of the kind, as in `error/1`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::UnknownPump { .. } => "pump",
+            Self::Busy { .. } => "busy",
+            Self::Order(_) | Self::Key(_) => "usage",
+            Self::KeyReused { .. } => "key",
+            Self::Ending => "stopped",
+            Self::History(_) => "record",
+            Self::Start(_) | Self::Random(_) => "service",
+        }
+    }
+
+    /// Returns the refusal as `error/1`.
+    pub fn report(&self) -> Value {
+        error_report(self.code(), self.kind(), &self.to_string())
+    }
+}
+
+/// Returns an `error/1` of something that did not move.
+pub(crate) fn error_report(code: u8, kind: &str, message: &str) -> Value {
+    json!({
+        "schema": "error/1", "code": code, "kind": kind, "message": message, "value": null, "allowed": null,
+        "moved": false,
+    })
+}

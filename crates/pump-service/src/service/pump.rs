@@ -1,0 +1,76 @@
+//! One pump of the service.
+
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+use pump_bench::Bench;
+use pump_bench::config::Config;
+use pump_bench::report::Status;
+
+use super::error::ServiceError;
+use super::view::PumpView;
+
+/// Pump of a service: its bench, and what was last read of its record.
+#[derive(Debug)]
+pub struct Pump {
+    name: String,
+    bench: Bench,
+    read: Mutex<Read>,
+}
+
+/// What was last read of a record.
+#[derive(Debug, Default)]
+struct Read {
+    status: Option<Status>,
+    error: Option<String>,
+    /// Time at which the journal was written last.
+    written: Option<SystemTime>,
+    /// True if another process held the pump.
+    is_held: bool,
+}
+
+impl Pump {
+    /// Takes the pump of this name of the configuration.
+    pub(super) fn of(name: &str, config: &Config, state_dir: &Path) -> Result<Self, ServiceError> {
+        let failed = |message: String| ServiceError::Pump { name: name.to_owned(), message };
+        let file = config.pump(name).map_err(|error| failed(error.to_string()))?;
+        let bench = Bench::new(file, None, state_dir).map_err(|error| failed(error.to_string()))?;
+        let pump = Self { name: name.to_owned(), bench, read: Mutex::default() };
+        pump.refresh();
+        Ok(pump)
+    }
+
+    /// Returns the name of the pump in the configuration.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the pump's bench.
+    pub fn bench(&self) -> &Bench {
+        &self.bench
+    }
+
+    /// Reads the record if it has changed since it was read last. Returns true if it has.
+    pub(super) fn refresh(&self) -> bool {
+        let written = self.bench.journal_written();
+        let is_held = self.bench.is_held();
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_read = read.status.is_some() || read.error.is_some();
+        if is_read && read.written == written && read.is_held == is_held {
+            return false;
+        }
+        (read.written, read.is_held) = (written, is_held);
+        (read.status, read.error) = match Status::of(&self.bench) {
+            Ok(status) => (Some(status), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        true
+    }
+
+    /// Returns what people are shown of the pump while nothing moves.
+    pub fn view(&self) -> PumpView {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        PumpView::of(self, read.status.clone(), read.error.clone())
+    }
+}

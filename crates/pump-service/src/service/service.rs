@@ -1,0 +1,445 @@
+//! The service: its pumps, its history, and the orders that are carried out now.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use jiff::Timestamp;
+use pump_bench::config::Config;
+use tokio::sync::broadcast::{self, Receiver, Sender};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::time::{Instant, sleep_until};
+
+use super::error::ServiceError;
+use super::event::Event;
+use super::live::Live;
+use super::placing::{Placed, Refusal};
+use super::pump::Pump;
+use super::refresh;
+use super::view::PumpView;
+use crate::history::{EventRecord, History, Key, OrderRecord, OrderState};
+use crate::order::{Order, OrderId, Origin, Task};
+use crate::worker::{Ended, Line, Program, Seat, Worker};
+
+/// Events that a slow watcher may be behind before it is told everything anew.
+const BEHIND: usize = 1024;
+
+/// Longest wait for the begin of an order's first motion, before its taker is answered.
+const BEGINS_WITHIN: Duration = Duration::from_secs(2);
+
+/// Longest key, in bytes.
+const LONGEST_KEY: usize = 200;
+
+/// What a service is made of.
+#[derive(Debug)]
+pub struct Setup {
+    /// Configuration that names the pumps and racks.
+    pub config: Config,
+    /// Folder of all records.
+    pub state_dir: PathBuf,
+    /// Command that carries out the orders.
+    pub program: Program,
+    /// True if simulated motors take no time.
+    pub fast: bool,
+    /// History of the orders.
+    pub history: History,
+}
+
+/// Service of the pumps of one configuration. A copy is the same service.
+#[derive(Debug, Clone)]
+pub struct Service(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    config: Config,
+    pumps: BTreeMap<String, Pump>,
+    program: Program,
+    fast: bool,
+    history: Arc<History>,
+    live: Mutex<BTreeMap<OrderId, Live>>,
+    events: Sender<Event>,
+    is_ending: AtomicBool,
+}
+
+impl Service {
+    /// Reads the pumps of the configuration, or the built-in default pump of one that names none. Orders that an earlier
+    /// service did not see the end of are marked as cut off.
+    ///
+    /// # Errors
+    ///
+    /// [`ServiceError`] if a pump cannot be used or the history cannot be written.
+    pub fn new(setup: Setup) -> Result<Self, ServiceError> {
+        let Setup { config, state_dir, program, fast, history } = setup;
+        let mut names: Vec<String> = config.pumps().keys().cloned().collect();
+        if names.is_empty() {
+            names.push(config.default_pump().to_owned());
+        }
+        let pump = |name: String| Ok((name.clone(), Pump::of(&name, &config, &state_dir)?));
+        let pumps = names.into_iter().map(pump).collect::<Result<_, ServiceError>>()?;
+        let history = Arc::new(history);
+        let (events, live) = (broadcast::channel(BEHIND).0, Mutex::default());
+        let is_ending = AtomicBool::new(false);
+        let service =
+            Self(Arc::new(Inner { config, pumps, program, fast, history, live, events, is_ending }));
+        for cut in service.history().cut_off(Timestamp::now())? {
+            let text = format!(
+                "the service ended before order {} ({}) did; the pump's record has what was delivered",
+                cut.id,
+                cut.order.task.name()
+            );
+            service.note("service", Some(&cut.order.pump), &text);
+        }
+        Ok(service)
+    }
+
+    /// Returns the configuration.
+    pub fn config(&self) -> &Config {
+        &self.0.config
+    }
+
+    /// Returns the history.
+    pub fn history(&self) -> &Arc<History> {
+        &self.0.history
+    }
+
+    /// Returns the command that carries out the orders.
+    pub fn program(&self) -> &Program {
+        &self.0.program
+    }
+
+    /// Returns the pumps by their names.
+    pub fn pumps(&self) -> impl Iterator<Item = &Pump> {
+        self.0.pumps.values()
+    }
+
+    /// Finds the pump of this name.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal::UnknownPump`] if the configuration has none.
+    pub fn pump(&self, name: &str) -> Result<&Pump, Refusal> {
+        self.0.pumps.get(name).ok_or_else(|| Refusal::UnknownPump {
+            name: name.to_owned(),
+            known: self.0.pumps.keys().cloned().collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// Returns what people are shown of a pump, with the order that it carries out.
+    pub fn view(&self, pump: &Pump) -> PumpView {
+        let mut view = pump.view();
+        let live = self.live();
+        if let Some(order) = live.values().find(|order| order.record.order.pump == pump.name()) {
+            view.order = Some(order.record.id.clone());
+            view.task = Some(order.record.order.task.name());
+            (view.plan, view.progress) = (order.plan.clone(), order.progress.clone());
+        }
+        view
+    }
+
+    /// Returns true while a pump carries out an order.
+    pub(super) fn is_ordered(&self, pump: &Pump) -> bool {
+        self.live().values().any(|order| order.record.order.pump == pump.name())
+    }
+
+    /// Returns a channel of what happens from now on.
+    pub fn watch(&self) -> Receiver<Event> {
+        self.0.events.subscribe()
+    }
+
+    /// Returns an order by its name, as it stands.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal::History`] if the history cannot be read.
+    pub fn order(&self, id: &OrderId) -> Result<Option<OrderRecord>, Refusal> {
+        if let Some(live) = self.live().get(id) {
+            return Ok(Some(live.shown()));
+        }
+        Ok(self.history().order(id)?)
+    }
+
+    /// Takes an order, and waits until its first motion begins, it ends, or 2 s have passed. With a key, an order that
+    /// was taken before is not begun again.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal`] if the order was not taken. Nothing has moved then.
+    pub async fn place(&self, order: Order, origin: &Origin, key: Option<Key>) -> Result<Placed, Refusal> {
+        if let Some(key) = &key {
+            if key.text.is_empty() || key.text.len() > LONGEST_KEY {
+                return Err(Refusal::Key(key.text.len()));
+            }
+        }
+        let asked = Asked { order, origin, key, seat: Seat::default(), hearer: None };
+        let (id, stops, worker) = match self.begin(asked)? {
+            Begun::New { id, stops, worker } => (id, stops, worker),
+            Begun::Before(record) => return Ok(Placed { record: *record, repeated: true }),
+        };
+        let mut watch = self.watch();
+        let service = self.clone();
+        let running = id.clone();
+        tokio::spawn(async move { service.carry_out(running, *worker, stops).await });
+        let until = Instant::now() + BEGINS_WITHIN;
+        loop {
+            let waits = self.live().get(&id).is_some_and(|live| !live.has_begun);
+            if !waits {
+                break;
+            }
+            tokio::select! {
+                () = sleep_until(until) => break,
+                _ = watch.recv() => {}
+            }
+        }
+        let record = self.order(&id)?;
+        let record = record.unwrap_or_else(|| unreachable!("the order {id} was recorded before it began"));
+        Ok(Placed { record, repeated: false })
+    }
+
+    /// Carries out a command that this machine's user typed for `pump`. `hearer` hears each of its lines with its
+    /// text; its end is that of the channel.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal`] if the command was not begun. Nothing has moved then.
+    pub fn place_command(
+        &self,
+        pump: &str,
+        words: Vec<String>,
+        seat: Seat,
+        hearer: UnboundedSender<(Line, String)>,
+    ) -> Result<OrderId, Refusal> {
+        let (order, origin) = (Order::new(pump, Task::Command { words }), &Origin::Command);
+        let asked = Asked { order, origin, key: None, seat, hearer: Some(hearer) };
+        match self.begin(asked)? {
+            Begun::New { id, stops, worker } => {
+                let (service, running) = (self.clone(), id.clone());
+                tokio::spawn(async move { service.carry_out(running, *worker, stops).await });
+                Ok(id)
+            }
+            Begun::Before(record) => Ok(record.id),
+        }
+    }
+
+    /// Records an order and starts its command, unless its key was used before. Holds the list of orders meanwhile, so
+    /// that a pump has one at most, and a key begins one.
+    fn begin(&self, asked: Asked<'_>) -> Result<Begun, Refusal> {
+        let Asked { order, origin, key, seat, hearer } = asked;
+        let mut live = self.live();
+        if self.is_ending() {
+            return Err(Refusal::Ending);
+        }
+        let now = Timestamp::now();
+        if let Some(key) = &key
+            && let Some((id, body)) = self.history().of_key(&key.text, now)?
+        {
+            if body != key.body {
+                return Err(Refusal::KeyReused { key: key.text.clone() });
+            }
+            if let Some(live) = live.get(&id) {
+                return Ok(Begun::Before(Box::new(live.shown())));
+            }
+            if let Some(record) = self.history().order(&id)? {
+                return Ok(Begun::Before(Box::new(record)));
+            }
+        }
+        let mut words = order.words()?;
+        let of_several =
+            order.pump.is_empty() && matches!(order.task, Task::Rack { .. } | Task::Command { .. });
+        if !of_several {
+            let pump = self.pump(&order.pump)?;
+            if let Some(other) = live.values().find(|other| other.record.order.pump == order.pump) {
+                let (pump, order) = (order.pump, other.record.id.clone());
+                return Err(Refusal::Busy { pump, order });
+            }
+            let is_typed = matches!(order.task, Task::Command { .. });
+            if order.task.moves() && !is_typed && pump.bench().is_simulated() {
+                words.push(format!("--pace={}", if self.0.fast { "fast" } else { "real" }));
+            }
+        }
+        let id = OrderId::random()?;
+        self.history().begin(&id, &order, &origin.to_string(), key.as_ref(), now)?;
+        let record = OrderRecord {
+            schema: "order/1",
+            id: id.clone(),
+            order,
+            origin: origin.to_string(),
+            state: OrderState::Running,
+            begun: now,
+            ended: None,
+            code: None,
+            reports: Vec::new(),
+            messages: Vec::new(),
+            error: None,
+        };
+        let worker = match Worker::start(self.program(), &words, &seat) {
+            Ok(worker) => Box::new(worker),
+            Err(error) => {
+                let refused = Refusal::Start(error);
+                let ended = (Some(Timestamp::now()), Some(i32::from(refused.code())), Some(refused.report()));
+                let (ended, code, error) = ended;
+                self.history().end(&OrderRecord {
+                    state: OrderState::Refused,
+                    ended,
+                    code,
+                    error,
+                    ..record
+                })?;
+                return Err(refused);
+            }
+        };
+        let (stop, stops) = unbounded_channel();
+        let order = Live::new(record, stop, hearer);
+        self.tell("order", &order.record);
+        live.insert(id.clone(), order);
+        Ok(Begun::New { id, stops, worker })
+    }
+
+    /// Carries an order out to its end, and records that.
+    async fn carry_out(&self, id: OrderId, worker: Worker, stops: UnboundedReceiver<String>) {
+        let ended = worker.run(stops, |line, text| self.hear(&id, line, text)).await;
+        let ended = ended.unwrap_or_else(|error| {
+            let text = format!("the end of the command cannot be learned: {error}");
+            self.hear(&id, &Line::Message(text.clone()), &text);
+            Ended { code: 1, error: None }
+        });
+        let Some(mut record) = self.live().get(&id).map(|live| live.record.clone()) else { return };
+        record.ended = Some(Timestamp::now());
+        record.code = Some(ended.code);
+        record.state = OrderState::ended(ended.code, record.error.as_ref());
+        let service = self.clone();
+        let done = tokio::task::spawn_blocking(move || {
+            let recorded = service.history().end(&record);
+            if let Err(error) = recorded {
+                service.note("service", Some(&record.order.pump), &error.to_string());
+            }
+            let of_pump = service.0.pumps.get(&record.order.pump);
+            let of_rack = of_pump.is_none().then(|| service.pumps()).into_iter().flatten();
+            let changed: Vec<&Pump> = of_pump.into_iter().chain(of_rack).collect();
+            for pump in &changed {
+                pump.refresh();
+            }
+            service.live().remove(&record.id);
+            service.tell("order", &record);
+            changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
+        });
+        if let Err(error) = done.await {
+            self.note("service", None, &format!("the end of order {id} was not recorded: {error}"));
+        }
+    }
+
+    /// Takes a line of an order's command, and tells it.
+    fn hear(&self, id: &OrderId, line: &Line, text: &str) {
+        let mut live = self.live();
+        let Some(order) = live.get_mut(id) else { return };
+        order.take(line, text);
+        let pump = order.record.order.pump.clone();
+        match line {
+            Line::Progress(value) => {
+                let mut value = value.clone();
+                if let Some(object) = value.as_object_mut() {
+                    object.insert("order".to_owned(), id.as_str().into());
+                    let name = self.name_of(object.get("pump").and_then(|id| id.as_str()), &pump);
+                    object.insert("name".to_owned(), name.into());
+                }
+                self.tell("progress", &value);
+            }
+            Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) => {
+                self.tell("order", &order.shown())
+            }
+        }
+    }
+
+    /// Returns the name of the pump that a line is about: a rack's lines are about several.
+    fn name_of(&self, id: Option<&str>, ordered: &str) -> String {
+        let named = |pump: &&Pump| id.is_some_and(|id| pump.bench().file().pump.id == id);
+        let of_id = || self.pumps().find(named).map(|pump| pump.name().to_owned());
+        if self.0.pumps.contains_key(ordered) { ordered.to_owned() } else { of_id().unwrap_or_default() }
+    }
+
+    /// Stops the orders of a pump, or all orders. Returns the orders that were asked to stop. Each motor decelerates,
+    /// and stands with its volume on record.
+    pub fn stop(&self, pump: Option<&str>, reason: &str) -> Vec<OrderId> {
+        let live = self.live();
+        let stopped = live.values().filter(|order| {
+            let of_rack = order.record.order.pump.is_empty();
+            pump.is_none_or(|pump| order.record.order.pump == pump || of_rack)
+        });
+        stopped
+            .map(|order| {
+                order.stop(reason);
+                order.record.id.clone()
+            })
+            .collect()
+    }
+
+    /// Stops one order. Returns false if it is not carried out now.
+    pub fn stop_order(&self, id: &OrderId, reason: &str) -> bool {
+        let live = self.live();
+        live.get(id).map(|order| order.stop(reason)).is_some()
+    }
+
+    /// Begins nothing any more, stops every order, and waits until all motors stand, `longest` at most. Returns true if
+    /// they do.
+    pub async fn end(&self, reason: &str, longest: Duration) -> bool {
+        self.0.is_ending.store(true, Ordering::SeqCst);
+        self.stop(None, reason);
+        let until = Instant::now() + longest;
+        while !self.live().is_empty() {
+            if Instant::now() >= until {
+                return false;
+            }
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+        true
+    }
+
+    /// Looks at the records of the pumps until the program ends: another process may move a pump.
+    pub async fn keep_fresh(self) {
+        refresh::keep_fresh(self).await;
+    }
+
+    /// Records and tells something that a person should know.
+    pub fn note(&self, kind: &str, pump: Option<&str>, text: &str) {
+        let pump = pump.filter(|pump| !pump.is_empty()).map(str::to_owned);
+        let event =
+            EventRecord { time: Timestamp::now(), kind: kind.to_owned(), pump, text: text.to_owned() };
+        if let Err(error) = self.history().note(&event) {
+            let text = format!("{} ({error})", event.text);
+            self.tell("note", &EventRecord { text, ..event });
+            return;
+        }
+        self.tell("note", &event);
+    }
+
+    /// Tells every watcher.
+    pub(crate) fn tell(&self, name: &'static str, data: &impl serde::Serialize) {
+        // Nobody watches: nobody is told.
+        let _ = self.0.events.send(Event::new(name, data));
+    }
+
+    /// Returns true once the service begins nothing any more.
+    pub fn is_ending(&self) -> bool {
+        self.0.is_ending.load(Ordering::SeqCst)
+    }
+
+    fn live(&self) -> MutexGuard<'_, BTreeMap<OrderId, Live>> {
+        self.0.live.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// An order as it was asked for.
+struct Asked<'a> {
+    order: Order,
+    origin: &'a Origin,
+    key: Option<Key>,
+    seat: Seat,
+    hearer: Option<UnboundedSender<(Line, String)>>,
+}
+
+/// An order that was begun, now or before by the same key.
+enum Begun {
+    New { id: OrderId, stops: UnboundedReceiver<String>, worker: Box<Worker> },
+    Before(Box<OrderRecord>),
+}

@@ -1,0 +1,73 @@
+//! A pump as people and programs are shown it.
+
+use pump_bench::report::Status;
+use pump_model::units::degrees;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::pump::Pump;
+use crate::order::OrderId;
+
+/// Pump as people and programs are shown it, `pump-view/1`.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct PumpView {
+    /// `pump-view/1`.
+    pub schema: &'static str,
+    /// Name of the pump in the configuration.
+    pub name: String,
+    /// Id of the pump file, which reports name.
+    pub id: String,
+    /// Title of the pump file.
+    pub title: String,
+    /// True if no motor moves.
+    pub simulated: bool,
+    /// Driver of the motor.
+    pub driver: String,
+    /// Port of the motor's board; null without one.
+    pub port: Option<String>,
+    /// Number of rollers.
+    pub rollers: u32,
+    /// Angle from one roller to the next, deg.
+    pub pitch_deg: f64,
+    /// Flow that a dose takes if nobody names one, mL/s.
+    pub default_flow_ml_s: f64,
+    /// Record of the pump, `status/1`; null if it cannot be read.
+    pub status: Option<Status>,
+    /// Reason why the record cannot be read; null if it can.
+    pub error: Option<String>,
+    /// Order that is carried out now; null while there is none.
+    pub order: Option<OrderId>,
+    /// Word of the task that is carried out now.
+    pub task: Option<&'static str>,
+    /// Plan of the present motion, `dose/1`; null while none is known.
+    pub plan: Option<Value>,
+    /// Last line of progress, `progress/1`; null while none is known.
+    pub progress: Option<Value>,
+}
+
+impl PumpView {
+    /// The view of a pump that carries out nothing.
+    pub(super) fn of(pump: &Pump, status: Option<Status>, error: Option<String>) -> Self {
+        let (bench, model) = (pump.bench(), pump.bench().model());
+        let pitch_deg = degrees(model.pitch_rad());
+        Self {
+            schema: "pump-view/1",
+            name: pump.name().to_owned(),
+            id: bench.file().pump.id.clone(),
+            title: bench.file().pump.name.clone(),
+            simulated: bench.is_simulated(),
+            driver: bench.drive_id().to_owned(),
+            port: bench.board_port().map(|port| port.display().to_string()),
+            rollers: (360.0 / pitch_deg).round() as u32,
+            pitch_deg,
+            default_flow_ml_s: bench.file().pump.default_rate_ml_s,
+            status,
+            error,
+            order: None,
+            task: None,
+            plan: None,
+            progress: None,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! A running process, the lines that it tells, and the word that stops it.
+
+use std::io;
+use std::path::PathBuf;
+
+use serde_json::Value;
+use tokio::io::{AsyncBufReadExt, AsyncRead, AsyncWriteExt, BufReader};
+use tokio::process::{Child, ChildStdin};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+
+use super::line::Line;
+use super::program::Program;
+
+/// Longest line that a process may tell, in bytes.
+const LONGEST_LINE: usize = 4 << 20;
+
+/// End of a process.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ended {
+    /// Exit code of the command; 1 if the process was killed.
+    pub code: i32,
+    /// Reason of the failure, `error/1`, if the command told one.
+    pub error: Option<Value>,
+}
+
+/// Where a command is typed, and whether a person is there.
+#[derive(Debug, Clone, Default)]
+pub struct Seat {
+    /// Folder of the files that its words name; that of the service without one.
+    pub folder: Option<PathBuf>,
+    /// True if a person sits at the terminal.
+    pub is_attended: bool,
+}
+
+/// A line, and its text.
+type Told = (Line, String);
+
+/// Process that carries out an order.
+#[derive(Debug)]
+pub struct Worker {
+    child: Child,
+    input: Option<ChildStdin>,
+    lines: UnboundedReceiver<Told>,
+}
+
+impl Worker {
+    /// Starts the process of these words, typed at `seat`. It tells its progress.
+    ///
+    /// # Errors
+    ///
+    /// The system's error if the program cannot be started.
+    pub fn start(program: &Program, words: &[String], seat: &Seat) -> io::Result<Self> {
+        let mut command = program.command(words);
+        if let Some(folder) = &seat.folder {
+            command.current_dir(folder);
+        }
+        if seat.is_attended {
+            command.env("DOSE_ATTENDED", "1");
+        }
+        let mut child = command.env("DOSE_SUPERVISED", "1").spawn()?;
+        let (tell, lines) = unbounded_channel();
+        if let Some(output) = child.stdout.take() {
+            tokio::spawn(read(output, tell.clone(), Line::of_output));
+        }
+        if let Some(errors) = child.stderr.take() {
+            tokio::spawn(read(errors, tell, Line::of_errors));
+        }
+        let input = child.stdin.take();
+        Ok(Self { child, input, lines })
+    }
+
+    /// Returns the number of the process.
+    pub fn process(&self) -> Option<u32> {
+        self.child.id()
+    }
+
+    /// Carries the order out. `tell` hears each line, and its text; each text of `stops` stops the motion for that reason.
+    ///
+    /// # Errors
+    ///
+    /// The system's error if the end of the process cannot be learned.
+    pub async fn run(
+        mut self,
+        mut stops: UnboundedReceiver<String>,
+        mut tell: impl FnMut(&Line, &str),
+    ) -> io::Result<Ended> {
+        let mut error = None;
+        let mut can_stop = true;
+        loop {
+            tokio::select! {
+                reason = stops.recv(), if can_stop => match reason {
+                    Some(reason) => self.stop(&reason).await,
+                    None => can_stop = false,
+                },
+                line = self.lines.recv() => match line {
+                    Some((line, text)) => {
+                        tell(&line, &text);
+                        if let Line::Error(value) = line {
+                            error = Some(value);
+                        }
+                    }
+                    None => break,
+                },
+            }
+        }
+        let status = self.child.wait().await?;
+        Ok(Ended { code: status.code().unwrap_or(1), error })
+    }
+
+    /// Stops the motion. A process that has ended hears nothing.
+    async fn stop(&mut self, reason: &str) {
+        let reason: String = reason.chars().filter(|c| !c.is_control()).collect();
+        if let Some(input) = &mut self.input {
+            let word = format!("stop {reason}\n");
+            let written = input.write_all(word.as_bytes()).await;
+            if written.is_err() || input.flush().await.is_err() {
+                // The end of its input stops a process that reads no line.
+                self.input = None;
+            }
+        }
+    }
+}
+
+/// Tells each line until the end. A line that is too long is cut into pieces.
+async fn read(from: impl AsyncRead + Unpin, tell: UnboundedSender<Told>, read: fn(&str) -> Line) {
+    let mut from = BufReader::new(from);
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        let mut limited = tokio::io::AsyncReadExt::take(&mut from, LONGEST_LINE as u64);
+        match limited.read_until(b'\n', &mut line).await {
+            Ok(0) | Err(_) => return,
+            Ok(_) => {
+                let text = String::from_utf8_lossy(&line);
+                let text = text.trim_end_matches(['\r', '\n']);
+                if !text.is_empty() && tell.send((read(text), text.to_owned())).is_err() {
+                    return;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! A program that supervises this command, as `dose serve` does: with `DOSE_SUPERVISED=1` in its environment the
+//! command tells its progress as lines of JSON (`progress/1`) on standard output, between its reports. Its standard
+//! input is the line by which it is stopped: a line `stop REASON` stops it as SIGTERM would, and so does the input's
+//! end, since then nobody supervises the motion any more. With `DOSE_SUPERVISED=quiet` it hears the stop and tells no
+//! lines of its own.
+
+use std::cell::Cell;
+use std::env;
+use std::io::{self, BufRead};
+use std::sync::OnceLock;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use pump_bench::DoseReport;
+use pump_model::units::degrees;
+use serde::Serialize;
+
+use crate::interrupt;
+use crate::terminal::print_json;
+
+/// Schema of a line.
+const SCHEMA: &str = "progress/1";
+
+/// Time from one line of a motion to its next.
+const APART: Duration = Duration::from_millis(100);
+
+/// Whether a supervising program is told lines; empty while none supervises this one.
+static TELLS: OnceLock<bool> = OnceLock::new();
+
+/// Begins to listen to the supervising program, if there is one.
+pub(crate) fn begin() {
+    let tells = match env::var("DOSE_SUPERVISED").as_deref() {
+        Ok("1") => true,
+        Ok("quiet") => false,
+        _ => return,
+    };
+    if TELLS.set(tells).is_err() {
+        return;
+    }
+    thread::spawn(|| {
+        for line in io::stdin().lock().lines() {
+            let Ok(line) = line else { break };
+            if let Some(reason) = line.strip_prefix("stop") {
+                interrupt::stop_for(reason.trim());
+            }
+        }
+        interrupt::stop_for("the supervising program ended");
+    });
+}
+
+/// True if a supervising program is told lines.
+pub(crate) fn tells() -> bool {
+    TELLS.get() == Some(&true)
+}
+
+/// Place that a motion has reached.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reached {
+    /// Volume that was delivered, in mL.
+    pub(crate) delivered_ml: f64,
+    /// Angle of the rollers, in rad.
+    pub(crate) angle_rad: f64,
+}
+
+/// One line to the supervising program.
+#[derive(Debug, Serialize)]
+struct Line<'a> {
+    schema: &'static str,
+    pump: &'a str,
+    #[serde(flatten)]
+    told: Told<'a>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "state", rename_all = "kebab-case")]
+enum Told<'a> {
+    /// A motion begins. `plan` is its report before it.
+    Begun { plan: &'a DoseReport },
+    /// A motion goes on.
+    Moving { steps: u64, of_steps: u64, delivered_ml: f64, of_ml: Option<f64>, angle_deg: f64 },
+    /// A batch waits for its next dose.
+    Waiting { next_s: f64, number: u64, count: u64 },
+}
+
+/// The lines of one motion.
+#[derive(Debug)]
+pub(crate) struct Lines {
+    pump: String,
+    of_steps: u64,
+    /// Volume of the whole motion, in mL; `None` for a run until it is stopped.
+    of_ml: Option<f64>,
+    told: Cell<Option<Instant>>,
+}
+
+impl Lines {
+    /// The lines of a motion of `of_steps` and `of_ml`; none without a supervising program.
+    pub(crate) fn of(pump: &str, of_steps: u64, of_ml: f64) -> Option<Self> {
+        let of_ml = Some(of_ml).filter(|of_ml| of_ml.is_finite());
+        tells().then(|| Self { pump: pump.to_owned(), of_steps, of_ml, told: Cell::default() })
+    }
+
+    /// Tells the place that the motion has `reached`, if the last line is old enough or this is the last step.
+    pub(crate) fn made(&self, steps: u64, reached: impl FnOnce() -> Reached) {
+        let is_due = self.told.get().is_none_or(|told| told.elapsed() >= APART);
+        if !is_due && steps != self.of_steps {
+            return;
+        }
+        self.told.set(Some(Instant::now()));
+        let Reached { delivered_ml, angle_rad } = reached();
+        let (of_steps, of_ml, angle_deg) = (self.of_steps, self.of_ml, degrees(angle_rad));
+        tell(&self.pump, Told::Moving { steps, of_steps, delivered_ml, of_ml, angle_deg });
+    }
+}
+
+/// Tells that a motion begins by this plan.
+pub(crate) fn begun(plan: impl FnOnce() -> DoseReport) {
+    if tells() {
+        let plan = plan();
+        tell(&plan.pump, Told::Begun { plan: &plan });
+    }
+}
+
+/// Tells that a batch waits for `left` until dose `number` of `count`.
+pub(crate) fn waits(pump: &str, left: Duration, number: u64, count: u64) {
+    if tells() {
+        tell(pump, Told::Waiting { next_s: left.as_secs_f64(), number, count });
+    }
+}
+
+fn tell(pump: &str, told: Told<'_>) {
+    let line = serde_json::to_string(&Line { schema: SCHEMA, pump, told });
+    // A supervising program that is gone ends standard input too, which stops the motion.
+    if let Ok(line) = line {
+        let _ = print_json(&(line + "\n"));
+    }
+}

@@ -1,0 +1,69 @@
+//! Commands that ask the running service.
+
+use std::process::Stdio;
+
+use serde_json::json;
+
+use crate::laboratory::{Laboratory, signal, wait_for};
+
+#[test]
+fn a_command_beside_a_service_says_what_it_says_alone() {
+    let laboratory = Laboratory::new(&["acid", "base"], "");
+    let service = laboratory.serve(&[]);
+    for words in [&["2mL", "--rate", "2mL/s"][..], &["1mL", "-v"], &["prime", "3mL"], &["resume"], &["5"]] {
+        let asked = laboratory.run(&[words, &["--pump", "acid"]].concat());
+        let alone = laboratory.run(&[words, &["--pump", "base", "--no-service"]].concat());
+        let text = |bytes: &[u8]| {
+            let lines = String::from_utf8(bytes.to_vec()).unwrap().replace("base", "acid");
+            let timeless = |line: &&str| !line.contains("T") || !line.contains("+00:00");
+            lines.lines().filter(timeless).map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(asked.status.code(), alone.status.code(), "{words:?}");
+        assert_eq!(text(&asked.stdout), text(&alone.stdout), "{words:?}");
+        assert_eq!(text(&asked.stderr), text(&alone.stderr), "{words:?}");
+    }
+    let (_, orders) = service.get("/api/v1/orders");
+    let asked = orders.as_array().unwrap().iter().filter(|order| order["origin"] == "command").count();
+    // `dose 5` was refused before the service was asked.
+    assert_eq!(asked, 4, "{orders}");
+}
+
+#[test]
+fn an_interrupt_stops_the_motion_that_the_service_makes() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let mut command = laboratory.dose(&["20mL", "--rate", "1mL/s", "--pace", "real"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    service.moves("acid");
+    signal(child.id(), "INT");
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130), "{}", String::from_utf8_lossy(&ended.stderr));
+    assert!(String::from_utf8_lossy(&ended.stderr).contains("stopped by the user"));
+    let log = laboratory.log("acid");
+    assert_eq!((log.len(), &log[0]["cause"]), (1, &json!("SIGINT")));
+}
+
+#[test]
+fn a_command_that_is_killed_leaves_no_motion_behind() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let mut command = laboratory.dose(&["20mL", "--rate", "1mL/s", "--pace", "real"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    service.moves("acid");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    wait_for("the pump to stand", || service.get("/api/v1/pumps/acid").1["order"].is_null().then_some(()));
+    let log = laboratory.log("acid");
+    assert_eq!((log.len(), &log[0]["cause"]), (1, &json!("the end of the command that ordered it")));
+    assert!(!laboratory.status("acid")["unfinished"].is_null());
+}
+
+#[test]
+fn a_service_that_was_killed_is_asked_no_more() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let mut service = laboratory.serve(&[]);
+    service.kill();
+    assert!(laboratory.path("records/serve.json").exists());
+    let made = laboratory.run(&["2mL"]);
+    assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
+}

@@ -1,0 +1,155 @@
+//! Orders over HTTP.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::laboratory::Laboratory;
+
+#[test]
+fn a_dose_over_http_is_the_dose_of_the_command() {
+    let laboratory = Laboratory::new(&["acid", "base"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let id = service.dose("acid", "5mL", &json!({"rate": "2mL/s", "smooth": true}));
+    let order = service.ended(&id);
+    assert_eq!((&order["state"], &order["code"]), (&json!("done"), &json!(0)), "{order}");
+
+    let (status, dose) = service.get(&format!("/api/v1/doses/{id}"));
+    assert_eq!((status, &dose["schema"], &dose["completed"]), (200, &json!("dose/1"), &json!(true)));
+    assert!((dose["delivered_ml"].as_f64().unwrap() - 5.0).abs() < 0.01);
+
+    // The command's own report of the same dose on the other pump differs in names and times alone.
+    let words = ["5mL", "--pump", "base", "--rate", "2mL/s", "--smooth", "--format", "json", "--no-service"];
+    let typed: Value = serde_json::from_slice(&laboratory.run(&words).stdout).unwrap();
+    let keys = |dose: &Value| dose.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(keys(&dose), keys(&typed));
+    for key in keys(&dose).iter().filter(|key| !["pump", "time"].contains(&key.as_str())) {
+        assert_eq!(dose[key], typed[key], "{key}");
+    }
+    assert_eq!(laboratory.log("acid").len(), 1);
+}
+
+#[test]
+fn a_repeated_key_doses_once_and_over_a_restart() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let mut service = laboratory.serve(&["--pace", "fast"]);
+    let path = "/api/v1/pumps/acid/dose";
+    let key = [("idempotency-key", "night 7")];
+    let (body, other) = (json!({"volume": "2mL"}), json!({"volume": "3mL"}));
+    let (status, first) = service.post_with(path, &body, &key);
+    assert_eq!(status, 202, "{first}");
+    let id = first["id"].as_str().unwrap().to_owned();
+    let (status, again) = service.post_with(path, &body, &key);
+    assert_eq!((status, &again["id"]), (202, &json!(id)));
+    let (status, error) = service.post_with(path, &other, &key);
+    assert_eq!((status, &error["kind"]), (422, &json!("key")));
+
+    service.ended(&id);
+    assert_eq!(service.end(), Some(0));
+    let service = laboratory.serve_again(&service);
+    let (status, after) = service.post_with(path, &body, &key);
+    assert_eq!((status, &after["id"], &after["state"]), (202, &json!(id), &json!("done")));
+    let (status, _) = service.post_with(path, &other, &key);
+    assert_eq!(status, 422);
+    assert_eq!(laboratory.log("acid").len(), 1, "one dose was made");
+}
+
+#[test]
+fn a_stopped_dose_is_resumed_or_accepted() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let id = service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
+    service.moves("acid");
+    let (status, busy) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL"}));
+    assert_eq!((status, &busy["code"], &busy["kind"]), (409, &json!(3), &json!("busy")));
+    let (status, stopped) = service.post("/api/v1/pumps/acid/stop", &json!({}));
+    assert_eq!((status, &stopped["stopped"]), (200, &json!([id])));
+    let order = service.ended(&id);
+    assert_eq!((&order["state"], &order["code"]), (&json!("failed"), &json!(143)), "{order}");
+    let part_ml = order["reports"][0]["delivered_ml"].as_f64().unwrap();
+    assert!(part_ml > 0.0 && part_ml < 20.0);
+    assert_eq!(laboratory.log("acid")[0]["cause"], "the service's stop");
+
+    let (status, unfinished) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL"}));
+    assert_eq!((status, &unfinished["code"]), (409, &json!(4)));
+    let (status, rest) = service.post("/api/v1/pumps/acid/resume", &json!({"options": {"rate": "max"}}));
+    assert_eq!(status, 202, "{rest}");
+    let rest = service.ended(rest["id"].as_str().unwrap());
+    assert_eq!(rest["state"], "done", "{rest}");
+    let rest_ml = rest["reports"][0]["delivered_ml"].as_f64().unwrap();
+    assert!((part_ml + rest_ml - 20.0).abs() < 0.01, "{part_ml} + {rest_ml}");
+    let (status, nothing) = service.post("/api/v1/pumps/acid/accept", &json!({}));
+    assert_eq!((status, &nothing["code"]), (422, &json!(2)), "{nothing}");
+}
+
+#[test]
+fn a_pump_that_stands_is_cleared_by_name_and_reason() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let file = laboratory.path("acid.toml");
+    let limited = fs::read_to_string(&file).unwrap() + "\n[safety]\nmax_ml_per_day = 5.0\n";
+    fs::write(&file, limited).unwrap();
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let id = service.dose("acid", "4mL", &json!({}));
+    service.ended(&id);
+    let (status, stands) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "4mL"}));
+    assert_eq!((status, &stands["code"]), (423, &json!(5)), "{stands}");
+    let (status, still) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "0.5mL"}));
+    assert_eq!((status, &still["code"]), (423, &json!(5)), "{still}");
+    let (status, nameless) = service.post("/api/v1/pumps/acid/clear", &json!({"reason": " "}));
+    assert_eq!(status, 422, "{nameless}");
+    let (status, cleared) =
+        service.post("/api/v1/pumps/acid/clear", &json!({"reason": "the tank was changed"}));
+    assert_eq!((status, &cleared["state"]), (202, &json!("done")), "{cleared}");
+    service.ended(&service.dose("acid", "4mL", &json!({})));
+}
+
+#[test]
+fn what_cannot_be_done_is_refused_with_the_words_of_the_command() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let dose = |body: Value| service.post("/api/v1/pumps/acid/dose", &body);
+    let (status, error) = dose(json!({"volume": "5"}));
+    assert_eq!((status, &error["schema"], &error["code"]), (422, &json!("error/1"), &json!(2)));
+    let typed = laboratory.run(&["5", "--pump", "acid", "--format", "json", "--no-service"]);
+    let typed: Value = serde_json::from_slice(&typed.stderr).unwrap();
+    assert_eq!(error, typed);
+
+    let (status, error) = dose(json!({"volume": "5mL", "options": {"on-fail": "touch /tmp/x"}}));
+    assert_eq!(status, 422);
+    assert!(
+        error["message"].as_str().unwrap().starts_with("--on-fail is no option of this order; allowed: rate")
+    );
+    let (status, error) = dose(json!({"volume": "5mL", "speed": "9rpm"}));
+    assert_eq!(status, 422);
+    assert!(error["message"].as_str().unwrap().contains("unknown field `speed`"), "{error}");
+    assert_eq!(service.post("/api/v1/pumps/nobody/dose", &json!({"volume": "5mL"})).0, 404);
+    assert_eq!(service.get("/api/v1/orders/0123").0, 404);
+    assert_eq!(service.get("/nowhere").0, 404);
+    assert!(laboratory.log("acid").is_empty(), "nothing moved");
+}
+
+#[test]
+fn every_path_that_is_described_is_answered() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let (status, description) = service.get("/openapi.json");
+    assert_eq!(status, 200);
+    let paths = description["paths"].as_object().unwrap();
+    assert!(paths.len() >= 20, "{}", paths.len());
+    for (path, methods) in paths {
+        if path == "/events" {
+            continue;
+        }
+        let filled = path.replace("{name}", "acid").replace("{id}", "0123456789abcdef");
+        for method in methods.as_object().unwrap().keys() {
+            let (status, answer) = match method.as_str() {
+                "get" => service.get(&filled),
+                _ => service.post(&filled, &json!({})),
+            };
+            assert!(status != 405 && status < 500, "{method} {path}: {status} {answer}");
+            if status >= 400 {
+                assert_eq!(answer["schema"], "error/1", "{method} {path}: {answer}");
+            }
+        }
+    }
+}
