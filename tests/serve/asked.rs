@@ -8,7 +8,7 @@ use crate::laboratory::{Laboratory, signal, wait_for};
 
 #[test]
 fn a_command_beside_a_service_says_what_it_says_alone() {
-    let laboratory = Laboratory::new(&["acid", "base"], "");
+    let laboratory = Laboratory::new(&["dye", "acid", "base"], "");
     let service = laboratory.serve(&[]);
     for words in [&["2mL", "--rate", "2mL/s"][..], &["1mL", "-v"], &["prime", "3mL"], &["resume"], &["5"]] {
         let asked = laboratory.run(&[words, &["--pump", "acid"]].concat());

@@ -82,12 +82,22 @@ pub struct OrderRecord {
     pub ended: Option<Timestamp>,
     /// Exit code of its command; null while it runs.
     pub code: Option<i32>,
-    /// Reports of its command, as `dose/1`. While it runs, the plan of the present motion is the last.
+    /// Reports of its command, as `dose/1`; of a batch the last 1000. While it runs, the plan of the present motion is
+    /// the last. Lists and events have the last one alone.
     pub reports: Vec<Value>,
     /// Messages of its command for people.
     pub messages: Vec<String>,
     /// Reason of a failure, `error/1`.
     pub error: Option<Value>,
+}
+
+impl OrderRecord {
+    /// Returns the order with its last report alone: a batch has thousands.
+    #[must_use]
+    pub fn brief(mut self) -> Self {
+        self.reports = self.reports.pop().into_iter().collect();
+        self
+    }
 }
 
 /// An event of the service on record.

@@ -18,3 +18,4 @@ pub use self::options::{Choice, Options};
 pub use self::order::Order;
 pub use self::origin::Origin;
 pub use self::task::Task;
+pub(crate) use self::task::text as plain_text;

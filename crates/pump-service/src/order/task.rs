@@ -126,7 +126,7 @@ pub(super) fn name<'a>(what: &'static str, value: &'a str) -> Result<&'a str, Or
 }
 
 /// Passes a text without control characters.
-pub(super) fn text<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
+pub(crate) fn text<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
     if value.trim().is_empty() {
         return Err(wrong(what, value, "write it"));
     }

@@ -13,7 +13,7 @@ function fill(node, props, kids) {
     else if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
     else node.setAttribute(name, value === true ? '' : value);
   }
-  node.append(...kids.flat(2).filter((kid) => kid != null && kid !== false));
+  node.append(...kids.flat(2).filter((kid) => kid != null && kid !== false && kid !== ''));
   return node;
 }
 const h = (tag, props, ...kids) => fill(document.createElement(tag), props, kids);
@@ -141,6 +141,8 @@ let needsLogin = false;
 const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Making the rest of a dose',
   accept: 'Accepting', clear: 'Clearing', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
   retract: 'Sucking back' };
+/** Tasks that turn no motor. */
+const STANDING = ['accept', 'clear', 'emptied', 'calibrate'];
 const isDose = (report) => report && report.schema === 'dose/1';
 
 /** The doses of an order with the names of their pumps: those of a rack are within its report. */
@@ -195,23 +197,29 @@ function takeProgress(told) {
   refresh(pump);
 }
 
-/** Pumps whose figures are shown with those of the others, so that the page is laid out once for all. */
+/** Pumps that have turned on, and time from one shown to the next: many pumps never fill a frame. */
 const changed = new Set();
+const APART_MS = 40;
+let shows = false;
 function later(pump) {
-  if (!changed.size) {
-    setTimeout(() => {
-      const now = performance.now();
-      for (const one of changed) {
-        for (const panel of one.panels) {
-          panel.figures();
-          if (one.motion && one.motion.progress) panel.head.go(now);
-        }
-      }
-      changed.clear();
-      tellProgress();
-    }, 80);
-  }
   changed.add(pump);
+  if (shows) return;
+  shows = true;
+  setTimeout(showNext, 0);
+}
+function showNext() {
+  const [pump] = changed;
+  if (!pump) {
+    shows = false;
+    return;
+  }
+  changed.delete(pump);
+  for (const panel of pump.panels) {
+    panel.figures();
+    if (pump.motion && pump.motion.progress) panel.head.go(performance.now());
+  }
+  tellProgress();
+  setTimeout(showNext, APART_MS);
 }
 
 function takeOrder(order) {
@@ -227,6 +235,7 @@ function takeOrder(order) {
     if (own) refresh(own);
     return;
   }
+  tellEnd(order);
   const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion && pump.motion.order === order.id);
   for (const pump of of) {
     if (pump.motion && pump.motion.order === order.id) pump.motion = null;
@@ -244,6 +253,22 @@ function takeOrder(order) {
   }
 }
 const isDry = (order) => Boolean(order.options && order.options['dry-run']);
+
+/** Forms that were told that their order was taken, by the order: its end is told there too. */
+const taken = new Map();
+function tellTaken(said, order, words) {
+  const isDone = order.state === 'done';
+  const line = h('p', { text: isDone ? `Done: ${words}.` : `The service has the order: ${words}.` });
+  said.replaceChildren(line);
+  if (!isDone) taken.set(order.id, { line, words });
+}
+function tellEnd(order) {
+  const form = taken.get(order.id);
+  taken.delete(order.id);
+  if (!form) return;
+  const how = order.state === 'done' ? 'Done' : order.error && order.error.kind === 'stopped' ? 'Stopped' : 'Not done';
+  say(form.line, `${how}: ${form.words}.`);
+}
 
 /** Keeps the last report of each pump that an order has. */
 function takeReports(order) {
@@ -323,8 +348,8 @@ async function begin() {
     retry();
   }
 }
-function lose() {
-  if (isLive || !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
+function lose(isExpected) {
+  if (isExpected !== true && !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
   isLive = false;
   document.body.classList.add('lost');
   showLink();
@@ -344,8 +369,9 @@ function hello(told) {
   for (const name of [...pumps.keys()]) if (!names.includes(name)) pumps.delete(name);
   for (const pump of pumps.values()) pump.motion = null;
   for (const view of told.pumps) take(view);
+  const isOlder = version && version !== told.version;
   ({ racks, version } = told);
-  $('about').textContent = `pump-dose ${version}`;
+  $('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
   readLast();
   if (isSame && $('main').dataset.view) pumps.forEach(refresh);
   else show();
@@ -390,7 +416,7 @@ document.addEventListener('visibilitychange', () => {
   if (document.hidden) {
     hiddenTimer = setTimeout(() => { if (source) source.close(); source = null; }, 20000);
   } else if (!source || source.readyState === EventSource.CLOSED) {
-    lose();
+    lose(true);
     begin();
   }
 });
@@ -434,11 +460,11 @@ function stopButton(text, act, isCalm) {
   bindStop(button, act);
   return button;
 }
-/** A stop acts when it is pressed, not when it is let go. */
+/** A stop acts when it is pressed, not when it is let go. A finger on a button that scrolls away may mean to scroll. */
 function bindStop(button, act) {
   let pressed = 0;
   button.addEventListener('pointerdown', (event) => {
-    if (event.button !== 0) return;
+    if (event.button !== 0 || (event.pointerType === 'touch' && button.id !== 'stop')) return;
     pressed = Date.now();
     act();
   });
@@ -465,7 +491,7 @@ document.addEventListener('keydown', (event) => {
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
 /** Longest time for which a head turns on without a new measurement, in ms. */
-const GUESSED = 400;
+const GUESSED = 500;
 
 /**
  * A head that turns at the rate that was measured. Each measurement begins a new animation from the angle that is
@@ -480,7 +506,8 @@ class Head {
     this.begun = this.lasts = 0;
     this.motion = null;
     this.known = null;
-    this.rotor = s('svg', { class: 'rotor', viewBox: '-60 -60 120 120', 'aria-hidden': 'true' });
+    this.wheel = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' });
+    this.rotor = h('div', { class: 'rotor' }, this.wheel);
     this.unsure = s('text', { class: 'unsure', y: 8, text: '?' });
     const tube = 'M-40 58V0A40 40 0 0 1 40 0V58';
     const bed = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' },
@@ -497,7 +524,7 @@ class Head {
     this.known = known;
     this.unsure.setAttribute('visibility', known ? 'hidden' : 'visible');
     if (!known) {
-      this.rotor.replaceChildren(s('circle', { class: 'hatched', r: 27 }));
+      this.wheel.replaceChildren(s('circle', { class: 'hatched', r: 27 }));
       return;
     }
     const parts = [];
@@ -507,7 +534,7 @@ class Head {
         s('circle', { class: 'roller', r: 7.5, cx: 34 * x, cy: 34 * y }),
         s('circle', { class: 'pin', r: 1.8, cx: 34 * x, cy: 34 * y }));
     }
-    this.rotor.replaceChildren(...parts, s('circle', { class: 'hub', r: 9 }));
+    this.wheel.replaceChildren(...parts, s('circle', { class: 'hub', r: 9 }));
   }
 
   /** The angle nearest to `near` at which the picture is that of `angle`. */
@@ -549,6 +576,9 @@ class Head {
   go(now) {
     if (calm.matches || !this.at) return;
     if (this.to == null) this.put(this.base);
+    // A motion that is right and goes on for a while is left alone.
+    const isRight = Math.abs(this.base + this.rate * (now - this.at) - this.shown(now)) < 1.5;
+    if (isRight && this.begun + this.lasts - now > 200) return;
     this.turn(this.base + this.rate * (now + GUESSED - this.at), now, GUESSED);
   }
 
@@ -592,7 +622,8 @@ function stateOf(pump) {
     }
     const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan && motion.plan.purpose : null;
     const word = motion.task === 'rack' ? TASKS.rack : TASKS[purpose] || TASKS[motion.task] || 'Busy';
-    return [motion.progress ? 'move' : 'wait', motion.progress || motion.task === 'rack' ? word : `${word}: beginning`];
+    if (motion.progress) return ['move', word];
+    return ['wait', STANDING.includes(motion.task) || motion.task === 'rack' ? word : `${word}: beginning`];
   }
   if (!status) return ['fault', 'The record cannot be read'];
   if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
@@ -700,9 +731,9 @@ function showFacts(list, facts) {
   const names = facts.map(([name]) => name).join('\n');
   if (list.names !== names) {
     list.names = names;
-    list.replaceChildren(...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', { class: name === 'Angle' ? 'line' : null })]));
+    list.replaceChildren(...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', {}, h('span', { class: name === 'Angle' ? 'line' : null }))]));
   }
-  facts.forEach(([, value], i) => say(list.children[2 * i + 1], value));
+  facts.forEach(([, value], i) => say(list.children[2 * i + 1].firstChild, value));
 }
 
 /* Forms. */
@@ -834,7 +865,7 @@ function doseForm(pump, isWide) {
     if (!volume.input.value.trim()) return needs(volume, said, 'Write a volume, as 25mL.');
     send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), body(false), (order) => {
       if (order.state === 'failed') throw orderError(order);
-      said.replaceChildren(h('p', { text: `${order.state === 'done' ? 'Done' : 'Begun'}: ${order.volume}.` }));
+      tellTaken(said, order, `dose ${order.volume}`);
     });
   } }, isWide ? h('div', { class: 'fields' }, volume.el, parts.rate.el) : h('div', { class: 'row' }, volume.el, button),
   isWide && parts.smooth.el, more, isWide && h('div', { class: 'row' }, button, plan), said);
@@ -866,7 +897,7 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
     if (missing) return needs(missing, said, 'Fill this in first.');
     send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
       if (order.state === 'failed') throw orderError(order);
-      said.replaceChildren(h('p', { text: order.state === 'done' ? 'Done.' : 'Begun.' }));
+      tellTaken(said, order, word);
     });
   } }, h('h3', { text: label }), h('p', { class: 'hint', text: hint }),
   h('div', { class: 'row' }, boxes.map((box) => box.el), button), said);
@@ -880,7 +911,7 @@ function orderButton(pump, word, label, isFirst, bodyOf, done) {
   button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
     async (order) => {
       if (order.state === 'failed') throw orderError(order);
-      said.replaceChildren(h('p', { text: order.state === 'done' ? 'Done.' : 'Begun.' }));
+      tellTaken(said, order, word);
       if (done) done(order);
     }));
   return { button, said };
@@ -1157,7 +1188,7 @@ class Panel {
     say(this.below, read.below);
     if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
     if (read.bar) this.drawBar(read.bar);
-    if (pump.view.status && this.facts.children[1]) say(this.facts.children[1], angleWords(pump));
+    if (pump.view.status && this.facts.children[1]) say(this.facts.children[1].firstChild, angleWords(pump));
   }
 
   drawBar({ at, asked, of, u }) {
@@ -1187,7 +1218,7 @@ function table(caption, heads, rows) {
   return h('table', { role: 'table' }, h('caption', { text: caption }),
     h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, heads.map((text) => h('th', { role: 'columnheader', scope: 'col', text })))),
     h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row' },
-      row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, h('span', { text: cell })))))));
+      row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, cell && h('span', { text: cell })))))));
 }
 
 /** Reads a log line by line, and keeps its last `most` doses. */
@@ -1274,7 +1305,7 @@ function viewPumps() {
       go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
         if (order.state === 'failed') throw orderError(order);
         box.close();
-        said.replaceChildren(h('p', { text: order.state === 'done' ? 'Done.' : 'Begun.' }));
+        tellTaken(said, order, `rack ${name}`);
       }));
     });
     return h('section', { class: 'panel' }, h('h3', { text: name }), h('div', { class: 'row' }, run, plan), said);
@@ -1378,6 +1409,7 @@ function viewSchedule() {
 
 function showLogin() {
   if ($('main').dataset.view === 'login') return;
+  for (const box of document.querySelectorAll('dialog')) box.close();
   if (source) source.close();
   source = null;
   clearTimeout(retryTimer);

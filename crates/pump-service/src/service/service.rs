@@ -321,7 +321,7 @@ impl Service {
                 pump.refresh();
             }
             service.live().remove(&record.id);
-            service.tell("order", &record);
+            service.tell("order", &record.brief());
             changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
         });
         if let Err(error) = done.await {
@@ -346,7 +346,7 @@ impl Service {
                 self.tell("progress", &value);
             }
             Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) => {
-                self.tell("order", &order.shown())
+                self.tell("order", &order.shown().brief())
             }
         }
     }

@@ -11,7 +11,7 @@ use tokio::sync::mpsc::{Receiver, channel};
 use super::line::Line;
 use super::program::Program;
 use super::worker::Ended;
-use crate::order::{Order, OrderError, Task};
+use crate::order::{OrderError, plain_text};
 
 /// Bytes that are passed on at a time.
 const PIECE: usize = 64 << 10;
@@ -38,14 +38,10 @@ pub(crate) fn log_words(
     until: Option<&str>,
     format: LogFormat,
 ) -> Result<Vec<String>, OrderError> {
-    // The name and the texts are checked as those of an order are.
-    let checked = |text: &str| {
-        Order::new(pump, Task::Clear { reason: text.to_owned() }).words().map(|_| text.to_owned())
-    };
     let mut words = vec!["log".to_owned(), format!("--pump={pump}")];
     for (name, text) in [("since", since), ("until", until)] {
         if let Some(text) = text {
-            words.push(format!("--{name}={}", checked(text)?));
+            words.push(format!("--{name}={}", plain_text("a time", text)?));
         }
     }
     let format = match format {

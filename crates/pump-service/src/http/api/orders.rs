@@ -47,7 +47,8 @@ pub(in super::super) async fn list(
 ) -> Result<Json<Vec<OrderRecord>>, Failure> {
     let most = part.limit.unwrap_or(USUAL).min(MOST);
     let history = shared.service.history();
-    Ok(Json(history.last_orders(part.pump.as_deref(), most).map_err(Refusal::from)?))
+    let orders = history.last_orders(part.pump.as_deref(), most).map_err(Refusal::from)?;
+    Ok(Json(orders.into_iter().map(OrderRecord::brief).collect()))
 }
 
 /// One order as it stands.
