@@ -242,7 +242,7 @@ fn a_balance_beside_a_simulated_pump_is_told_that_no_motor_moved() {
     assert_eq!(still.code, 1, "{}", still.err);
     assert!(
         still.err.contains(
-            "the balance rose by 0 g where a simulated motor made the steps of 5 mL: no motor moved"
+            "the balance rose by 0.000 g where a simulated motor made the steps of 5 mL: no motor moved"
         ),
         "{}",
         still.err
