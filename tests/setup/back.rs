@@ -120,7 +120,7 @@ fn back_repeats_no_motion_that_nobody_has_asked_for() {
         ["--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--driver", "grbl", "--port"];
     let place = [&port[..], "--axis", "X", "--altitude", "500m", "--rate", "0.2mL/s", "--configure"];
     let words = [&known[..], &place].concat();
-    let revolution = [
+    let answers = [
         ("Bore", ""),
         ("Gear", ""),
         ("Height of the pump", ""),
@@ -128,6 +128,14 @@ fn back_repeats_no_motion_that_nobody_has_asked_for() {
         ("End of the outlet", ""),
         ("Inner diameter", ""),
         ("Is this right?", ""),
+        ("May the motor move?", "quit"),
+    ];
+    sets_up(&desk, &words, &answers);
+    // A pump whose direction nobody has seen yet moves by its setup alone.
+    let dose = desk.types(&["1mL", "--pump", "acid"]);
+    assert_eq!(dose.code, 2, "{}", dose.err);
+    assert!(dose.err.contains("`dose setup acid` goes on with its setup, which was left"), "{}", dose.err);
+    let revolution = [
         ("May the motor move?", "back"),
         ("Is this right?", ""),
         ("May the motor move?", "yes"),
@@ -140,7 +148,7 @@ fn back_repeats_no_motion_that_nobody_has_asked_for() {
         ("Volume that fills both hoses", "back"),
         ("May the motor move?", "quit"),
     ];
-    sets_up(&desk, &words, &revolution);
+    sets_up(&desk, &[], &revolution);
     let turned = pump.board.rest().steps;
     assert_eq!(turned, 3200, "one revolution was agreed to");
     let line = [

@@ -153,8 +153,8 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
     course.board.clone().map_or(Ok(()), |board| take_driver(course, &board))
 }
 
-/// Asks the board of a suggested port that the search has not found, if it turns another pump: it is suggested while one
-/// of its axes is free.
+/// Asks the board of a suggested port that the search has not found, if it turns another pump: it is suggested while
+/// one of its axes is free.
 fn shared_board(
     course: &Course,
     suggested: Option<&Usual>,

@@ -185,6 +185,7 @@ impl SetupArgs {
         answers.check()?;
         course.check_axis(&answers)?;
         self.refuse_weight_before_dose(&answers)?;
+        self.refuse_volume_of_made_dose(course)?;
         let balance = self.balance.open(answers.port.as_deref())?;
         let mut given = Given { balance, turned: self.answers.turned, primes: self.answers.prime.is_some() };
         if let Some(balance) = &mut given.balance {
@@ -270,6 +271,21 @@ impl SetupArgs {
         Err(refused.value("no dose").allowed("--weight after the dose"))
     }
 
+    /// Refuses the volume of a dose that was made already and waits for its weight.
+    fn refuse_volume_of_made_dose(&self, course: &Course) -> Result<(), Failure> {
+        let before = &course.answers;
+        let other = self.answers.volume.filter(|ml| before.volume_ml != Some(*ml));
+        let Some(volume_ml) = other.filter(|_| before.done.dosed && !self.again) else { return Ok(()) };
+        if !weigh::is_last(course)? {
+            return Ok(());
+        }
+        let refused = Failure::refused(
+            "the dose was made and waits for its weight, so that --volume changes nothing; leave it out and say \
+             --weight, or add --again for a dose of this volume",
+        );
+        Err(refused.value(format!("{volume_ml} mL")).allowed("--weight, or --again"))
+    }
+
     /// Asks if one more dose is to be weighed, of a pump that is set up.
     fn weighs_more(&self, course: &mut Course) -> Asked<bool> {
         let is_weight_there = self.answers.weight.is_some() || self.balance.is_given();
@@ -329,13 +345,13 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
     if is_new {
         tell_person(&format!(
             "Setting up `{name}`: some questions, one revolution, and one dose that you weigh. It takes about ten \
-             minutes. Enter takes the answer in brackets, ? explains the question, back returns to the one before, quit \
-             leaves; `dose setup {name}` goes on later."
+             minutes. Enter takes the answer in brackets, ? explains the question, back returns to the one before, \
+             quit leaves; `dose setup {name}` goes on later."
         ));
     } else {
         heading(&format!(
-            "Going on with `{name}`; the answers so far are on record. ? explains, back returns to the question before, \
-             quit leaves."
+            "Going on with `{name}`; the answers so far are on record. ? explains, back returns to the question \
+             before, quit leaves."
         ));
     }
     if let Some(last) = course.last.as_ref().filter(|_| !is_like) {

@@ -111,7 +111,7 @@ pub(super) fn weigh(
 }
 
 /// True if the pump's last dose is that of the course. Answers of an early version do not tell.
-fn is_last(course: &Course) -> Result<bool, Failure> {
+pub(super) fn is_last(course: &Course) -> Result<bool, Failure> {
     let last = course.bench()?.last_number()?;
     Ok(course.answers.done.dose.is_none_or(|number| number == last))
 }
