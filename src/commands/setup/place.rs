@@ -79,7 +79,7 @@ fn ask_lifts(course: &mut Course, asks: [bool; 2], of_file_mm: [Option<f64>; 2])
             help: "negative if the supply stands above the pump, as -0.3m; 0 if both stand on one bench",
         };
         course.settle(Topic::SuctionLift, &question, height, |answers, mm| {
-            answers.suction_lift_mm = Some(mm)
+            answers.suction_lift_mm = Some(mm);
         })?;
     }
     if asks[1] {
@@ -91,7 +91,7 @@ fn ask_lifts(course: &mut Course, asks: [bool; 2], of_file_mm: [Option<f64>; 2])
             help: "negative if the vessel stands below the pump, as -0.3m",
         };
         course.settle(Topic::DischargeLift, &question, height, |answers, mm| {
-            answers.discharge_lift_mm = Some(mm)
+            answers.discharge_lift_mm = Some(mm);
         })?;
     }
     Ok(())
@@ -122,7 +122,7 @@ fn ask_outlet(course: &mut Course) -> Asked<()> {
             help: "that of the tube if it ends without a nozzle, as 1.6mm; larger drops hang from a wider end",
         };
         course.settle(Topic::Nozzle, &question, length_or_unknown, |answers, mm| {
-            answers.nozzle_bore_mm = Some(mm)
+            answers.nozzle_bore_mm = Some(mm);
         })?;
     }
     Ok(())

@@ -59,21 +59,7 @@ pub(super) fn weigh(
             tell_person(LATER_DOSE);
         }
         if !course.answers.done.dosed {
-            heading("A dose to be weighed");
-            let fluid = course.bench()?.file().fluid.clone();
-            tell_person(&format!(
-                "The weight is taken as that of {} at {} °C; `dose` names another fluid by --fluid, or by [fluid] in \
-                 the pump file.",
-                fluid.name, fluid.temperature_degc
-            ));
-            let most_ml = course.most_ml()?;
-            let too_much = course.answers.volume_ml.and_then(|ml| within(ml, most_ml).err());
-            if let Some(why) = too_much.as_ref().filter(|_| course.asker.is_silent()) {
-                return Err(Failure::refused(format!("{why}; say --volume 5mL")).into());
-            }
-            if course.answers.volume_ml.is_none() || too_much.is_some() {
-                ask_volume(course, most_ml)?;
-            }
+            settle_volume(course)?;
             let dosed = dose(course, &mut || {
                 balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose()
             });
@@ -108,6 +94,26 @@ pub(super) fn weigh(
             Err(failure) => tell_person(&format!("  {}", failure.message())),
         }
     }
+}
+
+/// Announces the dose, and asks its volume unless it is known.
+fn settle_volume(course: &mut Course) -> Asked<()> {
+    heading("A dose to be weighed");
+    let fluid = course.bench()?.file().fluid.clone();
+    tell_person(&format!(
+        "The weight is taken as that of {} at {} °C; `dose` names another fluid by --fluid, or by [fluid] in \
+         the pump file.",
+        fluid.name, fluid.temperature_degc
+    ));
+    let most_ml = course.most_ml()?;
+    let too_much = course.answers.volume_ml.and_then(|ml| within(ml, most_ml).err());
+    if let Some(why) = too_much.as_ref().filter(|_| course.asker.is_silent()) {
+        return Err(Failure::refused(format!("{why}; say --volume 5mL")).into());
+    }
+    if course.answers.volume_ml.is_none() || too_much.is_some() {
+        ask_volume(course, most_ml)?;
+    }
+    Ok(())
 }
 
 /// True if the pump's last dose is that of the course. Answers of an early version do not tell.
