@@ -12,7 +12,7 @@ use pump_bench::{DoseError, Session};
 use crate::advice;
 use crate::interrupt::{self, Unwatched};
 use crate::shown::json_shown;
-use crate::told_commands::completed;
+use crate::told_commands::{completed, setup_that_was_left};
 
 /// The reason why a command did not do what was asked: words for people, facts for programs.
 #[derive(Debug)]
@@ -259,7 +259,15 @@ impl From<Unwatched> for Failure {
 impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
         let delivered_ml = error.delivered_ml();
-        Self { delivered_ml, ..Self::of(error) }
+        let left = match &error {
+            DoseError::Unconfirmed { pump, .. } => setup_that_was_left(pump),
+            _ => None,
+        };
+        let failure = Self { delivered_ml, ..Self::of(error) };
+        match left {
+            Some(left) => failure.with(&format!("; {left}")),
+            None => failure,
+        }
     }
 }
 

@@ -41,7 +41,9 @@ pub(crate) fn unknown(word: &str, root: &Command) -> Failure {
         root.get_subcommands().map(Command::get_name).filter(|command| *command != "help").collect();
     let distance = |command: &&&str| strsim::damerau_levenshtein(word, command);
     let all = commands.join(", ");
-    let message = match commands.iter().filter(|command| distance(command) <= 2).min_by_key(distance) {
+    // Two letters of a word of four or five are another word.
+    let near = |command: &&&str| distance(command) <= 2 && 3 * distance(command) <= word.chars().count();
+    let message = match commands.iter().filter(near).min_by_key(distance) {
         Some(command) => format!("unknown command `{word}`; did you mean `dose {command}`?"),
         None => format!("`{word}` is neither a volume, as 25mL, nor a command: {all}"),
     };

@@ -3,11 +3,13 @@
 
 use std::borrow::Cow;
 use std::cell::RefCell;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command};
-use pump_bench::config::Config;
+use pump_bench::config::{Config, config_path};
+use pump_bench::setup::SetupFolder;
 
 /// Options that say which pump a command means and where its record is, by clap's ids.
 const OF_PLACES: [(&str, &str); 5] = [
@@ -92,6 +94,14 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
     let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(is_typed));
     typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
     let _ = TOLD.set(Told { typed, pump, usual, root });
+}
+
+/// Words with the command that goes on with the setup of a pump, if that was left before its end.
+pub(crate) fn setup_that_was_left(pump: &str) -> Option<String> {
+    let typed = TOLD.get().and_then(|told| told.typed.iter().find(|(option, _)| *option == "--config"));
+    let config = typed.map(|(_, path)| PathBuf::from(path)).or_else(config_path)?;
+    let answers = SetupFolder::of(&config).read(pump).ok().flatten()?;
+    (!answers.is_finished()).then(|| format!("`dose setup {pump}` goes on with its setup, which was left"))
 }
 
 /// Completes the commands of a text, which stand between back quotes.

@@ -207,6 +207,22 @@ fn a_dose_repeats_what_the_check_doubts_of_a_head_until_it_is_weighed() {
 }
 
 #[test]
+fn a_dose_that_sucks_deeper_than_tubes_are_known_to_stand_is_warned_of_at_its_rate() {
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    let text = fs::read_to_string(user.path(bought)).unwrap();
+    let line =
+        "resistance_kpa_s_ml = 80.0\ncompliance_ml_kpa = 0.01\ninertance_kpa_s2_ml = 1e-4\nlift_mm = 0.0\n";
+    fs::write(user.path(bought), format!("{text}\n[inlet]\n{line}\n[outlet]\n{line}")).unwrap();
+    let warned = |rate: &str| {
+        let report = user.json(&["25mL", "--pump", bought, "--rate", rate, "--dry-run"]);
+        report["warnings"].to_string().matches("the pump sucks with").count()
+    };
+    // 80 kPa s/mL make 8 kPa of a mean flow of 0.1 mL/s, and 64 kPa of 0.8 mL/s.
+    assert_eq!((warned("0.1mL/s"), warned("0.8mL/s")), (0, 1));
+}
+
+#[test]
 fn a_head_that_was_changed_in_a_copy_of_the_built_in_file_is_warned_of_by_check_and_dose() {
     let user = User::new();
     let shown = user.types(&["pumps", "show", "three-roller"]).out;

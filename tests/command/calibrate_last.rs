@@ -267,11 +267,11 @@ fn a_dose_is_weighed_as_the_fluid_that_it_was_made_with() {
 fn a_second_reading_of_a_dose_says_that_it_takes_the_place_of_the_first() {
     let user = User::new();
     user.json(&["213mL"]);
-    let first = user.types(&["calibrate", "last", "217.26g"]);
+    let first = user.types(&["calibrate", "last", "217.30g"]);
     assert!(!first.err.contains("takes the place"), "{}", first.err);
-    let second = user.types(&["calibrate", "last", "217.30g"]);
+    let second = user.types(&["calibrate", "last", "217.26g"]);
     assert!(
-        second.err.contains("this reading takes the place of 217.26g of the same dose"),
+        second.err.contains("this reading takes the place of 217.30g of the same dose"),
         "{}",
         second.err
     );

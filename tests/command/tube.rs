@@ -225,6 +225,21 @@ fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
 }
 
 #[test]
+fn a_reading_that_another_one_replaced_is_no_point_of_the_tubes_course() {
+    let user = User::new();
+    user.json(&["30mL", "--start-angle", "0deg+-0deg"]);
+    for reading in ["29.8g", "29.7g", "29.75g", "29.72g"] {
+        assert_eq!(user.types(&["calibrate", "last", reading]).code, 0);
+    }
+    assert_eq!(calibrations(&user).len(), 4);
+    let tube = user.json(&["tube"]);
+    let counted = tube["calibrations"].as_array().unwrap();
+    assert!(counted.len() == 1 && counted[0]["version"] == 4, "{tube}");
+    assert!(tube["drift_per_30_days"].is_null() && tube["calibrate_again_by"].is_null(), "{tube}");
+    assert!(user.types(&["tube"]).out.contains("1 of 3 calibrations of this tube are on record"));
+}
+
+#[test]
 fn calibrations_of_one_time_show_no_drift_and_no_course_and_the_reason_says_so() {
     let user = User::new();
     user.json(&["25mL"]);

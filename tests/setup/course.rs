@@ -158,14 +158,19 @@ fn a_turn_that_falls_short_corrects_the_steps() {
     let desk = Desk::new();
     // The driver is set to 64 microsteps, and its owner believes that they are 16.
     let mut pump = TruePump::new(0.5, 12_800.0, (0.23, 50.0), 0.2);
-    let mut slips = ["many", "1"].iter();
+    let mut slips = ["many", "1", "200000000"].iter();
     let ended = desk.answers(&["setup", "acid"], &mut |question| {
         let slip = question.starts_with("Steps per revolution").then(|| slips.next()).flatten();
         Some(slip.map_or_else(|| sees(&mut pump, question, "16"), |slip| (*slip).to_owned()))
     });
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     // A number that no motor has is asked for again, and the turn that was seen is not forgotten.
-    for told in ["`many` is no whole number of steps", "steps per revolution is 1"] {
+    let range = "allowed: 4 to 100000000\n";
+    for told in [
+        "`many` is no whole number of steps",
+        &format!("[motor] steps_per_rev is 1; {range}"),
+        &format!("[motor] steps_per_rev is 200000000; {range}"),
+    ] {
         assert!(ended.err.contains(told), "{told}: {}", ended.err);
     }
     assert!(ended.err.contains("about 12800 steps, that is 64 microsteps, and not 3200"), "{}", ended.err);

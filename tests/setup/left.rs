@@ -270,6 +270,12 @@ fn a_filling_that_was_stopped_is_asked_for_again_with_the_rest() {
     });
     assert_eq!(stopped.code, 130, "{}{}", stopped.out, stopped.err);
     let steps = pump.board.rest().steps;
+    let status = desk.types(&["status", "--pump", "acid"]).out;
+    assert!(
+        status.contains("unfinished: a prime of 10 mL, of which") && status.contains("by the model"),
+        "{status}"
+    );
+    assert!(!status.contains("motor's steps"), "{status}");
     let mut suggested = String::new();
     let ended = desk.answers(&["setup", "acid"], &mut |question| {
         if question.starts_with("Volume that fills") {

@@ -5,6 +5,7 @@
 #![cfg(unix)]
 
 mod announced;
+mod back;
 #[allow(dead_code, reason = "the balance of other tests, with more defects")]
 #[path = "../../examples/simulated_grbl/balance/mod.rs"]
 mod balance;

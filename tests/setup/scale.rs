@@ -153,9 +153,11 @@ fn a_weight_is_that_of_the_setups_dose_and_of_no_later_one() {
     let steps = pump.board.rest().steps;
     let refused = desk.types(&["setup", "acid", "--weight", "4.98g"]);
     assert!(refused.code == 2 && refused.err.contains("dosed again since setup's dose"), "{}", refused.err);
-    // It is made anew, and weighed.
+    // It is made anew, and weighed. Another volume comes too late then.
     assert_eq!(desk.types(&["setup", "acid", "--yes"]).code, 0);
     assert_ne!(pump.board.rest().steps, steps);
+    let late = desk.types(&["setup", "acid", "--volume", "7mL", "--weight", "4.98g"]);
+    assert!(late.code == 2 && late.err.contains("so that --volume changes nothing"), "{}", late.err);
     assert_eq!(desk.types(&["setup", "acid", "--weight", "4.98g"]).code, 0);
     assert_eq!(desk.types(&["8mL", "--pump", "acid"]).code, 0);
     let refused = desk.types(&["setup", "acid", "--weight", "7.9g"]);
@@ -242,7 +244,7 @@ fn a_balance_beside_a_simulated_pump_is_told_that_no_motor_moved() {
     assert_eq!(still.code, 1, "{}", still.err);
     assert!(
         still.err.contains(
-            "the balance rose by 0 g where a simulated motor made the steps of 5 mL: no motor moved"
+            "the balance rose by 0.000 g where a simulated motor made the steps of 5 mL: no motor moved"
         ),
         "{}",
         still.err

@@ -181,6 +181,9 @@ fn an_axis_that_the_board_does_not_report_is_not_offered() {
     });
     assert_eq!(second.code, 0, "{}", second.err);
     assert!(second.err.contains("each axis of the board at"), "{}", second.err);
+    // Nobody is led there: the port is not suggested.
+    let port = second.asked.iter().find(|question| question.starts_with("Port of the board"));
+    assert_eq!(port.unwrap(), "Port of the board: ");
     assert!(second.err.contains("name another board, or quit"), "{}", second.err);
     assert!(second.err.contains("`dose setup base` goes on"), "{}", second.err);
     // A script's axis is looked at before its file is written.

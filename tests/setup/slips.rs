@@ -31,6 +31,24 @@ fn a_volume_that_no_head_delivers_through_its_bore_is_refused_with_the_range() {
 }
 
 #[test]
+fn a_rate_that_hardly_turns_the_head_is_refused_at_its_question_with_the_range() {
+    let desk = Desk::new();
+    // A pitch of 0.5 mL/4 in an hour is 3.47e-5 mL/s, and 100 r/min are 0.833 mL/s.
+    let range = "takes longer than an hour; allowed: 0.0000347 to 0.833 mL/s";
+    let head = ["setup", "acid", "--ml-per-rev", "0.5mL", "--rollers", "4", "--rate", "1nL/s"];
+    let refused = desk.types(&[&head[..], &SIM].concat());
+    assert!(refused.code == 2 && refused.err.contains(range), "{}", refused.err);
+    let answers =
+        [("Head:", "0.5mL"), ("Rollers", "4"), ("Microsteps", "16"), ("Driver", "sim"), ("Altitude", "0m")];
+    let (mut react, mut rates) = (by_part(&answers), ["1nL/s", "0.1uL/s"].iter());
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| {
+        if question.starts_with("Rate") { rates.next().map(ToString::to_string) } else { react(question) }
+    });
+    assert!(ended.code == 0 && ended.err.contains(range), "{}", ended.err);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains("default_rate_ml_s = 0.0001\n"));
+}
+
+#[test]
 fn what_is_unusual_is_said_before_the_file_is_written_and_by_the_check() {
     let desk = Desk::new();
     let warnings = [

@@ -102,8 +102,7 @@ impl Scale {
 
 /// A mass with the digits of the balance.
 pub(super) fn shown(mass_g: f64, step_g: f64) -> String {
-    let decimals = (-libm::log10(step_g)).clamp(0.0, 6.0).round() as usize;
-    format!("{mass_g:.decimals$} g")
+    BalanceReading { mass_g, step_g }.shown()
 }
 
 /// The words on how sure a reading with this last digit is, unless the user says it.

@@ -16,6 +16,8 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) enum Stop {
     /// The person leaves, and will come back.
     Left,
+    /// The person wants the question before.
+    Back,
     /// Something is wrong.
     Failed(Failure),
 }
@@ -121,6 +123,7 @@ impl Asker {
                     continue;
                 }
                 ("quit", _) => return Err(Stop::Left),
+                ("back", _) => return Err(Stop::Back),
                 (answer, _) => answer,
             };
             match read(answer) {

@@ -6,7 +6,7 @@ use pump_bench::drives::{DriveError, FoundBoard, PortFault, find_boards, serial_
 use pump_bench::notice::{Remedy, with_sources};
 use pump_bench::pump_file::{Axis, DriverName};
 use pump_bench::report::Explain;
-use pump_bench::setup::Answers;
+use pump_bench::setup::{Answers, Topic};
 
 use super::asker::{Asked, Question, Usual};
 use super::course::{Course, heading, tell_person};
@@ -107,25 +107,32 @@ fn ask_driver(course: &mut Course) -> Asked<()> {
                program only",
     };
     let read = |answer: &str| answer.parse::<DriverName>().map_err(|error| error.to_string());
-    course.settle(&question, read, |answers, driver| answers.driver = Some(driver))
+    course.settle(Topic::Driver, &question, read, |answers, driver| answers.driver = Some(driver))
 }
 
 /// Asks the port. That of a board all of whose axes turn other pumps is not suggested.
 fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
     let is_silent = course.asker.is_silent();
-    let found = if is_silent { Vec::new() } else { search()? };
+    let mut found = if is_silent { Vec::new() } else { search()? };
     let of_last = course.suggested(|last| Some(last.port.as_ref()?.display().to_string()), None);
-    let of_driver = found.iter().filter(|(_, board)| Some(board.driver()) == course.answers.driver);
-    let only = match (of_driver.collect::<Vec<_>>().as_slice(), found.as_slice()) {
+    found.extend(shared_board(course, of_last.as_ref(), &found));
+    let is_free = |usual: &Usual| {
+        let port = Path::new(&usual.answer);
+        let board = found.iter().find(|(at, _)| at == port).map(|(_, board)| board);
+        full != Some(port) && free_axis(course, port, axes(board, course.answers.driver)).is_some()
+    };
+    let free: Vec<_> =
+        found.iter().filter(|(port, _)| is_free(&Usual::new(port.display().to_string()))).collect();
+    let of_driver = free.iter().filter(|(_, board)| Some(board.driver()) == course.answers.driver);
+    let only = match (of_driver.collect::<Vec<_>>().as_slice(), free.as_slice()) {
         ([(port, _)], _) | (_, [(port, _)]) => Some(Usual::new(port.display().to_string())),
         _ => None,
     };
-    let is_free = |usual: &Usual| full.is_none_or(|full| Path::new(&usual.answer) != full);
     let is_there = |usual: &Usual| found.iter().any(|(port, _)| Path::new(&usual.answer) == port);
     let question = Question {
         text: "Port of the board",
         option: "--port /dev/ttyUSB0",
-        usual: of_last.clone().filter(is_there).or(only).or(of_last).filter(is_free),
+        usual: of_last.clone().filter(is_there).filter(is_free).or(only).or(of_last).filter(is_free),
         help: "the device that appears when you plug the board's cable in, as /dev/ttyUSB0",
     };
     let mut board = None;
@@ -141,9 +148,24 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
         }
         Ok(port.to_owned())
     };
-    course.settle(&question, read, |answers, port| answers.port = Some(port))?;
+    course.settle(Topic::Port, &question, read, |answers, port| answers.port = Some(port))?;
     course.board = board;
     course.board.clone().map_or(Ok(()), |board| take_driver(course, &board))
+}
+
+/// Asks the board of a suggested port that the search has not found, if it turns another pump: it is suggested while
+/// one of its axes is free.
+fn shared_board(
+    course: &Course,
+    suggested: Option<&Usual>,
+    found: &[(PathBuf, FoundBoard)],
+) -> Option<(PathBuf, FoundBoard)> {
+    let port = Path::new(&suggested?.answer);
+    let is_known = course.asker.is_silent() || found.iter().any(|(at, _)| at == port);
+    if is_known || !port.exists() || course.others_at(port).is_empty() {
+        return None;
+    }
+    Some((port.to_owned(), who_is_at(port).ok()?))
 }
 
 /// Asks the port anew, of a board that does not answer there.
@@ -254,8 +276,8 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
     for other in &others {
         tell_person(&format!("  {} has the axis {} of this board", other.name, other.axis));
     }
-    let axes = axes(course);
-    let free = axes.iter().find(|axis| others.iter().all(|other| other.axis != **axis));
+    let axes = axes(course.board.as_ref(), course.answers.driver);
+    let free = free_axis(course, &port, axes);
     if free.is_none() {
         let refused = format!("each axis of the board at {} turns another pump", port.display());
         if course.asker.is_silent() {
@@ -284,13 +306,19 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
             None => Ok(axis),
         }
     };
-    course.settle(&question, read, |answers, axis| answers.axis = Some(axis))?;
+    course.settle(Topic::Axis, &question, read, |answers, axis| answers.axis = Some(axis))?;
     Ok(true)
 }
 
+/// The first of these axes of the board at a port that turns no other pump.
+fn free_axis<'a>(course: &Course, port: &Path, axes: &'a [Axis]) -> Option<&'a Axis> {
+    let others = course.others_at(port);
+    axes.iter().find(|axis| others.iter().all(|other| other.axis != **axis))
+}
+
 /// The axes of the board, as far as it tells. A node has four.
-fn axes(course: &Course) -> &'static [Axis] {
-    match (course.board.as_ref().map(FoundBoard::axes), course.answers.driver) {
+fn axes(board: Option<&FoundBoard>, driver: Option<DriverName>) -> &'static [Axis] {
+    match (board.map(FoundBoard::axes), driver) {
         (Some(axes @ [_, ..]), _) => axes,
         (_, Some(DriverName::Node)) => Axis::ALL.get(..4).unwrap_or_default(),
         _ => Axis::ALL,

@@ -1,5 +1,6 @@
 //! The course of a first run: its answers on record, and the pump that they make.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use pump_bench::catalogue::unusual;
@@ -8,7 +9,7 @@ use pump_bench::drives::FoundBoard;
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{DriverName, PumpFile};
 use pump_bench::report::Explain;
-use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupError, SetupFolder};
+use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupError, SetupFolder, Topic};
 use pump_bench::{Bench, Prepared, Session};
 
 use super::asker::{Asked, Asker, Question, Usual};
@@ -33,6 +34,14 @@ pub(super) struct Course {
     pub(super) last: Option<Answers>,
     /// Answers before a part of them was asked anew. They stay on record until each new one is there.
     pub(super) corrected: Option<Answers>,
+    /// Answered questions that the correction of a part does not ask anew. `None` outside such a correction.
+    pub(super) kept: Option<BTreeSet<Topic>>,
+    /// Answers before each step back, the oldest first. They are suggested.
+    withdrawn: Vec<Answers>,
+    /// Topic of the question that is asked. `None` where the answers are complete.
+    pub(super) at: Option<Topic>,
+    /// True if the summary is to be shown though nothing has changed.
+    pub(super) reviews: bool,
     /// Other pumps of the configuration that boards turn.
     neighbours: Vec<Neighbour>,
     /// Board that answered at the port, once it was asked.
@@ -66,6 +75,10 @@ impl Course {
             state_dir,
             last,
             corrected: None,
+            kept: None,
+            withdrawn: Vec::new(),
+            at: None,
+            reviews: false,
             neighbours,
             board: None,
             has_moved: false,
@@ -91,13 +104,37 @@ impl Course {
     }
 
     /// Forgets a part of the answers, which is asked anew: the former ones are suggested.
-    pub(super) fn correct(&mut self, forget: fn(&mut Answers)) {
+    pub(super) fn correct(&mut self, part: &[Topic]) {
         self.corrected = Some(self.answers.clone());
-        forget(&mut self.answers);
+        part.iter().for_each(|topic| topic.forget(&mut self.answers));
+        self.kept = Some(self.answers.asked.clone());
+    }
+
+    /// Leaves a correction: the answers of before are shown again.
+    pub(super) fn leave_correction(&mut self) {
+        if let Some(before) = self.corrected.take() {
+            self.answers = before;
+        }
+        self.kept = None;
+        self.board = None;
+        self.reviews = true;
+    }
+
+    /// Forgets the answer to a question, which is asked anew and suggests it.
+    pub(super) fn withdraw(&mut self, topic: Topic) -> Result<(), Failure> {
+        self.withdrawn.push(self.answers.clone());
+        let mut answers = self.answers.clone();
+        topic.forget(&mut answers);
+        if matches!(topic, Topic::Driver | Topic::Port) {
+            self.board = None;
+        }
+        self.take(answers)
     }
 
     /// Takes the answers of a correction that is complete.
     pub(super) fn end_correction(&mut self) -> Result<(), Failure> {
+        self.withdrawn.clear();
+        self.kept = None;
         let Some(before) = self.corrected.take() else { return Ok(()) };
         let corrected = std::mem::replace(&mut self.answers, before);
         self.take(corrected)
@@ -106,10 +143,12 @@ impl Course {
     /// Asks a question until its answer contradicts no other, and keeps it.
     pub(super) fn settle<T>(
         &mut self,
+        topic: Topic,
         question: &Question<'_>,
         mut read: impl FnMut(&str) -> Result<T, String>,
         mut set: impl FnMut(&mut Answers, T),
     ) -> Asked<()> {
+        self.at = Some(topic);
         let before = self.answers.clone();
         let (runnable, is_asked) = (self.runnable.clone(), !self.asker.is_silent());
         let answers = self.asker.ask(question, |answer| {
@@ -121,15 +160,28 @@ impl Course {
             })?;
             Ok(answers)
         })?;
-        Ok(self.take(answers)?)
+        Ok(self.take_answered(topic, answers)?)
     }
 
-    /// The answer that is corrected.
+    /// Takes new answers, of which a person has given that to a question of this topic.
+    pub(super) fn take_answered(&mut self, topic: Topic, mut answers: Answers) -> Result<(), Failure> {
+        if !self.asker.is_silent() {
+            answers.asked.insert(topic);
+        }
+        self.take(answers)
+    }
+
+    /// The answers that are asked anew, the newest first: those that were taken back, and those that are corrected.
+    pub(super) fn earlier(&self) -> impl Iterator<Item = &Answers> {
+        self.withdrawn.iter().rev().chain(&self.corrected)
+    }
+
+    /// The answer that is asked anew.
     pub(super) fn former(&self, of: impl Fn(&Answers) -> Option<String>) -> Option<Usual> {
-        self.corrected.as_ref().and_then(of).map(Usual::new)
+        self.earlier().find_map(of).map(Usual::new)
     }
 
-    /// The answer that is corrected or that of the last pump as a suggestion, or else the usual one.
+    /// The answer that is asked anew or that of the last pump as a suggestion, or else the usual one.
     pub(super) fn suggested(
         &self,
         of: impl Fn(&Answers) -> Option<String>,
@@ -146,7 +198,7 @@ impl Course {
         of: impl Fn(&Answers) -> Option<String>,
         usual: Option<&str>,
     ) -> Option<Usual> {
-        let before = self.corrected.as_ref().or(self.last.as_ref());
+        let before = self.earlier().next().or(self.last.as_ref());
         let is_other = before.is_some_and(|before| before.head != self.answers.head);
         if is_other { usual.map(Usual::new) } else { self.suggested(of, usual) }
     }

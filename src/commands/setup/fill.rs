@@ -1,6 +1,7 @@
 //! The line is filled before the first dose.
 
 use pump_bench::record::Purpose;
+use pump_bench::setup::Topic;
 use pump_bench::{DoseReport, DoseRequest};
 
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
@@ -26,22 +27,43 @@ pub(super) fn fill(course: &mut Course, is_typed: bool) -> Asked<()> {
     }
     heading("The line");
     let most_ml = course.most_ml()?;
-    let named_ml = course.answers.prime_ml.filter(|_| is_typed);
-    let mut volume_ml = match (named_ml, course.answers.done.prime_left_ml) {
-        (Some(named_ml), _) => {
-            let refused =
-                |why| Failure::refused(format!("{why}; say --prime 5mL")).value(format!("{named_ml} mL"));
-            within(named_ml, most_ml).map_err(refused)?
+    let mut named_ml = course.answers.prime_ml.filter(|_| is_typed);
+    let mut asks_volume = false;
+    loop {
+        let volume_ml = match (named_ml.take(), course.answers.done.prime_left_ml) {
+            (Some(named_ml), _) => {
+                let refused =
+                    |why| Failure::refused(format!("{why}; say --prime 5mL")).value(format!("{named_ml} mL"));
+                within(named_ml, most_ml).map_err(refused)?
+            }
+            (None, Some(0.0)) if !asks_volume => match ask_more(course, most_ml) {
+                // Pumped liquid stays in the line: the question before suggests no more of it.
+                Err(Stop::Back) => {
+                    asks_volume = true;
+                    continue;
+                }
+                more_ml => more_ml?,
+            },
+            (None, _) => ask_volume(course, most_ml)?,
+        };
+        if volume_ml == 0.0 {
+            course.answers.done.primed = true;
+            return Ok(course.keep()?);
         }
-        (None, Some(0.0)) => ask_more(course, most_ml)?,
-        (None, _) => ask_volume(course, most_ml)?,
-    };
-    while volume_ml > 0.0 {
-        prime(course, volume_ml)?;
-        volume_ml = ask_more(course, most_ml)?;
+        match prime(course, volume_ml) {
+            Err(Stop::Back) => {}
+            primed => {
+                primed?;
+                asks_volume = false;
+            }
+        }
     }
-    course.answers.done.primed = true;
-    Ok(course.keep()?)
+}
+
+/// Asks once more if the line is full.
+pub(super) fn reopen(course: &mut Course) -> Result<(), Failure> {
+    course.answers.done.primed = false;
+    course.keep()
 }
 
 /// Asks for the volume, mL. What an earlier filling has left is suggested.
@@ -64,7 +86,7 @@ fn ask_volume(course: &mut Course, most_ml: f64) -> Asked<f64> {
     };
     let mut asked_ml = 0.0;
     let read = |answer: &str| within(volume_or_0(answer)?, most_ml);
-    course.settle(&question, read, |answers, ml| {
+    course.settle(Topic::Prime, &question, read, |answers, ml| {
         asked_ml = ml;
         answers.prime_ml = if left_ml.is_some() { answers.prime_ml } else { Some(ml) };
     })?;

@@ -1,7 +1,7 @@
 //! The questions about the pump head: what a revolution delivers, and how many rollers there are.
 
 use pump_bench::heads::bought_head;
-use pump_bench::setup::{Answers, HeadAnswer};
+use pump_bench::setup::{Answers, HeadAnswer, Topic};
 use pump_bench::units;
 use pump_model::units::degrees;
 
@@ -27,7 +27,9 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
     }
     tell_of_head(course);
     if matches!(course.answers.head, Some(HeadAnswer::Drawing { .. })) && !knows_rollers(course) {
-        let drawn = course.answers.head.clone();
+        // A drawing whose rollers alone were never said. One that is asked anew is asked as a whole.
+        let is_anew = course.earlier().any(|before| before.head == course.answers.head);
+        let drawn = course.answers.head.clone().filter(|_| !is_anew);
         return ask_drawing(course, drawn);
     }
     let is_volume = matches!(course.answers.head, Some(HeadAnswer::Volume { .. }));
@@ -65,6 +67,7 @@ fn ask_head(course: &mut Course) -> Asked<()> {
                `dose pumps list --catalogue` lists heads by name, as masterflex-ls-16; a pump file ends in .toml; \
                `drawing` asks for the dimensions of a head that you built",
     };
+    course.at = Some(Topic::Head);
     let before = course.answers.clone();
     let named = course.asker.ask(&question, |answer| {
         let named = named(answer)?;
@@ -75,7 +78,7 @@ fn ask_head(course: &mut Course) -> Asked<()> {
     })?;
     match named {
         Named::Drawing => ask_drawing(course, None),
-        Named::Head(head) => Ok(course.take(with_head(&before, &head))?),
+        Named::Head(head) => Ok(course.take_answered(Topic::Head, with_head(&before, &head))?),
     }
 }
 
@@ -123,7 +126,7 @@ fn ask_bore(course: &mut Course) -> Asked<()> {
         help: "it is printed on the tube's bag, as 1.6mm; pumps with wide tubes differ less from one another, so it \
                tells how sure doses are before the first weighing",
     };
-    course.settle(&question, length_or_unknown, |answers, mm| answers.tube_bore_mm = Some(mm))
+    course.settle(Topic::Bore, &question, length_or_unknown, |answers, mm| answers.tube_bore_mm = Some(mm))
 }
 
 /// Reads a length, mm, or 0 for one that nobody knows.
@@ -137,7 +140,9 @@ pub(super) fn length_or_unknown(answer: &str) -> Result<f64, String> {
 fn ask_rollers(course: &mut Course) -> Asked<()> {
     let rollers = |other: &Answers| other.rollers.map(|rollers| rollers.to_string());
     let usual = course.former(rollers).or_else(|| course.suggested_of_head(rollers, None));
-    course.settle(&rollers_question(usual), count, |answers, rollers| answers.rollers = Some(rollers))
+    course.settle(Topic::Rollers, &rollers_question(usual), count, |answers, rollers| {
+        answers.rollers = Some(rollers);
+    })
 }
 
 fn rollers_question(usual: Option<Usual>) -> Question<'static> {
@@ -153,16 +158,10 @@ fn count(answer: &str) -> Result<u32, String> {
     answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"))
 }
 
-const BACKPLATE_HELP: &str = "from the shaft to the surface on which the tube lies, as 63mm: half of the bed's inner \
-                              diameter";
-const ROLLER_HELP: &str = "half of the roller's diameter, as 20mm";
-const OFFSET_HELP: &str = "measure from the shaft's middle to that of a roller's pin, as 40mm; or half of the width \
-                           over two opposite rollers, less the radius of a roller";
-
 /// Asks for the rollers and the dimensions of a drawing until they contradict one another no more: any of them may be
 /// the wrong one. Those of before are suggested. `drawn` is a drawing whose rollers alone are missing.
 fn ask_drawing(course: &mut Course, mut drawn: Option<HeadAnswer>) -> Asked<()> {
-    let mut former = course.corrected.as_ref().and_then(|before| before.head.clone());
+    let mut former = course.earlier().find_map(|before| before.head.clone());
     let mut suggested = course.former(|before| before.rollers.map(|rollers| rollers.to_string()));
     let mut rollers = course.answers.rollers;
     if drawn.is_none() {
@@ -172,74 +171,140 @@ fn ask_drawing(course: &mut Course, mut drawn: Option<HeadAnswer>) -> Asked<()> 
         let counted = match rollers.take() {
             Some(counted) => counted,
             None => {
+                course.at = Some(Topic::Rollers);
                 let mut without_head = course.answers.clone();
                 without_head.head = None;
-                course.asker.ask(&rollers_question(suggested), |answer| {
+                let counted = course.asker.ask(&rollers_question(suggested), |answer| {
                     let counted = count(answer)?;
                     without_head.rollers = Some(counted);
                     without_head.check().map_err(|error| advice::told(&error))?;
                     Ok(counted)
-                })?
+                });
+                match counted {
+                    // The word `drawing` is on record with its dimensions only.
+                    Err(Stop::Back) if course.answers.head.is_none() => return ask_head(course),
+                    counted => counted?,
+                }
             }
         };
         let mut answers = course.answers.clone();
         answers.rollers = Some(counted);
         if answers.head.is_none() {
             // The rollers are on record before the next question.
-            course.take(answers.clone())?;
+            course.take_answered(Topic::Rollers, answers.clone())?;
         }
+        suggested = Some(Usual::new(counted.to_string()));
         let head = match drawn.take() {
             Some(head) => head,
-            None => ask_dimensions(course, former.as_ref())?,
+            None => match ask_dimensions(course, former.as_ref()) {
+                Err(Stop::Back) => {
+                    let mut answers = course.answers.clone();
+                    Topic::Rollers.forget(&mut answers);
+                    course.take(answers)?;
+                    continue;
+                }
+                head => head?,
+            },
         };
         answers.head = Some(head.clone());
         match answers.check() {
-            Ok(()) => return Ok(course.take(answers)?),
+            Ok(()) => {
+                if !course.asker.is_silent() {
+                    answers.asked.insert(Topic::Rollers);
+                }
+                return Ok(course.take_answered(Topic::Head, answers)?);
+            }
             Err(error) if course.asker.is_silent() => return Err(Failure::of(error).into()),
             Err(error) => {
                 tell_person(&format!("  {}; Enter keeps a dimension that is right", advice::told(&error)));
             }
         }
-        (former, suggested) = (Some(head), Some(Usual::new(counted.to_string())));
+        former = Some(head);
     }
 }
 
-fn ask_dimensions(course: &mut Course, former: Option<&HeadAnswer>) -> Asked<HeadAnswer> {
-    let former = match former {
-        Some(HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg }) => {
-            let lengths = [backplate_mm, roller_mm, offset_mm].map(|mm| Some(format!("{mm}mm")));
-            (lengths, Some(format!("{bore_mm}x{outer_mm}mm")), Some(format!("{contact_deg}deg")))
-        }
-        _ => ([None, None, None], None, None),
-    };
-    let ([backplate, roller, offset], tube, contact) = former;
-    let mut length = |text, option, help, former: Option<String>| -> Result<f64, Stop> {
-        let question = Question { text, option, usual: former.map(Usual::new), help };
-        course.asker.ask(&question, |answer| units::length_mm(answer).map_err(|error| error.to_string()))
-    };
-    let backplate_mm =
-        length("Radius of the backplate (raceway)", "--backplate 63mm", BACKPLATE_HELP, backplate)?;
-    let roller_mm = length("Radius of a roller", "--roller 20mm", ROLLER_HELP, roller)?;
-    let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", OFFSET_HELP, offset)?;
-    let question = Question {
+/// Question for a dimension of a drawing, or for two.
+struct Dimension {
+    text: &'static str,
+    option: &'static str,
+    help: &'static str,
+    read: fn(&str) -> Result<[f64; 2], String>,
+}
+
+const DIMENSIONS: [Dimension; 5] = [
+    Dimension {
+        text: "Radius of the backplate (raceway)",
+        option: "--backplate 63mm",
+        help: "from the shaft to the surface on which the tube lies, as 63mm: half of the bed's inner diameter",
+        read: length,
+    },
+    Dimension {
+        text: "Radius of a roller",
+        option: "--roller 20mm",
+        help: "half of the roller's diameter, as 20mm",
+        read: length,
+    },
+    Dimension {
+        text: "From the shaft to a roller's axis",
+        option: "--offset 40mm",
+        help: "measure from the shaft's middle to that of a roller's pin, as 40mm; or half of the width over two \
+               opposite rollers, less the radius of a roller",
+        read: length,
+    },
+    Dimension {
         text: "Tube, bore x outer diameter",
         option: "--tube 10x14mm",
-        usual: tube.map(Usual::new),
         help: "both are printed on the tube's bag, as 1.6x4.8mm: the bore, and the bore with two walls",
-    };
-    let tube =
-        course.asker.ask(&question, |answer| units::tube_size(answer).map_err(|error| error.to_string()))?;
-    let question = Question {
+        read: |answer| {
+            let tube = units::tube_size(answer).map_err(|error| error.to_string())?;
+            Ok([tube.bore_mm, tube.outer_mm])
+        },
+    },
+    Dimension {
         text: "Contact angle",
         option: "--contact 30deg",
-        usual: contact.map(Usual::new),
         help: "the backplate spans 180deg and twice this angle: 30deg for a bed of 240deg, -20deg for one of 140deg",
+        read: |answer| {
+            let contact_rad = units::angle_rad(answer).map_err(|error| error.to_string())?;
+            // Degrees as they were typed, without the rounding on the way over radians.
+            Ok([(1e9 * degrees(contact_rad)).round() / 1e9, 0.0])
+        },
+    },
+];
+
+fn length(answer: &str) -> Result<[f64; 2], String> {
+    Ok([units::length_mm(answer).map_err(|error| error.to_string())?, 0.0])
+}
+
+/// Asks for the dimensions of a drawing. Those of `former` are suggested.
+fn ask_dimensions(course: &mut Course, former: Option<&HeadAnswer>) -> Asked<HeadAnswer> {
+    let mut suggested = match former {
+        Some(HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg }) => {
+            let [backplate, roller, offset] =
+                [backplate_mm, roller_mm, offset_mm].map(|mm| format!("{mm}mm"));
+            let (tube, contact) = (format!("{bore_mm}x{outer_mm}mm"), format!("{contact_deg}deg"));
+            [backplate, roller, offset, tube, contact].map(Some)
+        }
+        _ => [const { None }; 5],
     };
-    let contact_rad =
-        course.asker.ask(&question, |answer| units::angle_rad(answer).map_err(|error| error.to_string()))?;
-    let (bore_mm, outer_mm) = (tube.bore_mm, tube.outer_mm);
-    // Degrees as they were typed, without the rounding on the way over radians.
-    let contact_deg = (1e9 * degrees(contact_rad)).round() / 1e9;
+    let mut found = [[0.0; 2]; 5];
+    let mut at = 0;
+    while let (Some(dimension), Some(usual), Some(value)) =
+        (DIMENSIONS.get(at), suggested.get_mut(at), found.get_mut(at))
+    {
+        let Dimension { text, option, help, read } = dimension;
+        let question = Question { text, option, usual: usual.clone().map(Usual::new), help };
+        let asked = course.asker.ask(&question, |answer| Ok((read(answer)?, answer.to_owned())));
+        match asked {
+            Ok((read, typed)) => {
+                (*value, *usual) = (read, Some(typed));
+                at += 1;
+            }
+            Err(Stop::Back) if at > 0 => at -= 1,
+            Err(stop) => return Err(stop),
+        }
+    }
+    let [[backplate_mm, _], [roller_mm, _], [offset_mm, _], [bore_mm, outer_mm], [contact_deg, _]] = found;
     Ok(HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg })
 }
 

@@ -1,6 +1,7 @@
 //! `dose setup`: a guided first run of a pump, from its head to a dose that was weighed.
 
 mod asker;
+mod back;
 mod board;
 mod course;
 mod fill;
@@ -15,6 +16,7 @@ mod weigh;
 mod written;
 
 use clap::Args;
+use pump_bench::balance::Balance;
 use pump_bench::config::Config;
 use pump_bench::pump_file::DriverName;
 use pump_bench::setup::{Answers, SetupError, SetupFolder};
@@ -28,6 +30,15 @@ use crate::options::balance::BalanceOptions;
 use crate::options::pump::{ConfigOption, RecordOption};
 use crate::terminal::say;
 use crate::told_commands::shell_word;
+
+/// What a call gives to the steps that move the pump. Each is taken once.
+struct Given {
+    balance: Option<Box<dyn Balance>>,
+    /// How far the head turned, in turns.
+    turned: Option<f64>,
+    /// True if the volume that fills the line was typed.
+    primes: bool,
+}
 
 #[derive(Debug, Args)]
 pub(crate) struct SetupArgs {
@@ -71,7 +82,7 @@ impl SetupArgs {
         let mut asker = Asker::new(self.yes)?;
         let answers = match self.begin(&mut asker, &folder, &config) {
             Ok(answers) => answers,
-            Err(Stop::Left) => return Ok(()),
+            Err(Stop::Left | Stop::Back) => return Ok(()),
             Err(Stop::Failed(failure)) => return Err(failure),
         };
         let like = self.liked(&folder)?;
@@ -81,7 +92,7 @@ impl SetupArgs {
         let ended = self.follow(&mut course, &config);
         match ended {
             Ok(()) => Ok(()),
-            Err(Stop::Left) => {
+            Err(Stop::Left | Stop::Back) => {
                 let which = if course.corrected.is_some() {
                     "The answers before the correction"
                 } else {
@@ -174,13 +185,25 @@ impl SetupArgs {
         answers.check()?;
         course.check_axis(&answers)?;
         self.refuse_weight_before_dose(&answers)?;
-        let mut balance = self.balance.open(answers.port.as_deref())?;
-        if let Some(balance) = &mut balance {
+        self.refuse_volume_of_made_dose(course)?;
+        let balance = self.balance.open(answers.port.as_deref())?;
+        let mut given = Given { balance, turned: self.answers.turned, primes: self.answers.prime.is_some() };
+        if let Some(balance) = &mut given.balance {
             // A balance that is silent or says no mass is found before anything moves.
             weigh::still(balance.as_mut(), &self.balance)?;
         }
         course.take(answers)?;
         introduce(course, is_new, self.like.is_some());
+        loop {
+            match self.follow_on(course, &mut given) {
+                Err(Stop::Back) => back::to_answers(course)?,
+                ended => return ended,
+            }
+        }
+    }
+
+    /// Follows the course from its answers to its end, or to a question that goes back to the answers.
+    fn follow_on(&self, course: &mut Course, given: &mut Given) -> Asked<()> {
         if !self.no_motion && course.answers.done.written.is_none() {
             board::meet_said(course)?;
         }
@@ -199,15 +222,27 @@ impl SetupArgs {
         if self.again {
             weigh::leave_dose(course)?;
         }
-        turn::watch(course, &mut self.answers.turned.clone())?;
-        fill::fill(course, self.answers.prime.is_some())?;
-        if weigh::weigh(course, &self.answers, &self.balance, balance)? {
-            outlook::tell_outlook(course)
-        } else {
-            let text =
-                format!("Weigh the dose, then say `dose setup {} --weight 4.93g`.\n", course.answers.name);
-            say(&course.runnable.complete(&text));
-            Ok(())
+        loop {
+            turn::watch(course, &mut given.turned)?;
+            match fill::fill(course, std::mem::take(&mut given.primes)) {
+                Err(Stop::Back) if course.is_simulated() => return Err(Stop::Back),
+                Err(Stop::Back) => {
+                    turn::forget_direction(course)?;
+                    continue;
+                }
+                filled => filled?,
+            }
+            match weigh::weigh(course, &self.answers, &self.balance, &mut given.balance) {
+                Err(Stop::Back) => fill::reopen(course)?,
+                Err(stop) => return Err(stop),
+                Ok(true) => return outlook::tell_outlook(course),
+                Ok(false) => {
+                    let name = &course.answers.name;
+                    let text = format!("Weigh the dose, then say `dose setup {name} --weight 4.93g`.\n");
+                    say(&course.runnable.complete(&text));
+                    return Ok(());
+                }
+            }
         }
     }
 
@@ -236,6 +271,21 @@ impl SetupArgs {
         Err(refused.value("no dose").allowed("--weight after the dose"))
     }
 
+    /// Refuses the volume of a dose that was made already and waits for its weight.
+    fn refuse_volume_of_made_dose(&self, course: &Course) -> Result<(), Failure> {
+        let before = &course.answers;
+        let other = self.answers.volume.filter(|ml| before.volume_ml != Some(*ml));
+        let Some(volume_ml) = other.filter(|_| before.done.dosed && !self.again) else { return Ok(()) };
+        if !weigh::is_last(course)? {
+            return Ok(());
+        }
+        let refused = Failure::refused(
+            "the dose was made and waits for its weight, so that --volume changes nothing; leave it out and say \
+             --weight, or add --again for a dose of this volume",
+        );
+        Err(refused.value(format!("{volume_ml} mL")).allowed("--weight, or --again"))
+    }
+
     /// Asks if one more dose is to be weighed, of a pump that is set up.
     fn weighs_more(&self, course: &mut Course) -> Asked<bool> {
         let is_weight_there = self.answers.weight.is_some() || self.balance.is_given();
@@ -262,10 +312,16 @@ fn ask_name(asker: &mut Asker, config: &Config) -> Asked<String> {
         usual: None,
         help: "a short word for what it doses; `dose 5mL --pump NAME` then doses with it. Letters a-z, digits, - and _",
     };
-    asker.ask(&question, |name| {
-        Answers::of(name).check_name(config).map_err(|error| error.to_string())?;
-        Ok(name.to_owned())
-    })
+    loop {
+        let named = asker.ask(&question, |name| {
+            Answers::of(name).check_name(config).map_err(|error| error.to_string())?;
+            Ok(name.to_owned())
+        });
+        match named {
+            Err(Stop::Back) => tell_person("  no question was asked before this one"),
+            named => return named,
+        }
+    }
 }
 
 /// Says what the course does, and what is on record.
@@ -289,12 +345,13 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
     if is_new {
         tell_person(&format!(
             "Setting up `{name}`: some questions, one revolution, and one dose that you weigh. It takes about ten \
-             minutes. Enter takes the answer in brackets, ? explains the question, quit leaves; `dose setup {name}` \
-             goes on later."
+             minutes. Enter takes the answer in brackets, ? explains the question, back returns to the one before, \
+             quit leaves; `dose setup {name}` goes on later."
         ));
     } else {
         heading(&format!(
-            "Going on with `{name}`; the answers so far are on record. ? explains, quit leaves."
+            "Going on with `{name}`; the answers so far are on record. ? explains, back returns to the question \
+             before, quit leaves."
         ));
     }
     if let Some(last) = course.last.as_ref().filter(|_| !is_like) {

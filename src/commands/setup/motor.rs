@@ -1,6 +1,6 @@
 //! The questions about the motor: its steps per revolution of the pump head.
 
-use pump_bench::setup::{Answers, USUAL_FULL_STEPS};
+use pump_bench::setup::{Answers, Topic, USUAL_FULL_STEPS};
 
 use super::asker::{Asked, Question};
 use super::course::{Course, heading, tell_person};
@@ -47,7 +47,7 @@ fn ask_full_steps(course: &mut Course) -> Asked<()> {
         usual: course.suggested(|last| last.full_steps.map(|steps| steps.to_string()), Some(&usual)),
         help: "360 over the angle on the motor's label: 1.8 deg is 200, 0.9 deg is 400",
     };
-    course.settle(&question, whole, |answers, steps| answers.full_steps = Some(steps))
+    course.settle(Topic::FullSteps, &question, whole, |answers, steps| answers.full_steps = Some(steps))
 }
 
 fn ask_microsteps(course: &mut Course) -> Asked<()> {
@@ -62,7 +62,7 @@ fn ask_microsteps(course: &mut Course) -> Asked<()> {
         help: "the switches or jumpers of the motor's driver set them, as 16; if you are not sure say 16: the first \
                revolution shows it",
     };
-    course.settle(&question, whole, |answers, steps| answers.microsteps = Some(steps))
+    course.settle(Topic::Microsteps, &question, whole, |answers, steps| answers.microsteps = Some(steps))
 }
 
 fn ask_gear(course: &mut Course) -> Asked<()> {
@@ -76,5 +76,5 @@ fn ask_gear(course: &mut Course) -> Asked<()> {
         Ok(gear) if gear > 0.0 && gear.is_finite() => Ok(gear),
         _ => Err(format!("`{answer}` is no gear; write a number, as 5")),
     };
-    course.settle(&question, read, |answers, gear| answers.gear = Some(gear))
+    course.settle(Topic::Gear, &question, read, |answers, gear| answers.gear = Some(gear))
 }

@@ -121,7 +121,7 @@ pub(super) struct AnswerOptions {
     pub(super) prime: Option<f64>,
     /// Volume of the dose that is weighed, as 5mL [default: what fits the head]
     #[arg(long, value_name = "VOLUME", help_heading = "First dose", value_parser = units::volume_ml)]
-    volume: Option<f64>,
+    pub(super) volume: Option<f64>,
     /// Reading of the scale for that dose, as 4.93g
     #[arg(long, value_name = "READING", help_heading = "First dose", value_parser = stated_reading)]
     #[arg(conflicts_with_all = ["scale_port", "scale_command"])]

@@ -1,6 +1,7 @@
 //! The questions about the place: the air's pressure, the heights of supply and vessel, and the usual rate.
 
 use pump_bench::pump_file::OutletEnd;
+use pump_bench::setup::Topic;
 use pump_bench::units::{self, Pressure};
 
 use super::asker::{Asked, Question, Usual};
@@ -59,7 +60,7 @@ fn ask_ambient(course: &mut Course) -> Asked<()> {
         let kpa = ambient_kpa(pressure).map_err(|failure| failure.message().to_owned())?;
         Ok((None, Some(kpa)))
     };
-    course.settle(&question, read, |answers, (altitude_m, kpa)| {
+    course.settle(Topic::Ambient, &question, read, |answers, (altitude_m, kpa)| {
         (answers.altitude_m, answers.ambient_kpa) = (altitude_m, kpa);
     })
 }
@@ -77,7 +78,9 @@ fn ask_lifts(course: &mut Course, asks: [bool; 2], of_file_mm: [Option<f64>; 2])
             usual: of_supply.or_else(|| course.suggested(|last| last.suction_lift_mm.map(shown), Some("0"))),
             help: "negative if the supply stands above the pump, as -0.3m; 0 if both stand on one bench",
         };
-        course.settle(&question, height, |answers, mm| answers.suction_lift_mm = Some(mm))?;
+        course.settle(Topic::SuctionLift, &question, height, |answers, mm| {
+            answers.suction_lift_mm = Some(mm);
+        })?;
     }
     if asks[1] {
         let question = Question {
@@ -87,7 +90,9 @@ fn ask_lifts(course: &mut Course, asks: [bool; 2], of_file_mm: [Option<f64>; 2])
                 .or_else(|| course.suggested(|last| last.discharge_lift_mm.map(shown), Some("0"))),
             help: "negative if the vessel stands below the pump, as -0.3m",
         };
-        course.settle(&question, height, |answers, mm| answers.discharge_lift_mm = Some(mm))?;
+        course.settle(Topic::DischargeLift, &question, height, |answers, mm| {
+            answers.discharge_lift_mm = Some(mm);
+        })?;
     }
     Ok(())
 }
@@ -102,7 +107,7 @@ fn ask_outlet(course: &mut Course) -> Asked<()> {
             help: "a drop hangs from an end in air, and stays there or falls; it matters to doses below a millilitre",
         };
         let read = |answer: &str| answer.parse::<OutletEnd>().map_err(|error| error.to_string());
-        course.settle(&question, read, |answers, end| answers.outlet_end = Some(end))?;
+        course.settle(Topic::OutletEnd, &question, read, |answers, end| answers.outlet_end = Some(end))?;
     }
     if course.answers.outlet_end == Some(OutletEnd::Air) && course.answers.nozzle_bore_mm.is_none() {
         let millimetres = |bore_mm: Option<f64>| bore_mm.filter(|mm| *mm > 0.0).map(|mm| format!("{mm}mm"));
@@ -116,7 +121,9 @@ fn ask_outlet(course: &mut Course) -> Asked<()> {
             ),
             help: "that of the tube if it ends without a nozzle, as 1.6mm; larger drops hang from a wider end",
         };
-        course.settle(&question, length_or_unknown, |answers, mm| answers.nozzle_bore_mm = Some(mm))?;
+        course.settle(Topic::Nozzle, &question, length_or_unknown, |answers, mm| {
+            answers.nozzle_bore_mm = Some(mm);
+        })?;
     }
     Ok(())
 }
@@ -131,7 +138,7 @@ fn ask_rate(course: &mut Course) -> Asked<()> {
         help: "mean flow, as 0.2mL/s or 12mL/min; a slow dose is gentler to the liquid and to the scale",
     };
     let read = |answer: &str| units::flow_ml_s(answer).map_err(|error| error.to_string());
-    course.settle(&question, read, |answers, rate_ml_s| answers.rate_ml_s = Some(rate_ml_s))
+    course.settle(Topic::Rate, &question, read, |answers, rate_ml_s| answers.rate_ml_s = Some(rate_ml_s))
 }
 
 /// Two digits of a rate.

@@ -41,14 +41,30 @@ pub(super) fn watch(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> 
     may_move(course)?;
     while !(course.answers.done.turned && course.answers.done.directed) {
         turn(course)?;
+        see(course, turned)?;
+    }
+    Ok(())
+}
+
+/// Asks what the revolution has shown, until it is clear whether another one is to follow.
+fn see(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
+    loop {
         if !course.answers.done.turned {
             see_turn(course, turned)?;
         }
-        if course.answers.done.turned && !course.answers.done.directed {
-            see_direction(course)?;
+        if !course.answers.done.turned || course.answers.done.directed {
+            return Ok(());
+        }
+        match see_direction(course) {
+            Err(Stop::Back) => seen(course, |answers| answers.done.turned = false)?,
+            seen => return seen,
         }
     }
-    Ok(())
+}
+
+/// Forgets which way the pump turned: the next revolution shows it, and begins when a person says so.
+pub(super) fn forget_direction(course: &mut Course) -> Result<(), Failure> {
+    seen(course, |answers| answers.done.directed = false)
 }
 
 /// Refuses to turn a real motor while nobody can say what it did.
@@ -207,11 +223,11 @@ fn turn(course: &mut Course) -> Asked<()> {
 }
 
 /// Asks how far the head turned, and corrects the steps.
-fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
+fn see_turn(course: &mut Course, turned_said: &mut Option<f64>) -> Asked<()> {
     let question = Question {
         text: "Did the line come back to its place after one turn? If not, how far did it turn (1/4, 90deg, 2)?",
         option: "--turned 1",
-        usual: turned
+        usual: turned_said
             .take()
             .map(|turned| Usual::new(turned.to_string()))
             .or_else(|| (!course.asker.is_silent()).then(|| Usual::new("yes"))),
@@ -256,9 +272,15 @@ fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
         }
         answers.check().map_err(|error| advice::told(&error))?;
         Ok(answers)
-    })?;
-    course.take(answers)?;
-    rewrite(course)
+    });
+    match answers {
+        // The revolution was made, and is judged anew.
+        Err(Stop::Back) => see_turn(course, turned_said),
+        answers => {
+            course.take(answers?)?;
+            rewrite(course)
+        }
+    }
 }
 
 fn steps_of(bench: &Bench) -> u32 {

@@ -3,10 +3,11 @@
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::calibration::{Earlier, Expected, Stored};
 use pump_bench::report::calibration_text;
+use pump_bench::setup::Topic;
 use pump_bench::units::{Amount, StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
 
-use super::asker::{Asked, Question, Usual};
+use super::asker::{Asked, Question, Stop, Usual};
 use super::course::{Course, heading, quieten, tell_person, within};
 use super::options::AnswerOptions;
 use super::written::rounded;
@@ -39,7 +40,7 @@ pub(super) fn weigh(
     course: &mut Course,
     options: &AnswerOptions,
     named: &BalanceOptions,
-    mut balance: Option<Box<dyn Balance>>,
+    balance: &mut Option<Box<dyn Balance>>,
 ) -> Asked<bool> {
     let mut given = options.weight;
     if let Some(reading) = given.filter(|_| !course.answers.done.dosed && course.answers.done.weighed > 0) {
@@ -58,24 +59,17 @@ pub(super) fn weigh(
             tell_person(LATER_DOSE);
         }
         if !course.answers.done.dosed {
-            heading("A dose to be weighed");
-            let fluid = course.bench()?.file().fluid.clone();
-            tell_person(&format!(
-                "The weight is taken as that of {} at {} °C; `dose` names another fluid by --fluid, or by [fluid] in \
-                 the pump file.",
-                fluid.name, fluid.temperature_degc
-            ));
-            let most_ml = course.most_ml()?;
-            let too_much = course.answers.volume_ml.and_then(|ml| within(ml, most_ml).err());
-            if let Some(why) = too_much.as_ref().filter(|_| course.asker.is_silent()) {
-                return Err(Failure::refused(format!("{why}; say --volume 5mL")).into());
-            }
-            if course.answers.volume_ml.is_none() || too_much.is_some() {
-                ask_volume(course, most_ml)?;
-            }
-            shown_g = dose(course, &mut || {
+            settle_volume(course)?;
+            let dosed = dose(course, &mut || {
                 balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose()
-            })?;
+            });
+            shown_g = match dosed {
+                Err(Stop::Back) => {
+                    course.withdraw(Topic::Volume)?;
+                    continue;
+                }
+                dosed => dosed?,
+            };
         }
         let reading = match (given.take(), balance.as_mut()) {
             (Some(reading), _) => Some(reading),
@@ -102,8 +96,28 @@ pub(super) fn weigh(
     }
 }
 
+/// Announces the dose, and asks its volume unless it is known.
+fn settle_volume(course: &mut Course) -> Asked<()> {
+    heading("A dose to be weighed");
+    let fluid = course.bench()?.file().fluid.clone();
+    tell_person(&format!(
+        "The weight is taken as that of {} at {} °C; `dose` names another fluid by --fluid, or by [fluid] in \
+         the pump file.",
+        fluid.name, fluid.temperature_degc
+    ));
+    let most_ml = course.most_ml()?;
+    let too_much = course.answers.volume_ml.and_then(|ml| within(ml, most_ml).err());
+    if let Some(why) = too_much.as_ref().filter(|_| course.asker.is_silent()) {
+        return Err(Failure::refused(format!("{why}; say --volume 5mL")).into());
+    }
+    if course.answers.volume_ml.is_none() || too_much.is_some() {
+        ask_volume(course, most_ml)?;
+    }
+    Ok(())
+}
+
 /// True if the pump's last dose is that of the course. Answers of an early version do not tell.
-fn is_last(course: &Course) -> Result<bool, Failure> {
+pub(super) fn is_last(course: &Course) -> Result<bool, Failure> {
     let last = course.bench()?.last_number()?;
     Ok(course.answers.done.dose.is_none_or(|number| number == last))
 }
@@ -139,7 +153,7 @@ fn ask_volume(course: &mut Course, most_ml: f64) -> Asked<()> {
         let volume_ml = pump_bench::units::volume_ml(answer).map_err(|error| error.to_string())?;
         within(volume_ml, most_ml)
     };
-    course.settle(&question, read, |answers, ml| answers.volume_ml = Some(ml))
+    course.settle(Topic::Volume, &question, read, |answers, ml| answers.volume_ml = Some(ml))
 }
 
 /// Reads a balance that stands still.
@@ -151,23 +165,21 @@ pub(super) fn still(balance: &mut dyn Balance, named: &BalanceOptions) -> Result
 fn more_on(course: &Course, after: BalanceReading, before_g: f64) -> Result<StatedReading, Failure> {
     let mass_g = after.mass_g - before_g;
     // The digits that the balance shows say how sure the mass is.
-    let decimals = (-after.step_g.log10()).ceil().clamp(0.0, 9.0) as usize;
-    tell_person(&format!("  {mass_g:.decimals$} g more on the balance"));
+    let shown = BalanceReading { mass_g, ..after }.shown();
+    tell_person(&format!("  {shown} more on the balance"));
     if mass_g > 0.0 {
         return Ok(StatedReading { amount: Amount::Mass(mass_g), resolution: Amount::Mass(after.step_g) });
     }
     if course.is_simulated() {
         return Err(Failure::refused(format!(
-            "the balance rose by {} g where a simulated motor made the steps of {} mL: no motor moved; without a \
+            "the balance rose by {shown} where a simulated motor made the steps of {} mL: no motor moved; without a \
              balance setup asks for a made-up reading",
-            rounded(mass_g),
             course.answers.volume_ml.unwrap_or(USUAL_ML)
         )));
     }
     Err(Failure::refused(format!(
-        "the balance shows {} g of the dose; is the vessel on it, and the line filled? The dose is on record, and \
-         `--weight` says what it weighs",
-        rounded(mass_g)
+        "the balance shows {shown} of the dose; is the vessel on it, and the line filled? The dose is on record, and \
+         `--weight` says what it weighs"
     )))
 }
 
@@ -238,13 +250,21 @@ fn ask_weight(course: &mut Course, balance_g: Option<f64>) -> Asked<Option<State
         help: "the reading with all digits of the scale: the last one says how sure it is. Water of 25 °C is weighed, \
                --temperature says another. redo doses again, if a drop fell beside the vessel",
     };
-    course.asker.ask(&question, |answer| match answer {
-        "redo" => Ok(None),
-        bare if bare.parse::<f64>().is_ok() => {
-            Err(format!("`{bare}` has no unit; write {bare}g if the scale shows g"))
+    loop {
+        let asked = course.asker.ask(&question, |answer| match answer {
+            "redo" => Ok(None),
+            bare if bare.parse::<f64>().is_ok() => {
+                Err(format!("`{bare}` has no unit; write {bare}g if the scale shows g"))
+            }
+            answer => stated_reading(answer).map(Some).map_err(|error| error.to_string()),
+        });
+        match asked {
+            Err(Stop::Back) => tell_person(
+                "  the dose is in the vessel, and no way leads back over it; redo leaves it and doses again",
+            ),
+            asked => return asked,
         }
-        answer => stated_reading(answer).map(Some).map_err(|error| error.to_string()),
-    })
+    }
 }
 
 /// Calibrates the pump by the weight. `is_new` is false for a dose that was weighed before.
@@ -289,7 +309,7 @@ pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
         help: "its volume stays on record; empty and tare the vessel. `dose status` says what was delivered",
     };
     if !course.asker.agrees(&question)? {
-        return Err(super::asker::Stop::Left);
+        return Err(Stop::Left);
     }
     let mut session: Session<'_> = bench.session()?;
     let accepted = session.accept();

@@ -2,11 +2,11 @@
 
 use pump_bench::catalogue::unusual;
 use pump_bench::pump_file::{DriverName, OutletEnd, PumpFile, Reservoir};
-use pump_bench::setup::Answers;
+use pump_bench::setup::Topic;
 
 use super::asker::{Asked, Question, Stop, Usual};
 use super::course::{Course, head_in_words, heading, tell_person};
-use super::{board, head, motor, place};
+use super::{back, board, head, motor, place};
 use crate::failure::Failure;
 
 /// Words that change a part of the answers.
@@ -15,20 +15,30 @@ const PARTS: &str = "head, motor, board, place or rate";
 /// Answer to the question whether the answers are right.
 enum Verdict {
     Right,
-    Forget(fn(&mut Answers)),
+    Correct(&'static [Topic]),
 }
 
 /// Asks every question that has no answer yet, and writes the pump file once the answers are right.
 pub(super) fn write(course: &mut Course) -> Asked<()> {
     loop {
+        match write_answered(course) {
+            Err(Stop::Back) => back::to_question_before(course)?,
+            written => return written,
+        }
+    }
+}
+
+fn write_answered(course: &mut Course) -> Asked<()> {
+    loop {
         head::ask(course)?;
         motor::ask(course)?;
         board::ask(course)?;
         place::ask(course)?;
+        course.at = None;
         course.answers.check()?;
         let (file, text) = course.pump_file()?;
         course.end_correction()?;
-        if is_written(course, &text) {
+        if is_written(course, &text) && !std::mem::take(&mut course.reviews) {
             return Ok(());
         }
         heading(&format!("The pump `{}`", course.answers.name));
@@ -42,7 +52,7 @@ pub(super) fn write(course: &mut Course) -> Asked<()> {
         };
         match course.asker.ask(&question, verdict)? {
             Verdict::Right => return put(course, &text),
-            Verdict::Forget(forget) => course.correct(forget),
+            Verdict::Correct(part) => course.correct(part),
         }
     }
 }
@@ -50,6 +60,7 @@ pub(super) fn write(course: &mut Course) -> Asked<()> {
 /// Writes the file anew after an answer changed, without a question.
 pub(super) fn rewrite(course: &mut Course) -> Asked<()> {
     let (_, text) = course.pump_file()?;
+    course.at = None;
     put(course, &text)
 }
 
@@ -71,24 +82,18 @@ fn put(course: &mut Course, text: &str) -> Result<(), Stop> {
 fn verdict(answer: &str) -> Result<Verdict, String> {
     Ok(match answer {
         "y" | "yes" => Verdict::Right,
-        "head" | "rollers" => Verdict::Forget(|answers| {
-            (answers.head, answers.rollers, answers.tube_bore_mm) = (None, None, None);
-            // The usual rate is that of a head.
-            answers.rate_ml_s = None;
-        }),
-        "motor" => Verdict::Forget(|answers| {
-            (answers.steps_per_rev, answers.full_steps, answers.microsteps, answers.gear) =
-                (None, None, None, None);
-        }),
-        "board" => Verdict::Forget(|answers| {
-            (answers.driver, answers.port, answers.axis, answers.configure) = (None, None, None, None);
-        }),
-        "place" => Verdict::Forget(|answers| {
-            (answers.altitude_m, answers.ambient_kpa) = (None, None);
-            (answers.suction_lift_mm, answers.discharge_lift_mm) = (None, None);
-            (answers.outlet_end, answers.nozzle_bore_mm) = (None, None);
-        }),
-        "rate" => Verdict::Forget(|answers| answers.rate_ml_s = None),
+        // The usual rate is that of a head.
+        "head" | "rollers" => Verdict::Correct(&[Topic::Head, Topic::Bore, Topic::Rollers, Topic::Rate]),
+        "motor" => Verdict::Correct(&[Topic::FullSteps, Topic::Microsteps, Topic::Gear]),
+        "board" => Verdict::Correct(&[Topic::Driver, Topic::Port, Topic::Axis]),
+        "place" => Verdict::Correct(&[
+            Topic::Ambient,
+            Topic::SuctionLift,
+            Topic::DischargeLift,
+            Topic::OutletEnd,
+            Topic::Nozzle,
+        ]),
+        "rate" => Verdict::Correct(&[Topic::Rate]),
         other => return Err(format!("`{other}` is none of yes, {PARTS}")),
     })
 }

@@ -75,6 +75,36 @@ fn a_back_flow_beyond_the_uncertainty_names_a_rate_that_has_less() {
 }
 
 #[test]
+fn a_back_flow_within_the_uncertainty_is_warned_of_at_an_end_that_nobody_named() {
+    let user = User::new();
+    let unnamed = pump(&user, "unnamed.toml", "");
+    let dose = |pump: &str| {
+        user.json(&[
+            "1mL",
+            "--start-angle",
+            "110deg+-0deg",
+            "--ramps",
+            "fastest",
+            "--dry-run",
+            "--pump",
+            pump,
+        ])
+    };
+    let report = dose(&unnamed);
+    let (back, expanded) = (number(&report, "backflow_ml"), number(&report, "expanded_uncertainty_ml"));
+    // Lost at once, it would widen the interval by a tenth or more: 2 b/sqrt(3) is more than sqrt(1.1² - 1) U.
+    assert!(back < 0.8 * expanded && 2.0 * back / 3f64.sqrt() > 0.21f64.sqrt() * expanded, "{report}");
+    let warned =
+        |report: &Value| report["warnings"].to_string().contains("when the motor stops, the line gives");
+    assert!(
+        warned(&report) && report["warnings"].to_string().contains("unless the nozzle is in air"),
+        "{report}"
+    );
+    let immersed = pump(&user, "immersed.toml", "end = \"immersed\"");
+    assert!(!warned(&dose(&immersed)), "an immersed end draws the fluid itself back");
+}
+
+#[test]
 fn a_nozzle_in_air_has_its_back_flow_in_the_budget() {
     let user = User::new();
     let air = pump(&user, "air.toml", "end = \"air\"\nnozzle_bore_mm = 1.0");

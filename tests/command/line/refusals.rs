@@ -19,6 +19,8 @@ fn traps_of_the_command_line_are_answered_as_what_they_are() {
     assert!(user.is_refused(&["stauts"]).contains("unknown command `stauts`; did you mean `dose status`?"));
     assert!(user.is_refused(&["25mL", "30mL"]).contains("one volume at a time"));
     assert!(user.is_refused(&["primr", "5mL"]).contains("did you mean `dose prime`?"));
+    // Two letters of four make another word.
+    assert!(user.is_refused(&["five"]).contains("`five` is neither a volume, as 25mL, nor a command: "));
     assert!(user.is_refused(&["pump", "list"]).contains("did you mean `dose pumps`?"));
     assert!(user.is_refused(&["prime"]).contains("how much?"));
     let swapped = user.is_refused(&["show", "pumps"]);

@@ -157,8 +157,8 @@ fn same_turn(one_deg: f64, other_deg: f64) -> bool {
 pub struct WeighedDose {
     /// Dose that was weighed, as a run.
     pub run: CalibrationRun,
-    /// Earlier reading of the same dose, in whose place this one is. `None` if there was none.
-    pub replaced: Option<Reading>,
+    /// Earlier reading of the same dose with all its digits, in whose place this one is. `None` if there was none.
+    pub replaced: Option<String>,
     /// Uncertainty that an angle between bounds leaves in the volume of the dose, in mL, k = 2. `None` for an angle
     /// that is known to better than 2 deg, and for whole pitches.
     pub by_angle_ml: Option<f64>,
@@ -228,6 +228,8 @@ impl WeighedDose {
         let pump = file.model()?;
         let run = CalibrationRun::of_last_dose(last, file, &pump, reading);
         let run = run.map_err(|error| error.by_calibration(weighing.in_use, last, &pump))?;
+        let (Amount::Mass(digit) | Amount::Volume(digit)) = weighing.reading.resolution;
+        let run = CalibrationRun { digit: Some(digit), ..run };
         let stated = last.map(|dose| dose.start()).filter(Phase::is_stated);
         let of_angle = |start| OverAngles::of(&pump, start, radians(run.turned_deg)).standard_ml;
         let angle_ml = stated.map_or(0.0, of_angle);
@@ -241,7 +243,8 @@ impl WeighedDose {
         run.volumes_ml(&pump, &Weighing::of(file), 1)?;
         let runs = run.clone().beside(active, weighing.earlier, &file.fluid.name)?;
         let replaced = active.filter(|_| weighing.earlier != Earlier::Left).and_then(|active| {
-            active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run)).map(|run| run.reading)
+            let earlier = active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run));
+            earlier.map(CalibrationRun::reading_text)
         });
         let before = active.map(|active| &active.calibration);
         let likelihood = Likelihood::of(file, &pump, &run, weighing.in_use, &expected)?;

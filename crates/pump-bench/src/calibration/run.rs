@@ -66,6 +66,17 @@ pub struct CalibrationRun {
 }
 
 impl CalibrationRun {
+    /// Returns the reading with its unit and all its digits, as it was typed: the last one says how sure it is.
+    pub fn reading_text(&self) -> String {
+        let (value, unit) = match self.reading {
+            Reading::MassG(mass_g) => (mass_g, "g"),
+            Reading::VolumeMl(volume_ml) => (volume_ml, "mL"),
+        };
+        let Some(digit) = self.digit else { return self.reading.to_string() };
+        let decimals = round(-libm::log10(digit)).clamp(0.0, 9.0) as usize;
+        format!("{value:.decimals$}{unit}")
+    }
+
     /// Returns the volume that arrived, in mL.
     ///
     /// # Errors

@@ -23,6 +23,6 @@ pub(crate) use microsteps::{DECIMAL, POWERS};
 pub use overlap::overlap_warning;
 pub use roller_runs::{Fall, RollerRuns};
 pub use stated_motor::{MotorSteps, StatedMotor};
-pub(crate) use suction::suction_warning;
+pub(crate) use suction::{SUCKS, beyond_known_kpa, suction_warning};
 pub(crate) use unusual::doubtful;
 pub use unusual::unusual;

@@ -370,7 +370,7 @@ impl PlanningBasis<'_> {
             warnings.extend(self.back_flow_warning(prepared, &budget()));
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
-        warnings.extend(warnings::of_pump(self.file, applied.as_ref()));
+        warnings.extend(warnings::of_pump(self.file, applied.as_ref(), prediction, plan.direction()));
         warnings.extend(warnings::of_calibration(self.file, applied.as_ref()));
         let unweighed = applied.as_ref().and_then(|applied| applied.unweighed_speed.as_deref());
         warnings.extend(unweighed.and_then(|text| warnings::unweighed_speed(text, &budget())));

@@ -4,7 +4,8 @@ use pump_ctl::plan::{FlowMotion, Plan};
 
 use super::abilities::Abilities;
 use super::common_begin::BeginPlace;
-use super::drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Watch};
+use super::drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Watch};
+use super::error::{DriveError, DriveFault};
 use crate::displacement::Correction;
 use crate::notice::Notice;
 

@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use super::drive::DriveError;
+use super::error::DriveError;
 use super::grbl::ask_boards;
 use super::stop_request::StopRequest;
 use super::{NodeError, node};

@@ -1,7 +1,8 @@
 //! The identity of a drive: what its record and its plans must know before it is opened.
 
 use super::abilities::Abilities;
-use super::drive::{Drive, DriveError};
+use super::drive::Drive;
+use super::error::DriveError;
 use super::registry;
 use crate::pump_file::DriverName;
 

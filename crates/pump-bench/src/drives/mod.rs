@@ -4,6 +4,7 @@ mod abilities;
 mod borrowed;
 mod common_begin;
 mod drive;
+mod error;
 #[cfg(all(feature = "grbl", feature = "node"))]
 mod find;
 #[cfg(feature = "grbl")]
@@ -27,7 +28,8 @@ pub mod wire;
 
 pub use abilities::{Abilities, Together};
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
-pub use drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Leave, Watch};
+pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
+pub use error::{DriveError, DriveFault};
 #[cfg(all(feature = "grbl", feature = "node"))]
 pub use find::{FoundBoard, find_boards};
 #[doc(hidden)]

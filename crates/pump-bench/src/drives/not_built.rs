@@ -1,6 +1,7 @@
 //! The drive of a board, in a program that is built without it.
 
-use super::drive::{Drive, DriveError};
+use super::drive::Drive;
+use super::error::DriveError;
 use super::opening::Opening;
 use crate::pump_file::{DriveTable, PumpFile};
 

@@ -4,7 +4,8 @@
 use pump_model::Pump;
 
 use super::abilities::Abilities;
-use super::drive::{Drive, DriveError};
+use super::drive::Drive;
+use super::error::DriveError;
 #[cfg(feature = "grbl")]
 use super::grbl;
 use super::identity::Identity;

@@ -11,7 +11,8 @@ use crate::displacement::Correction;
 use crate::pump_file::DriverName;
 
 use super::abilities::Abilities;
-use super::drive::{Drive, DriveError, DriveFault, Gate, Leave, Watch, wait_of};
+use super::drive::{Drive, Gate, Leave, Watch, wait_of};
+use super::error::{DriveError, DriveFault};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it. At any
 /// tolerance, the volume that leaves the line is the volume that the rollers pushed less the volume that the

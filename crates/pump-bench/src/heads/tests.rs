@@ -149,3 +149,15 @@ fn words_narrow_the_list_whatever_their_letters() {
     assert_eq!(heads_matching(&[] as &[&str]).len(), bought_heads().len());
     assert!(heads_matching(&["no such head"]).is_empty());
 }
+
+#[test]
+fn a_number_is_that_of_the_rollers_the_bore_or_the_size_and_no_part_of_another() {
+    let names =
+        |words: &[&str]| heads_matching(words).iter().map(|head| head.name.as_str()).collect::<Vec<_>>();
+    assert_eq!(names(&["runze", "4", "1.6"]), ["runze-rz01-4-1-6x1-6mm"]);
+    assert_eq!(names(&["yz1515x", "3", "16#"]), ["runze-yz1515x-3-16"]);
+    assert_eq!(names(&["kamoer", "1.3mm"]), ["kamoer-kpmp10-1-30mm"]);
+    assert_eq!(names(&["omega", "1/16in"]), ["omega-fpu5mt-1-16in"]);
+    // 1.6 mm is the wall of most tubes, and 3 is a part of 13.
+    assert_eq!(names(&["masterflex", "3"]), [] as [&str; 0]);
+}

@@ -76,7 +76,7 @@ impl MotorTable {
 
     /// Refuses the first value outside its range. Speed and acceleration are left to the planner.
     pub(super) fn check(&self) -> Result<(), WrongValue> {
-        within("[motor] steps_per_rev", self.steps_per_rev, 1..=100_000_000)?;
+        within("[motor] steps_per_rev", self.steps_per_rev, 4..=100_000_000)?;
         within("[motor] gear", self.gear, 1e-3..=1e4)?;
         within("[motor] full_steps_per_rev", self.full_steps_per_rev, 4..=100_000)?;
         if let Some(points) = &self.torque_curve_rpm_n_m {

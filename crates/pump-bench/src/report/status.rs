@@ -13,7 +13,7 @@ pub use self::safety::{SafetyStatus, StandStatus};
 use crate::bench::Bench;
 use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;
-use crate::record::{PhaseSource, Wear};
+use crate::record::{PhaseSource, Purpose, Wear};
 
 /// The record of a pump (`schema` `status/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -108,6 +108,9 @@ impl CalibrationStatus {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct UnfinishedStatus {
+    /// Purpose of the motion, for its words.
+    #[serde(skip)]
+    pub purpose: Purpose,
     /// Volume that was asked for, mL.
     pub requested_ml: f64,
     /// Volume that was planned, mL.
@@ -171,6 +174,7 @@ impl Status {
         let unfinished = state.unfinished.map(|dose| {
             let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
             UnfinishedStatus {
+                purpose: dose.intent.purpose,
                 requested_ml: dose.intent.whole_requested_ml(),
                 planned_ml: dose.intent.whole.map_or(0.0, |whole| whole.booked_ml) + dose.intent.planned_ml,
                 delivered_least_ml,

@@ -3,7 +3,7 @@
 use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{between, microlitres, significant};
-use crate::record::Wear;
+use crate::record::{Purpose, Wear};
 
 impl Status {
     /// The record in words, a line each for the rotor, the tube, the calibration and an unfinished dose. A front end
@@ -81,13 +81,23 @@ impl Status {
         } else if dose.over_time {
             format!("a flow over time of {asked_ml} mL")
         } else {
-            format!("a dose of {asked_ml} mL{weighed}")
+            let noun = match dose.purpose {
+                Purpose::Dose => "dose",
+                Purpose::Prime => "prime",
+                Purpose::Purge => "purge",
+                Purpose::Run => "run",
+                Purpose::Calibrate => "calibration run",
+                Purpose::Retract => "retraction",
+                Purpose::Jog => "turn",
+            };
+            format!("a {noun} of {asked_ml} mL{weighed}")
         };
         let no_rest =
             if dose.over_time { "; no rest of it can be made, as its times have passed" } else { "" };
         let by_model = match dose.by_weight {
             true => " by the model",
-            false => " by the motor's steps, the pump's own \u{b1} besides",
+            // The bounds are those of the rollers' angle and of steps that nobody knows.
+            false => " by the model, its own \u{b1} besides",
         };
         match &self.in_use_by {
             Some(holder) => format!(

@@ -1,9 +1,11 @@
 //! The answers of a first run: what a person has said of a pump so far, and how far the run has come.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::topic::Topic;
 use crate::pump_file::{Axis, DriverName, OutletEnd};
 
 /// Schema of the record of a first run.
@@ -28,6 +30,9 @@ pub struct Answers {
     pub name: String,
     /// Time of the last answer by the system clock, in seconds since 1970.
     pub unix_s: u64,
+    /// Questions that a person has answered. An answer that an option or another pump gave is not among them.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    pub asked: BTreeSet<Topic>,
     /// Number of rollers.
     pub rollers: Option<u32>,
     /// Diameter of the tube's bore beside a volume of a revolution, in mm. 0 for a bore that nobody knows.
@@ -150,6 +155,7 @@ impl Answers {
             schema: SCHEMA.to_owned(),
             name: name.into(),
             unix_s: 0,
+            asked: BTreeSet::new(),
             rollers: None,
             tube_bore_mm: None,
             steps_per_rev: None,

@@ -13,6 +13,10 @@ use crate::pump_file::{AmbientTable, DriverName, most_lift_mm};
 /// Temperature of the water that is lifted, in °C.
 const WATER_DEGC: f64 = 25.0;
 
+/// Longest time of a pitch at the usual rate, in s: a setup moves no longer at once, and its weighed dose is a pitch at
+/// least.
+const LONGEST_PITCH_S: f64 = 3600.0;
+
 impl Answers {
     /// Refuses the first answer that cannot be, by itself or beside the others. An answer that is missing contradicts
     /// none.
@@ -34,7 +38,8 @@ impl Answers {
             Ok((file, _)) => {
                 let ml_per_rev = file.model()?.revolution_ml();
                 let Some(rate_ml_s) = self.rate_ml_s else { return Ok(()) };
-                check_speed(rate_ml_s, ml_per_rev, file.motor.max_speed_rpm)
+                let pitch_ml = ml_per_rev / f64::from(file.rollers.count.max(1));
+                check_speed(rate_ml_s, ml_per_rev, pitch_ml / LONGEST_PITCH_S, file.motor.max_speed_rpm)
             }
         }
     }
@@ -157,12 +162,15 @@ pub fn check_suction_lift(lift_mm: f64, ambient_kpa: f64) -> Result<(), SetupErr
     if lift_m < most_m { Ok(()) } else { Err(SetupError::Lift { lift_m, most_m, ambient_kpa }) }
 }
 
-/// Refuses a rate for which the head would turn faster than it may.
-fn check_speed(rate_ml_s: f64, ml_per_rev: f64, most_rpm: f64) -> Result<(), SetupError> {
+/// Refuses a rate for which the head would turn faster than it may, or slower than any dose of a setup.
+fn check_speed(rate_ml_s: f64, ml_per_rev: f64, least_ml_s: f64, most_rpm: f64) -> Result<(), SetupError> {
     let needed_rpm = rpm(rate_ml_s / ml_per_rev * core::f64::consts::TAU);
+    let most_ml_s = ml_per_rev * rad_s(most_rpm) / core::f64::consts::TAU;
+    if rate_ml_s < least_ml_s {
+        return Err(SetupError::Slow { rate_ml_s, needed_rpm, ml_per_rev, least_ml_s, most_ml_s });
+    }
     if needed_rpm <= most_rpm {
         return Ok(());
     }
-    let most_ml_s = ml_per_rev * rad_s(most_rpm) / core::f64::consts::TAU;
     Err(SetupError::Fast { rate_ml_s, needed_rpm, ml_per_rev, most_rpm, most_ml_s })
 }

@@ -113,6 +113,25 @@ pub enum SetupError {
         /// Fastest rate, in mL/s.
         most_ml_s: f64,
     },
+    /// The rate turns the head so slowly that no setup dose comes to its end.
+    #[error(
+        "{} mL/s turns a head of {ml_per_rev:.4} mL per revolution at {} r/min, so that a pitch of its rollers takes \
+         longer than an hour; allowed: {} to {} mL/s",
+        significant(*rate_ml_s, 6), significant(*needed_rpm, 3), significant(*least_ml_s, 3),
+        significant(*most_ml_s, 3)
+    )]
+    Slow {
+        /// Rate that was said, in mL/s.
+        rate_ml_s: f64,
+        /// Speed that the rate needs, in r/min.
+        needed_rpm: f64,
+        /// Volume of a revolution, in mL.
+        ml_per_rev: f64,
+        /// Slowest rate, in mL/s.
+        least_ml_s: f64,
+        /// Fastest rate, in mL/s.
+        most_ml_s: f64,
+    },
     /// The board does not turn the head as fast or as slowly as the rate needs.
     #[error(
         "{} mL/s needs {needed_rpm:.2} r/min of the head, and the board turns it at {least_rpm:.4} to \

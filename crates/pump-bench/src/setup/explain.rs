@@ -25,7 +25,8 @@ impl Explain for SetupError {
             Self::Fast { rate_ml_s, most_ml_s, .. } => {
                 facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{most_ml_s} mL/s at most"))
             }
-            Self::Board { rate_ml_s, least_ml_s, most_ml_s, .. } => {
+            Self::Slow { rate_ml_s, least_ml_s, most_ml_s, .. }
+            | Self::Board { rate_ml_s, least_ml_s, most_ml_s, .. } => {
                 facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{least_ml_s} to {most_ml_s} mL/s"))
             }
             Self::NoPlace => ErrorFacts::of(ErrorKind::Config),

@@ -12,6 +12,7 @@ mod neighbours;
 mod outlook;
 mod pump;
 mod removal;
+mod topic;
 mod turn;
 
 pub use answers::{Answers, Done, HeadAnswer};
@@ -22,4 +23,5 @@ pub use neighbours::Neighbour;
 pub use outlook::{Outlook, SurerStep};
 pub use pump::USUAL_FULL_STEPS;
 pub use removal::RemovedPump;
+pub use topic::Topic;
 pub use turn::{CorrectedSteps, turns};

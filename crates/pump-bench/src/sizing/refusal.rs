@@ -2,6 +2,7 @@
 
 use pump_model::{Port, SteadyState};
 
+use crate::catalogue::beyond_known_kpa;
 use crate::pump_file::{HoseTable, LineSource, LineTable, PumpFile, Reservoir};
 
 use super::duty::Duty;
@@ -134,7 +135,8 @@ fn line_of(file: &mut PumpFile, port: Port) -> &mut LineTable {
     }
 }
 
-/// Returns the largest lift with which the duty is served, in steps of 0.1 m. `None` where less lift does not help: the
+/// Returns the largest lift with which the duty is served without a warning of the tube's collapse, in steps of 0.1 m.
+/// `None` where less lift does not help: the
 /// pressure breaks its limit without a lift too, or a vessel lies too deep.
 fn most_lift_mm(
     file: &PumpFile,
@@ -142,18 +144,22 @@ fn most_lift_mm(
     duty: &Duty,
     (port, mut lift_mm, short): (Port, f64, &Shortfall),
 ) -> Option<f64> {
-    let (per_mm, mut short) = (short.lift_kpa / lift_mm, short.clone());
+    let per_mm = short.lift_kpa / lift_mm;
+    let lacking = |short: &Shortfall| (short.reached_kpa - short.limit_kpa).abs();
+    let mut lacking_kpa = lacking(short);
     for _ in 0..PROPOSALS {
-        let lacking_kpa = (short.reached_kpa - short.limit_kpa).abs();
         lift_mm = LIFT_STEP_MM * ((lift_mm - lacking_kpa / per_mm) / LIFT_STEP_MM - 1e-9).floor();
         let less = lift_mm > 0.0 && per_mm.is_finite();
         let mut other = file.clone();
         line_of(&mut other, port).reservoir = Reservoir::Lift(lift_mm);
         match tried(&other, most, duty, &[port]) {
             _ if !less => return None,
-            Ok(_) => return Some(lift_mm),
+            Ok((_, steady)) => match beyond_known(&other, port, &steady) {
+                Some(kpa) => lacking_kpa = kpa,
+                None => return Some(lift_mm),
+            },
             Err(SizingError::Suction(next) | SizingError::Discharge(next)) if next.port == short.port => {
-                short = *next;
+                lacking_kpa = lacking(&next);
             }
             Err(_) => return None,
         }
@@ -173,6 +179,14 @@ fn least_bore_mm(file: &PumpFile, most: Option<LargestPressure>, duty: &Duty, po
         let bore_radius_mm = 0.5 * bore_mm;
         let wide = HoseTable { bore_radius_mm, outer_radius_mm: bore_radius_mm + wall_mm, ..hose };
         line_of(&mut other, port).source = LineSource::Hose(wide);
-        tried(&other, most, duty, &[port]).is_ok()
+        let served = tried(&other, most, duty, &[port]);
+        served.is_ok_and(|(_, steady)| beyond_known(&other, port, &steady).is_none())
     })
+}
+
+/// Returns by how many kPa a suction lies beyond what the pump's tube is known to stand. What would do is not warned
+/// of.
+fn beyond_known(file: &PumpFile, port: Port, steady: &SteadyState) -> Option<f64> {
+    let below_kpa = file.ambient.pressure_kpa - steady.inlet.min_kpa;
+    if port == Port::Inlet { beyond_known_kpa(file, below_kpa) } else { None }
 }

@@ -137,18 +137,25 @@ fn a_turbulent_hose_has_the_friction_of_the_moody_chart() {
 fn a_lift_too_high_is_refused_with_the_lift_that_would_do() {
     let high = duty("6x10mm,1m", "6x10mm,1m").with_fluid(None, Some(25.0)).with_lifts(Some(11_000.0), None);
     let Err(SizingError::Suction(short)) = Sizing::of_catalogue(&high) else { panic!("it is refused") };
-    // (101.325 - 3.1699) kPa of water at 25 °C, 997 kg/m³, is a column of 10.04 m.
-    assert_eq!((short.port, short.would_do.most_lift_mm), ("inlet", Some(10_000.0)), "{short}");
+    // Nobody knows when the tube collapses: 42.65 kPa, which another tube stands, are 4.36 m of water at 25 °C.
+    assert_eq!((short.port, short.would_do.most_lift_mm), ("inlet", Some(4300.0)), "{short}");
     assert!(short.reached_kpa < short.limit_kpa && (short.limit_kpa - 3.1699).abs() < 0.01);
     let would_do = Duty { suction_lift_mm: short.would_do.most_lift_mm, ..high.clone() };
-    assert!(Sizing::of_catalogue(&would_do).is_ok());
-    let more = Duty { suction_lift_mm: Some(10_100.0), ..high };
-    assert!(Sizing::of_catalogue(&more).is_err());
+    let warned =
+        |sizing: Sizing| sizing.warnings.iter().any(|notice| notice.text().contains("the pump sucks with"));
+    assert!(!warned(Sizing::of_catalogue(&would_do).unwrap()));
+    let more = Duty { suction_lift_mm: Some(4500.0), ..high.clone() };
+    assert!(warned(Sizing::of_catalogue(&more).unwrap()));
+    // (101.325 - 3.1699) kPa of water, 997 kg/m³, is a column of 10.04 m.
+    let most = Duty { suction_lift_mm: Some(10_100.0), ..high };
+    assert!(Sizing::of_catalogue(&most).is_err());
 }
 
 #[test]
 fn a_hose_too_thin_is_refused_with_the_bore_that_would_do() {
-    for (inlet, outlet, port) in [("0.5x3mm,2m", "6x10mm,1m", "inlet"), ("6x10mm,1m", "0.5x3mm,2m", "outlet")]
+    // A suction beyond 42.65 kPa is warned of, and 40 kPa with the pulses of the flow are more.
+    for (inlet, outlet, port, bore_mm) in
+        [("0.5x3mm,2m", "6x10mm,1m", "inlet", 1.5), ("6x10mm,1m", "0.5x3mm,2m", "outlet", 1.0)]
     {
         let thin = duty(inlet, outlet).with_max_outlet(Some(Pressure::Gauge(100.0)));
         let short = match Sizing::of_catalogue(&thin) {
@@ -156,7 +163,7 @@ fn a_hose_too_thin_is_refused_with_the_bore_that_would_do() {
             other => panic!("{other:?}"),
         };
         // Hagen-Poiseuille at 25 °C: 0.5 mm makes 644 kPa over 2 m, 1 mm 40 kPa.
-        assert_eq!((short.port, short.would_do.least_bore_mm), (port, Some(1.0)), "{short}");
+        assert_eq!((short.port, short.would_do.least_bore_mm), (port, Some(bore_mm)), "{short}");
         near(
             short.friction_kpa,
             1e-3 * 128.0 * 0.89e-3 * 2.0 * FLOW_ML_S * 1e-6 / (PI * 0.5e-3_f64.powi(4)),

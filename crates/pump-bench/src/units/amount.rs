@@ -42,7 +42,12 @@ impl Amount {
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is neither a volume nor a mass, or that is zero.
 pub fn amount(text: &str) -> Result<Amount, QuantityError> {
-    let read = QuantityText::new(text, Kind::Amount)?;
+    amount_of(text, Kind::Amount)
+}
+
+/// Reads a volume or a mass of a kind that takes both.
+pub(super) fn amount_of(text: &str, kind: Kind) -> Result<Amount, QuantityError> {
+    let read = QuantityText::new(text, kind)?;
     let is_mass = Kind::Mass.factor(&read.unit).is_some();
     let value = read.value()?;
     if value == 0.0 {

@@ -11,6 +11,8 @@ pub enum Kind {
     Mass,
     /// Volume or mass, whose unit says which.
     Amount,
+    /// Reading of a scale or of a measuring vessel: a mass or a volume, whose unit says which.
+    Reading,
     /// Flow, kept in mL/s.
     Flow,
     /// Speed of the pump head, kept in rad/s.
@@ -33,6 +35,7 @@ impl fmt::Display for Kind {
             Self::Volume => "volume",
             Self::Mass => "mass",
             Self::Amount => "volume or mass",
+            Self::Reading => "mass or volume",
             Self::Flow => "flow",
             Self::Speed => "speed",
             Self::Time => "time",
@@ -116,6 +119,7 @@ impl Kind {
             Self::Volume => "25mL",
             Self::Mass => "25g",
             Self::Amount => "25mL or 25g",
+            Self::Reading => "25g or 25mL",
             Self::Flow => "10mL/s",
             Self::Speed => "100rpm",
             Self::Time => "1.5s",
@@ -133,7 +137,7 @@ impl Kind {
                 "L, dL, cL, mL, uL (µL), nL, cm3 (cc), mm3 (a mass in kg, g, mg needs the fluid's density)"
             }
             Self::Mass => "kg, g, mg",
-            Self::Amount => "kg, g, mg; L, dL, cL, mL, uL (µL), nL, cm3 (cc), mm3",
+            Self::Amount | Self::Reading => "kg, g, mg; L, dL, cL, mL, uL (µL), nL, cm3 (cc), mm3",
             Self::Flow => "a volume over a time, as in mL/s, mL/min, L/h, uL/min",
             Self::Speed => "rpm, r/min, rev/s, rad/s, deg/s",
             Self::Time => "s, ms, us, min, h, d",
@@ -152,8 +156,10 @@ impl Kind {
             Self::Volume => LITRES,
             Self::Flow => &[],
             Self::Mass => GRAMS,
-            Self::Amount if GRAMS.iter().any(|(name, _)| name.to_lowercase() == lower) => GRAMS,
-            Self::Amount => LITRES,
+            Self::Amount | Self::Reading if GRAMS.iter().any(|(name, _)| name.to_lowercase() == lower) => {
+                GRAMS
+            }
+            Self::Amount | Self::Reading => LITRES,
             Self::Speed => SPEEDS,
             Self::Time => SECONDS,
             Self::Angle => ANGLES,
@@ -187,7 +193,7 @@ impl Kind {
         match self {
             Self::Volume => factor_in(LITRES, unit),
             Self::Mass => factor_in(GRAMS, unit),
-            Self::Amount => factor_in(GRAMS, unit).or_else(|| factor_in(LITRES, unit)),
+            Self::Amount | Self::Reading => factor_in(GRAMS, unit).or_else(|| factor_in(LITRES, unit)),
             Self::Flow => {
                 let (volume, time) = unit.split_once('/')?;
                 Some(factor_in(LITRES, volume.trim())? / factor_in(SECONDS, time.trim())?)

@@ -1,6 +1,6 @@
 //! The reading of a scale or a vessel, as a person writes it down: its last digit tells its resolution.
 
-use super::amount::{Amount, amount};
+use super::amount::{Amount, amount_of};
 use super::error::QuantityError;
 use super::kind::Kind;
 use super::reading::{QuantityText, shown};
@@ -29,7 +29,7 @@ pub struct StatedReading {
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is neither a volume nor a mass, or that is not positive.
 pub fn stated_reading(text: &str) -> Result<StatedReading, QuantityError> {
-    let read = amount(text)?;
+    let read = amount_of(text, Kind::Reading)?;
     let (Amount::Mass(value) | Amount::Volume(value)) = read;
     if value < 0.0 {
         let allowed = "more than 0: write what arrived in the vessel, without sign";
@@ -72,6 +72,8 @@ mod tests {
         for text in ["23.8", "g", "-3g", "0g", "23.8 furlong", "nang"] {
             assert!(stated_reading(text).is_err(), "{text}");
         }
+        let unitless = stated_reading("23.8").unwrap_err().to_string();
+        assert!(unitless.starts_with("`23.8` has no unit; write for example 25g or 25mL"), "{unitless}");
         assert!(stated_reading("-3g").unwrap_err().to_string().contains("-3g"));
     }
 }

@@ -373,6 +373,7 @@ function hello(told) {
   ({ racks, version } = told);
   $('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
   readLast();
+  if (onNotes) watchNotes(100, onNotes);
   if (isSame && $('main').dataset.view) pumps.forEach(refresh);
   else show();
   showLink();
@@ -407,7 +408,8 @@ setInterval(async () => {
     connect();
   }
 }, 4000);
-addEventListener('offline', lose);
+addEventListener('offline', () => lose());
+addEventListener('pageshow', (event) => { if (event.persisted) begin(); });
 addEventListener('online', () => { if (!isLive) begin(); });
 // A hidden page leaves its connection to the others: a browser has six for a service.
 let hiddenTimer = 0;

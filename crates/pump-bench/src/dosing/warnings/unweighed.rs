@@ -1,7 +1,11 @@
 //! Warnings of what the calibration in use has not weighed: the pump, its fluid, and its motor's steps.
 
+use pump_ctl::plan::Prediction;
+use pump_ctl::step::Direction;
+use pump_model::Port;
+
 use crate::calibration::{Applied, Made};
-use crate::catalogue::{built_in, doubtful};
+use crate::catalogue::{SUCKS, beyond_known_kpa, built_in, doubtful, suction_warning};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
@@ -14,9 +18,40 @@ const SAME_STEPS: f64 = 1e-6;
 
 /// Warns of a pump that may deliver something else than its model says, and of a fluid that flows through a fixed
 /// resistance.
-pub(in crate::dosing) fn of_pump(file: &PumpFile, applied: Option<&Applied>) -> impl Iterator<Item = Notice> {
+pub(in crate::dosing) fn of_pump(
+    file: &PumpFile,
+    applied: Option<&Applied>,
+    prediction: &Prediction,
+    direction: Direction,
+) -> impl Iterator<Item = Notice> {
     let is_weighed = applied.is_some_and(|applied| applied.sureness().is_some());
-    doubtful(file, is_weighed).chain(file.resistance_warning())
+    let of_file: Vec<_> = doubtful(file, is_weighed).collect();
+    let of_dose = deep_suction(file, prediction, direction, is_weighed);
+    let is_told = of_dose.is_some() && of_file.iter().any(|notice| notice.text().starts_with(SUCKS));
+    of_file
+        .into_iter()
+        .filter(move |notice| !is_told || !notice.text().starts_with(SUCKS))
+        .chain(of_dose)
+        .chain(file.resistance_warning())
+}
+
+/// Warns of a dose that sucks with more than its tube is known to stand, where nobody knows when the tube collapses: no
+/// limit holds there. A pump that was weighed may suck from the height of its supply.
+fn deep_suction(
+    file: &PumpFile,
+    prediction: &Prediction,
+    direction: Direction,
+    is_weighed: bool,
+) -> Option<Notice> {
+    let (port, sucking) = match direction {
+        Direction::Forward => (Port::Inlet, prediction.inlet),
+        Direction::Reverse => (Port::Outlet, prediction.outlet),
+    };
+    let by_height = beyond_known_kpa(file, file.ambient.pressure_kpa - file.reservoir_kpa(port)).is_some();
+    let is_open = file.has_lines() && file.tube.collapse_below_ambient_kpa().is_none();
+    let below_kpa = file.ambient.pressure_kpa - sucking.min_kpa;
+    let text = suction_warning(file, below_kpa).filter(|_| is_open && !(is_weighed && by_height))?;
+    Some(Notice::from(text))
 }
 
 /// Warns of a dose that differs from the weighed ones in its fluid or in the motor's steps.

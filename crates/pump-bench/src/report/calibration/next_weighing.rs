@@ -176,3 +176,28 @@ fn standards_of_more(found: &Displacement, standard: f64, weighed: usize) -> Vec
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn doses_from_four_on_show_their_scatter_in_part_and_the_prior_stands_beside_it() {
+        let told = |weighed: u32| {
+            let prior = json!({
+                "degrees_of_freedom": 3, "over_expected": 1.3, "standard": 0.0061, "pooled": 0.006, "known": 0.0,
+                "weighed": weighed, "shown": weighed - 1,
+            });
+            stated(&serde_json::from_value(prior).unwrap())
+        };
+        for (weighed, shows) in [
+            (1, "one weighed dose shows no scatter: a scatter of 0.61 % is assumed for a dose like this"),
+            (3, "3 weighed doses hardly show their scatter: a scatter of 0.61 % is assumed beside theirs"),
+            (4, "4 weighed doses show their scatter in part: a scatter of 0.61 % is assumed beside theirs"),
+        ] {
+            assert!(told(weighed).contains(shows), "{}", told(weighed));
+        }
+    }
+}
