@@ -33,6 +33,9 @@ const START_DEG: &str = "30deg";
 const REST: Duration = Duration::from_secs(60);
 const LINE: Duration = Duration::from_millis(50);
 
+/// Part of the killed commands that the next one follows at once.
+const AT_ONCE: f64 = 0.3;
+
 /// Exit code of a dose that ended in a fault.
 const FAULT: i32 = 1;
 
@@ -185,12 +188,23 @@ impl Rig {
             }
         }
         let (code, said) = ended(process);
+        let begun = before.and_then(|state| state.unfinished);
+        if cut == Cut::Kill && random.part() < AT_ONCE {
+            let announced =
+                self.state().and_then(|state| state.unfinished).filter(|dose| Some(*dose) != begun);
+            if let Some(dose) = announced {
+                self.resumes_at_once(started + dose.intent.steps);
+                self.turned += dose.intent.steps.unsigned_abs();
+                tally.midway += 1;
+                tally.resumed += 1;
+                return;
+            }
+        }
         self.comes_to_rest();
         let moved = self.steps() - started;
         self.turned += moved.unsigned_abs();
         let (after, said) = (self.state(), format!("{cut:?} of {words:?}, {moved} steps: {code:?} {said}"));
         assert!(cut != Cut::None || code == Some(0), "{said}");
-        let begun = before.and_then(|state| state.unfinished);
         match after.and_then(|state| state.unfinished) {
             Some(dose) if Some(dose) != begun => {
                 let made = moved * dose.intent.steps.signum();
@@ -237,6 +251,13 @@ impl Rig {
         }
         self.is_exact();
         killed
+    }
+
+    /// Resumes a dose whose command was just killed. The motor may still turn. All of its steps are made once.
+    fn resumes_at_once(&mut self, ends: i64) {
+        let (code, said) = ended(self.command(&["resume".to_owned()]));
+        assert_eq!((code, self.steps()), (Some(0), ends), "{said}");
+        self.rest = None;
     }
 
     /// Accepts the unfinished dose. The board tells its exact steps.
