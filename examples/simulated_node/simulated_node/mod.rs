@@ -1,6 +1,7 @@
 //! A simulated node at the end of a pseudo-terminal: the board's own logic (`pump-node`), with pins and motors in
 //! software.
 
+mod carrier;
 mod hardware;
 mod line;
 
@@ -11,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{JoinHandle, sleep};
 use std::time::{Duration, Instant};
 
+use carrier::Carrier;
 use hardware::{Hardware, SimulatedPins, TICK_HZ};
 use line::Line;
 use pump_node::{Axes, Axis, Node, identity};
@@ -18,9 +20,9 @@ use pump_node::{Axes, Axis, Node, identity};
 /// Time between two looks at the line.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// Longest time, us, that a late thread of the board makes up at once, so that it hears its host before it goes on. A
-/// move may begin in that time, and a board that has not listened meanwhile takes its own lateness for a lost link. A
-/// silent host is another matter: the board's time goes on without it.
+/// Longest time, us, that a late board makes up at once, so that it hears its host before it goes on. A move may begin
+/// in that time, and a board that has not listened meanwhile takes its own lateness for a lost link. A silent host is
+/// another matter: the board's time goes on without it.
 const LONGEST_LOOK_US: u64 = 5_000;
 
 /// Rate of the line, bytes a second, as at 460,800 baud.
@@ -51,9 +53,9 @@ impl SimulatedNode {
     /// Switches a board of this number on.
     pub(crate) fn start(number: u64) -> io::Result<Self> {
         let truth = Arc::new(Mutex::new(Truth::default()));
-        let (line, path) = Line::new()?;
+        let ((line, path), carrier) = (Line::new()?, Carrier::new()?);
         let shared = Arc::clone(&truth);
-        let thread = std::thread::spawn(move || Simulation::new(number, line).run(&shared));
+        let thread = std::thread::spawn(move || Simulation::new(number, line).run(carrier, &shared));
         Ok(Self { path, truth, thread: Some(thread) })
     }
 
@@ -104,10 +106,14 @@ impl Simulation {
         Self { hardware, node, axes, line, now_us: 0, next_poll_us: 0, answers }
     }
 
-    fn run(&mut self, truth: &Mutex<Truth>) {
+    fn run(&mut self, mut carrier: Carrier, truth: &Mutex<Truth>) {
         let mut before = Instant::now();
         loop {
             sleep(LOOK);
+            // A line without a computer is as good as no board.
+            if carrier.carry().is_err() {
+                return;
+            }
             let now = Instant::now();
             let passed_us = ((now - before).as_micros() as u64).min(LONGEST_LOOK_US);
             before = now;
