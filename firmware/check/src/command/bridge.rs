@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use pump_bench::drives::wire::Wire;
 
 use super::line::Line;
-use super::silence::{Look, Silences, queued};
+use super::silence::{Look, Silences, Waits, queued};
 use crate::board::emulator::Emulator;
 
 /// Shortest and longest time for which the board goes on between two looks at the line.
@@ -51,7 +51,7 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    /// Joins the UART of a board to a pseudo-terminal.
+    /// Joins the line of a board to a pseudo-terminal.
     pub(super) fn new(emulator: Emulator) -> io::Result<Self> {
         let (line, port) = Line::new()?;
         let state = Arc::new(State::default());
@@ -80,6 +80,14 @@ impl Bridge {
         Duration::from_micros(self.state.silent_us.load(Ordering::Relaxed))
     }
 
+    /// Takes the line away, with its device. The board's time stands.
+    pub(super) fn pull(&mut self) {
+        self.state.is_over.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+
     /// Returns true while the emulator runs.
     pub(super) fn is_live(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
@@ -88,10 +96,7 @@ impl Bridge {
 
 impl Drop for Bridge {
     fn drop(&mut self) {
-        self.state.is_over.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        self.pull();
     }
 }
 
@@ -113,7 +118,7 @@ fn serve(mut emulator: Emulator, mut line: Line, state: &State) -> io::Result<()
         let host = Some(state.host.load(Ordering::Relaxed)).filter(|host| *host != 0);
         silences.look(Look {
             at: now - began,
-            queued: host.map_or(Duration::ZERO, queued),
+            queued: host.map_or_else(Waits::default, queued),
             has_frame: bytes.contains(&END_OF_FRAME),
             stepped_ns: host.and(stepped_ns(&emulator)),
         });
