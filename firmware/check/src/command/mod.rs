@@ -2,6 +2,8 @@
 //! are held against its report, its record, and the steps that it planned.
 
 mod bridge;
+#[path = "../../../../examples/simulated_node/simulated_node/carrier.rs"]
+mod carrier;
 mod desk;
 #[path = "../../../../examples/simulated_node/simulated_node/line.rs"]
 mod line;

@@ -30,6 +30,8 @@ pub(super) struct Look {
     /// Time of the look, and the times for which the host's threads had waited for a processor by then.
     pub(super) at: Duration,
     pub(super) queued: Waits,
+    /// Time for which the computer had carried no bytes by then.
+    pub(super) uncarried: Duration,
     /// True if a frame has come.
     pub(super) has_frame: bool,
     /// Time of the last step of a motor that turns. There is none for one that stands.
@@ -55,7 +57,8 @@ impl Silences {
     /// Notes a look at the line. One that finds a frame ends the silence at the look before it, for the frame came
     /// since.
     ///
-    /// The longest time in which a thread of the host has no processor is the computer's silence, not the host's.
+    /// The time in which a thread of the host has no processor is the computer's silence, not the host's, and so is the
+    /// time in which the computer carries no bytes. They may be one time, so the longest counts.
     pub(super) fn look(&mut self, look: Look) {
         let Some(before) = self.before.replace(look.clone()) else { return };
         let spoke = self.spoke.get_or_insert_with(|| before.clone());
@@ -66,7 +69,8 @@ impl Silences {
             self.stepped_at = look.at;
         }
         if stands || look.has_frame {
-            let is_computer = look.queued.longest_since(&spoke.queued);
+            let uncarried = look.uncarried.saturating_sub(spoke.uncarried);
+            let is_computer = look.queued.longest_since(&spoke.queued).max(uncarried);
             let until = |end: Duration| end.saturating_sub(spoke.at).saturating_sub(is_computer);
             self.longest = self.longest.max(until(before.at.min(self.stepped_at)));
             self.unsure = if stands { Duration::ZERO } else { self.unsure.max(until(before.at)) };
@@ -110,6 +114,7 @@ mod tests {
         for look in 0..=looks {
             silences.look(Look {
                 at: BETWEEN * look,
+                uncarried: Duration::ZERO,
                 queued: waits([queued_ms * u64::from(look)]),
                 has_frame: spoke.contains(&look),
                 stepped_ns: Some(f64::from(look.min(last_step))),
@@ -136,7 +141,13 @@ mod tests {
             [(0, 0, true), (150, 0, false), (300, 0, false), (310, 290, true)]
         {
             let (at, queued) = (Duration::from_millis(at_ms), waits([queued_ms]));
-            silences.look(Look { at, queued, has_frame, stepped_ns: Some(at_ms as f64) });
+            silences.look(Look {
+                at,
+                queued,
+                uncarried: Duration::ZERO,
+                has_frame,
+                stepped_ns: Some(at_ms as f64),
+            });
         }
         assert_eq!(silences.longest().as_millis(), 10);
     }
@@ -148,9 +159,31 @@ mod tests {
             [(0, [5, 0, 9], true), (290, [65, 60, 69], false), (300, [65, 60, 69], true)]
         {
             let (at, queued) = (Duration::from_millis(at_ms), waits(queued_ms));
-            silences.look(Look { at, queued, has_frame, stepped_ns: Some(at_ms as f64) });
+            silences.look(Look {
+                at,
+                queued,
+                uncarried: Duration::ZERO,
+                has_frame,
+                stepped_ns: Some(at_ms as f64),
+            });
         }
         assert_eq!(silences.longest().as_millis(), 290 - 60);
+    }
+
+    #[test]
+    fn time_in_which_the_computer_carries_no_bytes_is_no_silence_of_the_host() {
+        let mut silences = Silences::default();
+        for (at_ms, uncarried_ms, has_frame) in [(0, 0, true), (500, 480, false), (510, 480, true)] {
+            let [at, uncarried] = [at_ms, uncarried_ms].map(Duration::from_millis);
+            silences.look(Look {
+                at,
+                queued: waits([30]),
+                uncarried,
+                has_frame,
+                stepped_ns: Some(at_ms as f64),
+            });
+        }
+        assert_eq!(silences.longest().as_millis(), 20);
     }
 
     #[test]
@@ -158,7 +191,13 @@ mod tests {
         let mut silences = Silences::default();
         for (at_ms, stepped_ns) in [(0, Some(0.0)), (400, Some(1.0)), (600, Some(1.0)), (700, None)] {
             let at = Duration::from_millis(at_ms);
-            silences.look(Look { at, queued: Waits::default(), has_frame: at_ms == 0, stepped_ns });
+            silences.look(Look {
+                at,
+                queued: Waits::default(),
+                uncarried: Duration::ZERO,
+                has_frame: at_ms == 0,
+                stepped_ns,
+            });
         }
         assert_eq!(silences.longest().as_millis(), 400);
     }
@@ -175,7 +214,13 @@ mod tests {
             [(0, true, 1.0), (300, false, 1.0), (301, true, 1.0), (302, false, 2.0)]
         {
             let at = Duration::from_millis(at_ms);
-            silences.look(Look { at, queued: Waits::default(), has_frame, stepped_ns: Some(stepped_ns) });
+            silences.look(Look {
+                at,
+                queued: Waits::default(),
+                uncarried: Duration::ZERO,
+                has_frame,
+                stepped_ns: Some(stepped_ns),
+            });
         }
         assert_eq!(silences.longest().as_millis(), 300);
     }
