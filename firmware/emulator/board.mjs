@@ -165,6 +165,12 @@ export class Board {
     this.chip.gpio[pin].setInputValue(high);
   }
 
+  /** Plugs the USB cable in anew: the host resets the bus and meets the device. Bytes on their way are lost. */
+  plug() {
+    this.sent = [];
+    this.usb.plug();
+  }
+
   /** Has the firmware go on where it stops for good, as after a panic: at its function `halt`. */
   halt() {
     this.chip.core.PC = address(this.image, /4halt17h[0-9a-f]{16}E$|::halt$/) & ~1;

@@ -11,12 +11,13 @@
 //   H                                                       have the firmware stop for good
 //   C                                                       counts of instructions
 //   X                                                       extremes
+//   U                                                       plug the USB cable in anew
 //   S                                                       names of the USB device
 // Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C six f64 (all
 // instructions, alarms served, instructions in them, the most in one, the most with interrupts off since the last C,
 // now_ns); to X three f64 (longest time with interrupts off, longest one in which the USB controller is used, both in
 // ns since the last X, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product,
-// serial number); to I, R and H, now_ns: f64.
+// serial number); to I, R, H and U, now_ns: f64.
 
 import { parseArgs } from 'node:util';
 import { Board } from './board.mjs';
@@ -65,6 +66,11 @@ function serve(input) {
     process.stdout.write(numbers(board.now));
     return 1;
   }
+  if (kind === 'U') {
+    board.plug();
+    process.stdout.write(numbers(board.now));
+    return 1;
+  }
   if (kind === 'C') {
     const { all, alarms, alarm, worst, mostKept } = board.counts;
     process.stdout.write(numbers(all, alarms, alarm, worst, mostKept, board.now));
@@ -85,7 +91,7 @@ function serve(input) {
     process.stdout.write(Buffer.concat([length, text]));
     return 1;
   }
-  process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R, H, C, X and S are known\n`);
+  process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R, H, U, C, X and S are known\n`);
   process.exit(2);
 }
 

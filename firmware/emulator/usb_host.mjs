@@ -45,6 +45,12 @@ export class UsbHost {
     };
   }
 
+  /** Begins anew, as a host does whose cable was plugged in. */
+  plug() {
+    [this.strings, this.fed, this.room, this.isOpen] = [[], [], {}, false];
+    this.usb.resetDevice();
+  }
+
   /** Sends bytes to the board, as fast as it takes them. */
   feed(bytes) {
     for (const byte of bytes) this.fed.push(byte);

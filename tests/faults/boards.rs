@@ -5,8 +5,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use pump_bench::pump_file::DriverName;
 use pump_bench::record::PumpState;
@@ -26,9 +24,6 @@ const LONGEST: f64 = 2500.0;
 
 /// Approximate number of steps that deliver 1 mL.
 const STEPS_PER_ML: f64 = 1000.0;
-
-/// Longest time between the announcement of a dose and a kill that waits for no step, s.
-const SOON_S: f64 = 0.1;
 
 /// Number of doses on each board.
 const DOSES_A_BOARD: u32 = 4;
@@ -172,30 +167,19 @@ impl Rig {
         // At this board's speed the disk may take a tenth of a second before the motor pauses for it.
         let sync_ms = (random.part() < 0.4).then(|| 150.0 * random.part());
         let mut process = child::start(&self.folder, volume_ml, bytes, sync_ms, Some(self.board.path()));
-        let mut runs_for = |longest_s: f64, until: &dyn Fn() -> bool| {
-            let deadline = Instant::now() + Duration::from_secs_f64(longest_s);
-            while Instant::now() < deadline && process.try_wait().unwrap().is_none() && !until() {
-                sleep(Duration::from_millis(1));
-            }
-            process.try_wait().unwrap().is_none()
-        };
         match cut {
             Cut::Kill => {
-                // Some processes die while they look for the board, some soon after they have announced their
-                // dose, and most once the motor has made a random number of steps.
-                let announced = || fs::metadata(&journal).is_ok_and(|now| now.len() > length);
-                let killed_at = (STEPS_PER_ML * volume_ml.abs() * random.part()) as u64;
-                let is_there = || self.board.truth().steps.abs_diff(started) >= killed_at;
-                match random.part() {
-                    part if part < 0.2 => _ = runs_for(random.part(), &|| false),
-                    part if part < 0.4 => {
-                        runs_for(90.0, &announced);
-                        runs_for(SOON_S * random.part(), &|| false);
-                    }
-                    _ => _ = runs_for(90.0, &is_there),
-                }
+                let is_announced = || fs::metadata(&journal).is_ok_and(|now| now.len() > length);
+                let has_made = |part: f64| {
+                    let made = self.board.truth().steps.abs_diff(started);
+                    made >= (STEPS_PER_ML * volume_ml.abs() * part) as u64
+                };
+                child::runs_until_a_kill(&mut process, random, &is_announced, &has_made);
             }
-            Cut::None | Cut::FullDisk => assert!(!runs_for(120.0, &|| false), "a dose without an end"),
+            Cut::None | Cut::FullDisk => {
+                let runs = child::runs_for(&mut process, 120.0, &|| false);
+                assert!(!runs, "a dose without an end");
+            }
         }
         process.kill().unwrap();
         let said = child::said(process);

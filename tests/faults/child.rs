@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pump_bench::pump_file::DriverName;
 use pump_bench::record::Storage;
@@ -17,6 +17,9 @@ use crate::random::Random;
 
 /// Variable that says for how many milliseconds at most each sync of the journal takes longer.
 const SYNC_MS: &str = "FAULTS_SYNC_MS";
+
+/// Longest time between the announcement of a dose and a kill that waits for no step, s.
+const SOON_S: f64 = 0.1;
 
 /// Disk whose syncs take longer, each by another time.
 #[derive(Debug)]
@@ -93,6 +96,34 @@ pub(crate) fn start(
     command.arg("child").arg(folder).arg(volume_ml.to_string()).args(port);
     command.envs(sync_ms.map(|ms| (SYNC_MS, ms.to_string())));
     command.stdout(Stdio::piped()).spawn().unwrap()
+}
+
+/// Waits until something has come true, or so many seconds at most. Returns true if the process still runs.
+pub(crate) fn runs_for(process: &mut Child, longest_s: f64, until: &dyn Fn() -> bool) -> bool {
+    let deadline = Instant::now() + Duration::from_secs_f64(longest_s);
+    while Instant::now() < deadline && process.try_wait().unwrap().is_none() && !until() {
+        sleep(Duration::from_millis(1));
+    }
+    process.try_wait().unwrap().is_none()
+}
+
+/// Waits for the instant of a kill. Some processes die while they look for the board, some soon after they have
+/// announced their dose, and most once the board's motor has made so much of it.
+pub(crate) fn runs_until_a_kill(
+    process: &mut Child,
+    random: &mut Random,
+    is_announced: &dyn Fn() -> bool,
+    has_made: &dyn Fn(f64) -> bool,
+) {
+    let made = random.part();
+    match random.part() {
+        part if part < 0.2 => _ = runs_for(process, random.part(), &|| false),
+        part if part < 0.4 => {
+            runs_for(process, 90.0, is_announced);
+            runs_for(process, SOON_S * random.part(), &|| false);
+        }
+        _ => _ = runs_for(process, 90.0, &|| has_made(made)),
+    }
 }
 
 /// Returns the output of the process, once it has ended.

@@ -2,19 +2,23 @@
 //! volume lies within the bounds on record.
 //!
 //! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive, 500 on simulated boards,
-//! 200 racks, 200 flows over time, and 40 on each firmware that this machine has as a simulator. The program
-//! starts itself again as a child that it can kill. It compares the record with the words of the child and with
-//! the board's count of steps.
+//! 200 racks, 200 flows over time, 200 of the command on simulated nodes, and 40 on each firmware that this
+//! machine has as a simulator. The program starts itself again, or the command, as a child that it can kill. It
+//! compares the record with the words of the child and with the board's count of steps.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
 
 mod boards;
 mod child;
+mod nodes;
 mod profiles;
 mod racks;
 mod random;
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;
+#[allow(dead_code, reason = "the board of an example, with more to look at")]
+#[path = "../../examples/simulated_node/simulated_node/mod.rs"]
+mod simulated_node;
 mod simulation;
 mod simulators;
 
@@ -51,6 +55,9 @@ fn main() {
     }
     if runs("boards") {
         boards::run(wanted.unwrap_or(16), &mut random);
+    }
+    if runs("nodes") {
+        nodes::run(wanted.unwrap_or(10).min(200), &mut random);
     }
     if runs("simulators") {
         simulators::run(wanted.unwrap_or(0).min(40));

@@ -216,7 +216,7 @@ fn compare(name: &str, before: Option<PumpState>, after: Option<PumpState>, said
 
 /// Compares a pump's log with its record: the doses are numbered without a gap, and their volumes are those that the
 /// tube has pumped, to the bounds of those that were cut off.
-fn compare_log(bench: &Bench) {
+pub(crate) fn compare_log(bench: &Bench) {
     drop(bench.session().unwrap());
     let doses = bench.log().unwrap().map(|line| match line.unwrap() {
         LogLine::Dose(entry) => entry,
@@ -227,7 +227,7 @@ fn compare_log(bench: &Bench) {
         count += 1;
         assert_eq!(dose.number, count, "a dose is lost or doubled: {dose:?}");
         let (least_ml, most_ml) = dose.delivered_range_ml.unwrap_or((dose.delivered_ml, dose.delivered_ml));
-        logged_ml += dose.delivered_ml;
+        logged_ml += dose.delivered_ml.abs();
         // A step more or less is the rounding of a dose, and the tube wears by the most that may have been made.
         unsure_ml += most_ml - least_ml + 4e-3;
     }

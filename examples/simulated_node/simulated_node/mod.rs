@@ -1,6 +1,7 @@
 //! A simulated node at the end of a pseudo-terminal: the board's own logic (`pump-node`), with pins and motors in
 //! software.
 
+mod carrier;
 mod hardware;
 mod line;
 
@@ -11,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{JoinHandle, sleep};
 use std::time::{Duration, Instant};
 
+use carrier::Carrier;
 use hardware::{Hardware, SimulatedPins, TICK_HZ};
 use line::Line;
 use pump_node::{Axes, Axis, Node, identity};
@@ -18,12 +20,9 @@ use pump_node::{Axes, Axis, Node, identity};
 /// Time between two looks at the line.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// Longest time, us, for which the board goes on without a byte of its host while a motor turns. A slow computer is
-/// then no lost link. The board's time stands until the host is heard.
-const PATIENCE_US: u64 = 150_000;
-
-/// Longest time, us, that a late thread of the board makes up at once, so that it hears its host before it goes on. A
-/// move may begin in that time, and a board that has not listened meanwhile takes its own lateness for a lost link.
+/// Longest time, us, that a late board makes up at once, so that it hears its host before it goes on. A move may begin
+/// in that time, and a board that has not listened meanwhile takes its own lateness for a lost link. A silent host is
+/// another matter: the board's time goes on without it.
 const LONGEST_LOOK_US: u64 = 5_000;
 
 /// Rate of the line, bytes a second, as at 460,800 baud.
@@ -54,9 +53,9 @@ impl SimulatedNode {
     /// Switches a board of this number on.
     pub(crate) fn start(number: u64) -> io::Result<Self> {
         let truth = Arc::new(Mutex::new(Truth::default()));
-        let (line, path) = Line::new()?;
+        let ((line, path), carrier) = (Line::new()?, Carrier::new()?);
         let shared = Arc::clone(&truth);
-        let thread = std::thread::spawn(move || Simulation::new(number, line).run(&shared));
+        let thread = std::thread::spawn(move || Simulation::new(number, line).run(carrier, &shared));
         Ok(Self { path, truth, thread: Some(thread) })
     }
 
@@ -91,8 +90,6 @@ struct Simulation {
     axes: Axes<'static, SimulatedPins, Hardware, 256, 4>,
     line: Line,
     now_us: u64,
-    /// Time of the board at which its host was heard last.
-    heard_us: u64,
     next_poll_us: u64,
     /// Answers on their way, each with the time at which it is through.
     answers: VecDeque<(u64, Vec<u8>)>,
@@ -106,22 +103,22 @@ impl Simulation {
         let axes = Axes::new(Box::leak(Box::new(axes)), hardware.clone(), TICK_HZ);
         let node = Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ));
         let answers = VecDeque::new();
-        Self { hardware, node, axes, line, now_us: 0, heard_us: 0, next_poll_us: 0, answers }
+        Self { hardware, node, axes, line, now_us: 0, next_poll_us: 0, answers }
     }
 
-    fn run(&mut self, truth: &Mutex<Truth>) {
+    fn run(&mut self, mut carrier: Carrier, truth: &Mutex<Truth>) {
         let mut before = Instant::now();
         loop {
             sleep(LOOK);
+            // A line without a computer is as good as no board.
+            if carrier.carry().is_err() {
+                return;
+            }
             let now = Instant::now();
             let passed_us = ((now - before).as_micros() as u64).min(LONGEST_LOOK_US);
             before = now;
             self.hear();
-            let mut until_us = self.now_us + passed_us;
-            if self.axes.is_moving() {
-                until_us = until_us.min(self.heard_us + PATIENCE_US).max(self.now_us);
-            }
-            self.go_on(until_us);
+            self.go_on(self.now_us + passed_us);
             while self.answers.front().is_some_and(|(at, _)| *at <= self.now_us)
                 && let Some((_, answer)) = self.answers.pop_front()
             {
@@ -139,7 +136,6 @@ impl Simulation {
     /// Takes in what the host has said.
     fn hear(&mut self) {
         for byte in self.line.read() {
-            self.heard_us = self.now_us;
             if let Some(answer) = self.node.on_byte(byte, self.now_us, &mut self.axes) {
                 let bytes = answer.bytes().to_vec();
                 let through_us = self.now_us + bytes.len() as u64 * 1_000_000 / BYTES_S;

@@ -160,14 +160,18 @@ pub(super) fn report_once(
     }
     // The headline was printed before a real motor moved.
     let headline = if was_run && !report.simulated { String::new() } else { report.headline() + "\n" };
-    let summary = report.summary(said.asked, of_batch);
-    let details = if said.verbose { format!("\n{}", report.details()) } else { String::new() };
+    // The details have the time of the dose.
+    let text = if said.verbose {
+        format!("{}\n{}", report.summary(said.asked, of_batch), report.details())
+    } else {
+        report.dated_summary(said.asked, of_batch)
+    };
     if of_batch.is_some() {
         // Doses of a batch repeat what the first one warned of.
         report.warnings = warned.untold(&report.warnings);
     }
     let warnings = if has_warned { String::new() } else { report.warning_lines() };
-    tell(&format!("{headline}{summary}{details}{warnings}"))
+    tell(&format!("{headline}{text}{warnings}"))
 }
 
 /// The failure of a report that could not be printed, after the pump moved.

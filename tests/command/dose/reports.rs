@@ -292,3 +292,14 @@ fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
     assert!(run["warnings"][0].as_str().unwrap().contains("above the pump's limit of 170 r/min"), "{run}");
     assert!(run["warnings"][1].as_str().unwrap().contains("no liquid can"), "{run}");
 }
+
+#[test]
+fn the_short_text_of_a_dose_has_the_time_that_the_log_has_and_that_of_a_dry_run_has_none() {
+    let user = User::new();
+    let text = user.types(&["2mL"]).out;
+    let log = user.types(&["log", "--format", "json"]).out;
+    let logged: serde_json::Value = serde_json::from_str(log.lines().next().unwrap()).unwrap();
+    let began = format!("; began {}", logged["time"].as_str().unwrap());
+    assert!(text.lines().nth(2).unwrap().ends_with(&began), "{text}{log}");
+    assert!(!user.types(&["2mL", "--dry-run"]).out.contains("began"));
+}

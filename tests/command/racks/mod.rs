@@ -47,6 +47,29 @@ fn a_rack_of_the_configuration_runs_and_is_shown_by_its_name() {
     assert!(refused.contains("a name of [racks] is `../mix`; allowed: 1 to 64 of a-z"), "{refused}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_rack_whose_report_cannot_be_printed_says_what_it_has_delivered() {
+    for format in ["text", "json"] {
+        let user = desk(MIX);
+        let mut command = user.command(&["run", "mix.toml", "--pace", "fast", "--format", format]);
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = command.stdout(full).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        let told =
+            " mL were delivered and recorded, but the report could not be printed: No space left on device";
+        let (before, _) = said.split_once(told).unwrap_or_else(|| panic!("{said}"));
+        let total_ml: f64 = before.rsplit([' ', '"']).next().unwrap().parse().unwrap();
+        let logged = ["three-roller", "two-roller"].map(|pump| {
+            let log = user.types(&["log", "--pump", pump, "--format", "json"]).out;
+            serde_json::from_str::<Value>(log.lines().next().unwrap()).unwrap()
+        });
+        let logged_ml: f64 = logged.iter().map(|dose| dose["delivered_ml"].as_f64().unwrap()).sum();
+        assert!((total_ml - 6.0).abs() < 0.002 && (total_ml - logged_ml).abs() < 1e-4, "{said}{logged:?}");
+    }
+}
+
 #[test]
 fn a_rack_is_refused_with_one_message_and_nothing_moves() {
     let user = desk(MIX);

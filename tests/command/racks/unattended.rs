@@ -91,6 +91,13 @@ fn a_rack_without_a_person_obeys_home_and_turns_no_pump_to_its_sensor() {
         } else {
             let error: Value = serde_json::from_str(answer.err.lines().last().unwrap()).unwrap();
             assert_eq!((&error["kind"], &error["moved"]), (&"angle".into(), &false.into()), "{error}");
+            let told = match home {
+                "sensor" => {
+                    "[safety] home = \"sensor\" turns no pump of a rack, whose motions have their times"
+                }
+                _ => "[safety] home = \"refuse\" makes no dose without a person then",
+            };
+            assert!(error["message"].as_str().unwrap().contains(told), "{error}");
             assert_eq!(user.json(&["status"])["wear"], before["wear"], "the other pump did not move");
         }
     }

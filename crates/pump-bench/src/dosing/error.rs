@@ -20,7 +20,7 @@ use crate::drives::GrblError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
 use crate::numbers::{between, significant};
-use crate::pump_file::PumpFileError;
+use crate::pump_file::{HomePolicy, PumpFileError};
 use crate::record::FolderError;
 use crate::record::JournalError;
 use crate::record::Stamp;
@@ -103,13 +103,19 @@ pub enum DoseError {
         /// Reason, as the message words it.
         why: &'static str,
     },
-    /// The angle was disturbed, and the pump file has doses without a person refused then. Nothing has moved.
+    /// The angle was disturbed, and the pump file has doses without a person refused then, or has them turn to the
+    /// sensor, which a rack does not. Nothing has moved.
     #[error(
-        "the rollers' angle was disturbed since it was found and is {}; [safety] home = \"refuse\" makes no dose \
-         without a person then",
-        within_deg.map_or("unknown now".to_owned(), |deg| format!("known within {} deg now", significant(deg, 3)))
+        "the rollers' angle was disturbed since it was found and is {}; [safety] home = \"{home}\" {}",
+        within_deg.map_or("unknown now".to_owned(), |deg| format!("known within {} deg now", significant(deg, 3))),
+        match home {
+            HomePolicy::Sensor => "turns no pump of a rack, whose motions have their times",
+            _ => "makes no dose without a person then",
+        }
     )]
     Disturbed {
+        /// Choice of the pump file.
+        home: HomePolicy,
         /// Half width of the range of the angle, in deg. `None` if the angle is unknown.
         within_deg: Option<f64>,
     },

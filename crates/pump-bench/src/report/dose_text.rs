@@ -22,10 +22,21 @@ impl DoseReport {
     /// `asked` is the volume as it was typed; without it the requested volume stands there. `of_batch` is the number of
     /// the dose and of all doses of its batch.
     pub fn summary(&self, asked: Option<&str>, of_batch: Option<(u64, u64)>) -> String {
+        self.lines(asked, of_batch, "")
+    }
+
+    /// The lines of [`Self::summary`], with the time at which the dose began.
+    pub fn dated_summary(&self, asked: Option<&str>, of_batch: Option<(u64, u64)>) -> String {
+        let began = self.time.map_or(String::new(), |time| format!("; began {time}"));
+        self.lines(asked, of_batch, &began)
+    }
+
+    fn lines(&self, asked: Option<&str>, of_batch: Option<(u64, u64)>, began: &str) -> String {
         let place = of_batch.map_or(String::new(), |(number, count)| format!(", dose {number} of {count}"));
         let weighed = self.by_weight.as_ref().map_or(String::new(), |weighed| weighed.line());
         let run = self.run.map_or(String::new(), |run| run.line(self.moved_s()));
-        format!("{}{place}: {}\n{}\n{run}{weighed}", self.pump, self.volume_line(asked), self.motion_line())
+        let (volume, motion) = (self.volume_line(asked), self.motion_line());
+        format!("{}{place}: {volume}\n{motion}{began}\n{run}{weighed}", self.pump)
     }
 
     /// The dose in one line, as one of a batch: its volume with its uncertainty, and its end.

@@ -122,6 +122,14 @@ impl Emulator {
         board.ask(b"R").map(drop)
     }
 
+    /// Plugs the USB cable in anew. Bytes on their way are lost.
+    pub(crate) fn plug_usb(&self) -> io::Result<()> {
+        let board = &mut self.shared().machine;
+        board.said.clear();
+        board.written.clear();
+        board.ask(b"U")
+    }
+
     /// Returns the extremes that the board has come to.
     pub(crate) fn extremes(&self) -> io::Result<Extremes> {
         let board = &mut self.shared().machine;

@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 
 use pump_bench::drives::wire::Wire;
 
+use super::carrier::Carrier;
 use super::line::Line;
-use super::silence::{Look, Silences, queued};
+use super::silence::{Look, Silences, Waits, queued};
 use crate::board::emulator::Emulator;
 
 /// Shortest and longest time for which the board goes on between two looks at the line.
@@ -51,12 +52,12 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    /// Joins the UART of a board to a pseudo-terminal.
+    /// Joins the line of a board to a pseudo-terminal.
     pub(super) fn new(emulator: Emulator) -> io::Result<Self> {
-        let (line, port) = Line::new()?;
+        let ((line, port), carrier) = (Line::new()?, Carrier::new()?);
         let state = Arc::new(State::default());
         let shared = Arc::clone(&state);
-        let thread = Some(thread::spawn(move || serve(emulator, line, &shared)));
+        let thread = Some(thread::spawn(move || serve(emulator, line, carrier, &shared)));
         Ok(Self { port, began: Instant::now(), state, thread })
     }
 
@@ -80,6 +81,14 @@ impl Bridge {
         Duration::from_micros(self.state.silent_us.load(Ordering::Relaxed))
     }
 
+    /// Takes the line away, with its device. The board's time stands.
+    pub(super) fn pull(&mut self) {
+        self.state.is_over.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+
     /// Returns true while the emulator runs.
     pub(super) fn is_live(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
@@ -88,21 +97,21 @@ impl Bridge {
 
 impl Drop for Bridge {
     fn drop(&mut self) {
-        self.state.is_over.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        self.pull();
     }
 }
 
 /// Runs the board by the computer's clock, and hands on the bytes of both ends.
-fn serve(mut emulator: Emulator, mut line: Line, state: &State) -> io::Result<()> {
+fn serve(mut emulator: Emulator, mut line: Line, mut carrier: Carrier, state: &State) -> io::Result<()> {
     let mut buffer = [0; 4096];
     let began = Instant::now();
     let (mut before, mut owed) = (began, Duration::ZERO);
     let mut heard = emulator.now();
-    let mut silences = Silences::default();
+    let (mut silences, mut uncarried) = (Silences::default(), Duration::ZERO);
     while !state.is_over.load(Ordering::Relaxed) {
+        let sent = Instant::now();
+        carrier.carry()?;
+        uncarried += sent.elapsed().saturating_sub(LOOK);
         let from = emulator.now();
         let bytes = line.read();
         if !bytes.is_empty() {
@@ -113,7 +122,8 @@ fn serve(mut emulator: Emulator, mut line: Line, state: &State) -> io::Result<()
         let host = Some(state.host.load(Ordering::Relaxed)).filter(|host| *host != 0);
         silences.look(Look {
             at: now - began,
-            queued: host.map_or(Duration::ZERO, queued),
+            uncarried,
+            queued: host.map_or_else(Waits::default, queued),
             has_frame: bytes.contains(&END_OF_FRAME),
             stepped_ns: host.and(stepped_ns(&emulator)),
         });

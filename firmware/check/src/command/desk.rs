@@ -7,6 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use pump_bench::drives::wire::Wire;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -46,9 +47,9 @@ pub(super) struct Ended {
 }
 
 impl Desk {
-    /// Makes a computer with a board that was just switched on.
-    pub(super) fn new(firmware: &Path, command: &Path) -> Result<Self, Box<dyn Error>> {
-        let emulator = Emulator::new(firmware)?;
+    /// Makes a computer with a board that was just switched on, with these options of the emulator.
+    pub(super) fn new(firmware: &Path, command: &Path, options: &[&str]) -> Result<Self, Box<dyn Error>> {
+        let emulator = Emulator::with_options(firmware, options)?;
         let bridge = Bridge::new(emulator.clone())?;
         let (motor, folder) = (Motor::default(), tempfile::tempdir()?);
         Ok(Self { command: command.to_owned(), folder, bridge, emulator, motor, edges: Vec::new() })
@@ -135,6 +136,19 @@ impl Desk {
             thread::sleep(LOOK);
             self.look();
         }
+        Ok(())
+    }
+
+    /// Pulls the cable, without which the board goes on for so long.
+    pub(super) fn pull(&mut self, time: Duration) {
+        self.bridge.pull();
+        self.emulator.sleep(time);
+        self.look();
+    }
+
+    /// Plugs the cable in again. The computer gives the board a device of another name.
+    pub(super) fn plug_in(&mut self) -> Result<(), Box<dyn Error>> {
+        self.bridge = Bridge::new(self.emulator.clone())?;
         Ok(())
     }
 

@@ -2,6 +2,8 @@
 //! are held against its report, its record, and the steps that it planned.
 
 mod bridge;
+#[path = "../../../../examples/simulated_node/simulated_node/carrier.rs"]
+mod carrier;
 mod desk;
 #[path = "../../../../examples/simulated_node/simulated_node/line.rs"]
 mod line;
@@ -9,6 +11,8 @@ mod silence;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::process::Child;
+use std::time::Duration;
 
 use rustix::process::Signal;
 use serde_json::Value;
@@ -16,6 +20,7 @@ use serde_json::Value;
 use crate::board::motor::rises;
 use crate::check;
 use crate::doses::MOST_OFF_US;
+use bridge::Bridge;
 use desk::{Desk, signal};
 
 /// Angle of the rotor before the first dose, and steps per revolution of the built-in pump's motor.
@@ -32,8 +37,21 @@ const CUT_AFTER: i64 = 600;
 const FAULT: i32 = 1;
 const STOPPED: i32 = 130;
 
-/// Makes a whole dose, stops one, kills the command in another, and resets the board in the last. `command` is the
-/// command's program; without it it is `dose` beside this program.
+/// Scene of a computer and its board.
+type Scene = fn(&mut Desk) -> Result<(), Box<dyn Error>>;
+
+/// Scenes by the options of the emulator: over the UART, and over the USB port.
+const SCENES: [(&str, &[&str], &[Scene]); 2] = [
+    ("UART", &[], &[whole, stopped, killed, reset]),
+    ("USB", &["--usb"], &[stopped, reset_over_usb, pulled]),
+];
+
+/// Time of the board without its cable, in which it stops by itself.
+const PULLED: Duration = Duration::from_secs(2);
+
+/// Makes a whole dose over the UART, stops one, kills the command in another, and resets the board in the last. Over
+/// USB it stops a dose, resets the board, and pulls the cable. `command` is the command's program; without it it is
+/// `dose` beside this program.
 pub(crate) fn command(firmware: &Path, command: Option<&str>) -> Result<(), Box<dyn Error>> {
     let command = match command {
         Some(command) => PathBuf::from(command),
@@ -43,22 +61,29 @@ pub(crate) fn command(firmware: &Path, command: Option<&str>) -> Result<(), Box<
         let missing = format!("{} is not there; `cargo build --bin dose` builds it", command.display());
         return Err(missing.into());
     }
-    for scene in [whole, stopped, killed, reset] {
-        let mut desk = Desk::new(firmware, &command)?;
-        let home = ["home", "--set", "30deg", "--tolerance", "0deg", "--confirm-pump"];
-        desk.run_well(&home)?;
-        check(desk.motor.count == 0, "that nothing moves before a dose")?;
-        scene(&mut desk)?;
-        let (took_s, stood_s) = desk.bridge.times_s();
-        let silence = desk.bridge.longest_silence();
-        println!(
-            "  {took_s:.1} s by the computer's clock, in {stood_s:.1} s of which the board's time stood still; while \
-             the motor turned the command was silent for {:.0} ms of its own time at most",
-            1e3 * silence.as_secs_f64()
-        );
-        check(!silence.is_zero() && silence <= silence::LONGEST, "the silences of the command")?;
+    for (line, options, scenes) in SCENES {
+        for scene in scenes {
+            println!("over {line}:");
+            let mut desk = Desk::new(firmware, &command, options)?;
+            let home = ["home", "--set", "30deg", "--tolerance", "0deg", "--confirm-pump"];
+            desk.run_well(&home)?;
+            check(desk.motor.count == 0, "that nothing moves before a dose")?;
+            scene(&mut desk)?;
+        }
     }
     Ok(())
+}
+
+/// Holds the silences of the command while the motor turned.
+fn hold_silence(bridge: &Bridge) -> Result<(), Box<dyn Error>> {
+    let (took_s, stood_s) = bridge.times_s();
+    let silence = bridge.longest_silence();
+    println!(
+        "  {took_s:.1} s by the computer's clock, in {stood_s:.1} s of which the board's time stood still; while the \
+         motor turned the command was silent for {:.0} ms of its own time at most",
+        1e3 * silence.as_secs_f64()
+    );
+    check(!silence.is_zero() && silence <= silence::LONGEST, "the silences of the command")
 }
 
 /// Words of a dose.
@@ -89,7 +114,8 @@ fn whole(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
     );
     check(due_us.len() == rises_us.len() && half_us <= MOST_OFF_US, "the times of the command's steps")?;
     hold_made(desk, &report, 0)?;
-    hold_rest(desk)
+    hold_rest(desk)?;
+    hold_silence(&desk.bridge)
 }
 
 /// Stops a dose by Ctrl-C, and resumes it.
@@ -111,7 +137,8 @@ fn stopped(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
     desk.until_it_stands()?;
     check(desk.motor.count == made, "that nothing moves after a stop")?;
     check(bounds(&desk.run_well(&STATUS)?)? == [made, made], "that the steps of a stop are known exactly")?;
-    resume(desk, number(&ended.report, "steps")?)
+    resume(desk, number(&ended.report, "steps")?)?;
+    hold_silence(&desk.bridge)
 }
 
 /// Kills the command in mid-dose, and resumes the dose with the board as it is.
@@ -127,7 +154,8 @@ fn killed(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
     let [least, most] = bounds(&status)?;
     println!("SIGKILL: {least} to {most} steps are on record, the pin rose {made} times");
     check(ended.code.is_none() && (least..=most).contains(&made), "the bounds after a kill")?;
-    resume(desk, number(&status["unfinished"], "steps")?)
+    resume(desk, number(&status["unfinished"], "steps")?)?;
+    hold_silence(&desk.bridge)
 }
 
 /// Resets the board in mid-dose.
@@ -135,6 +163,47 @@ fn reset(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
     let mut process = desk.start(&dose("5mL", &[]))?;
     desk.until_steps(&mut process, CUT_AFTER)?;
     desk.emulator.reset()?;
+    hold_reset(desk, process)?;
+    hold_silence(&desk.bridge)
+}
+
+/// Resets the board in mid-dose. Its USB device vanishes and comes again.
+fn reset_over_usb(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
+    let mut process = desk.start(&dose("5mL", &[]))?;
+    desk.until_steps(&mut process, CUT_AFTER)?;
+    desk.bridge.pull();
+    desk.emulator.reset()?;
+    hold_silence(&desk.bridge)?;
+    desk.plug_in()?;
+    hold_reset(desk, process)
+}
+
+/// Pulls the USB cable of a board with a supply of its own in mid-dose, plugs it in again, and resumes the dose.
+fn pulled(desk: &mut Desk) -> Result<(), Box<dyn Error>> {
+    let mut process = desk.start(&dose("5mL", &[]))?;
+    desk.until_steps(&mut process, CUT_AFTER)?;
+    desk.pull(PULLED);
+    hold_silence(&desk.bridge)?;
+    let made = desk.motor.count;
+    desk.emulator.plug_usb()?;
+    desk.plug_in()?;
+    let ended = desk.end(process)?;
+    desk.until_it_stands()?;
+    check(desk.motor.count == made, "that the motor stands without its cable and after it")?;
+    let status = desk.run_well(&STATUS)?;
+    let [least, most] = bounds(&status)?;
+    println!(
+        "a pulled cable: exit code {:?}, {least} to {most} steps are on record, the pin rose {made} times",
+        ended.code
+    );
+    check(ended.code == Some(FAULT), "the exit code of a pulled cable")?;
+    check((least..=most).contains(&made), "the bounds after a pulled cable")?;
+    resume(desk, number(&status["unfinished"], "steps")?)?;
+    hold_silence(&desk.bridge)
+}
+
+/// Holds the end of a command whose board was reset in mid-dose.
+fn hold_reset(desk: &mut Desk, process: Child) -> Result<(), Box<dyn Error>> {
     let ended = desk.end(process)?;
     desk.until_it_stands()?;
     let made = desk.motor.count;

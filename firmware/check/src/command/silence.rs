@@ -1,6 +1,7 @@
 //! The silences of a host while a motor turns, in the host's own time. The board's time stands in a long one, so that a
 //! slow computer is no lost link. The host is held to its keep-alive here instead.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::time::Duration;
 
@@ -8,12 +9,29 @@ use std::time::Duration;
 /// state every 20 ms and repeats after 50 ms what was not answered, so it speaks far more often.
 pub(super) const LONGEST: Duration = Duration::from_millis(200);
 
+/// Time for which each thread of a process was ready and had no processor, by the thread's number.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Waits(BTreeMap<u32, Duration>);
+
+impl Waits {
+    /// Returns the longest time for which one thread waited since `before`. Threads wait at the same time, so their
+    /// sum may be longer than the time that has passed.
+    fn longest_since(&self, before: &Self) -> Duration {
+        let waited = |(thread, now): (&u32, &Duration)| {
+            now.saturating_sub(before.0.get(thread).copied().unwrap_or_default())
+        };
+        self.0.iter().map(waited).max().unwrap_or_default()
+    }
+}
+
 /// What a look at the line found.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Look {
-    /// Time of the look, and the time for which the host had waited for a processor by then.
+    /// Time of the look, and the times for which the host's threads had waited for a processor by then.
     pub(super) at: Duration,
-    pub(super) queued: Duration,
+    pub(super) queued: Waits,
+    /// Time for which the computer had carried no bytes by then.
+    pub(super) uncarried: Duration,
     /// True if a frame has come.
     pub(super) has_frame: bool,
     /// Time of the last step of a motor that turns. There is none for one that stands.
@@ -39,10 +57,11 @@ impl Silences {
     /// Notes a look at the line. One that finds a frame ends the silence at the look before it, for the frame came
     /// since.
     ///
-    /// The time in which the host has no processor is the computer's silence, not the host's.
+    /// The time in which a thread of the host has no processor is the computer's silence, not the host's, and so is the
+    /// time in which the computer carries no bytes. They may be one time, so the longest counts.
     pub(super) fn look(&mut self, look: Look) {
-        let Some(before) = self.before.replace(look) else { return };
-        let spoke = *self.spoke.get_or_insert(before);
+        let Some(before) = self.before.replace(look.clone()) else { return };
+        let spoke = self.spoke.get_or_insert_with(|| before.clone());
         let stands = look.stepped_ns.is_none();
         if look.stepped_ns > before.stepped_ns {
             self.longest = self.longest.max(self.unsure);
@@ -50,11 +69,12 @@ impl Silences {
             self.stepped_at = look.at;
         }
         if stands || look.has_frame {
-            let is_computer = look.queued.saturating_sub(spoke.queued);
+            let uncarried = look.uncarried.saturating_sub(spoke.uncarried);
+            let is_computer = look.queued.longest_since(&spoke.queued).max(uncarried);
             let until = |end: Duration| end.saturating_sub(spoke.at).saturating_sub(is_computer);
             self.longest = self.longest.max(until(before.at.min(self.stepped_at)));
             self.unsure = if stands { Duration::ZERO } else { self.unsure.max(until(before.at)) };
-            self.spoke = Some(look);
+            *spoke = look;
         }
     }
 
@@ -64,22 +84,26 @@ impl Silences {
     }
 }
 
-/// Returns the time for which the threads of a process were ready and had no processor. It is zero for a process that
-/// has ended.
-pub(super) fn queued(process: u32) -> Duration {
-    let Ok(tasks) = fs::read_dir(format!("/proc/{process}/task")) else { return Duration::ZERO };
-    let queued_ns = |path| {
+/// Returns the waits of a process. A process that has ended has none.
+pub(super) fn queued(process: u32) -> Waits {
+    let Ok(tasks) = fs::read_dir(format!("/proc/{process}/task")) else { return Waits::default() };
+    let wait = |task: fs::DirEntry| {
         // Time on a processor, time ready for one, and times it got one (proc(5), schedstat).
-        let text = fs::read_to_string(path).ok()?;
-        text.split_whitespace().nth(1)?.parse::<u64>().ok()
+        let text = fs::read_to_string(task.path().join("schedstat")).ok()?;
+        let queued_ns = text.split_whitespace().nth(1)?.parse().ok()?;
+        Some((task.file_name().to_str()?.parse().ok()?, Duration::from_nanos(queued_ns)))
     };
-    let tasks = tasks.flatten().filter_map(|task| queued_ns(task.path().join("schedstat")));
-    Duration::from_nanos(tasks.sum())
+    Waits(tasks.flatten().filter_map(wait).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Returns the waits of threads, in ms.
+    fn waits<const N: usize>(ms: [u64; N]) -> Waits {
+        Waits((0..).zip(ms.map(Duration::from_millis)).collect())
+    }
 
     const BETWEEN: Duration = Duration::from_millis(10);
 
@@ -90,7 +114,8 @@ mod tests {
         for look in 0..=looks {
             silences.look(Look {
                 at: BETWEEN * look,
-                queued: Duration::from_millis(queued_ms) * look,
+                uncarried: Duration::ZERO,
+                queued: waits([queued_ms * u64::from(look)]),
                 has_frame: spoke.contains(&look),
                 stepped_ns: Some(f64::from(look.min(last_step))),
             });
@@ -115,10 +140,50 @@ mod tests {
         for (at_ms, queued_ms, has_frame) in
             [(0, 0, true), (150, 0, false), (300, 0, false), (310, 290, true)]
         {
-            let [at, queued] = [at_ms, queued_ms].map(Duration::from_millis);
-            silences.look(Look { at, queued, has_frame, stepped_ns: Some(at_ms as f64) });
+            let (at, queued) = (Duration::from_millis(at_ms), waits([queued_ms]));
+            silences.look(Look {
+                at,
+                queued,
+                uncarried: Duration::ZERO,
+                has_frame,
+                stepped_ns: Some(at_ms as f64),
+            });
         }
         assert_eq!(silences.longest().as_millis(), 10);
+    }
+
+    #[test]
+    fn waits_of_several_threads_at_the_same_time_count_once() {
+        let mut silences = Silences::default();
+        for (at_ms, queued_ms, has_frame) in
+            [(0, [5, 0, 9], true), (290, [65, 60, 69], false), (300, [65, 60, 69], true)]
+        {
+            let (at, queued) = (Duration::from_millis(at_ms), waits(queued_ms));
+            silences.look(Look {
+                at,
+                queued,
+                uncarried: Duration::ZERO,
+                has_frame,
+                stepped_ns: Some(at_ms as f64),
+            });
+        }
+        assert_eq!(silences.longest().as_millis(), 290 - 60);
+    }
+
+    #[test]
+    fn time_in_which_the_computer_carries_no_bytes_is_no_silence_of_the_host() {
+        let mut silences = Silences::default();
+        for (at_ms, uncarried_ms, has_frame) in [(0, 0, true), (500, 480, false), (510, 480, true)] {
+            let [at, uncarried] = [at_ms, uncarried_ms].map(Duration::from_millis);
+            silences.look(Look {
+                at,
+                queued: waits([30]),
+                uncarried,
+                has_frame,
+                stepped_ns: Some(at_ms as f64),
+            });
+        }
+        assert_eq!(silences.longest().as_millis(), 20);
     }
 
     #[test]
@@ -126,7 +191,13 @@ mod tests {
         let mut silences = Silences::default();
         for (at_ms, stepped_ns) in [(0, Some(0.0)), (400, Some(1.0)), (600, Some(1.0)), (700, None)] {
             let at = Duration::from_millis(at_ms);
-            silences.look(Look { at, queued: Duration::ZERO, has_frame: at_ms == 0, stepped_ns });
+            silences.look(Look {
+                at,
+                queued: Waits::default(),
+                uncarried: Duration::ZERO,
+                has_frame: at_ms == 0,
+                stepped_ns,
+            });
         }
         assert_eq!(silences.longest().as_millis(), 400);
     }
@@ -143,7 +214,13 @@ mod tests {
             [(0, true, 1.0), (300, false, 1.0), (301, true, 1.0), (302, false, 2.0)]
         {
             let at = Duration::from_millis(at_ms);
-            silences.look(Look { at, queued: Duration::ZERO, has_frame, stepped_ns: Some(stepped_ns) });
+            silences.look(Look {
+                at,
+                queued: Waits::default(),
+                uncarried: Duration::ZERO,
+                has_frame,
+                stepped_ns: Some(stepped_ns),
+            });
         }
         assert_eq!(silences.longest().as_millis(), 300);
     }

@@ -30,7 +30,8 @@ impl Session<'_> {
         if state.disturbances == 0 && is_known {
             return Ok(());
         }
-        Err(DoseError::Disturbed { within_deg: is_known.then(|| degrees(state.half_width_rad)) })
+        let home = HomePolicy::Sensor;
+        Err(DoseError::Disturbed { home, within_deg: is_known.then(|| degrees(state.half_width_rad)) })
     }
 
     /// Does as the pump file's `[safety] home` says before a dose without a person, or before the rest of an unfinished
@@ -55,7 +56,7 @@ impl Session<'_> {
         }
         let within_deg = is_known.then(|| degrees(state.half_width_rad));
         match policy {
-            HomePolicy::Refuse => Err(DoseError::Disturbed { within_deg }),
+            HomePolicy::Refuse => Err(DoseError::Disturbed { home: policy, within_deg }),
             HomePolicy::Accept => {
                 let known = within_deg
                     .map_or("unknown".to_owned(), |deg| format!("known within {} deg", significant(deg, 3)));

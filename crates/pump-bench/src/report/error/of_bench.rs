@@ -42,7 +42,7 @@ impl Explain for DoseError {
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),
             Self::NotCleared { .. } => of(ErrorKind::Safety),
             Self::RanOut { .. } => of(ErrorKind::Limit),
-            Self::Disturbed { within_deg } => within_deg
+            Self::Disturbed { within_deg, .. } => within_deg
                 .iter()
                 .fold(of(ErrorKind::Angle), |facts, deg| facts.value(format!("{} deg", Shown(*deg)))),
             Self::NoRun { .. } => of(ErrorKind::Range),
