@@ -89,7 +89,8 @@ pub(crate) struct Lines {
     of_steps: u64,
     /// Volume of the whole motion, in mL; `None` for a run until it is stopped.
     of_ml: Option<f64>,
-    told: Cell<Option<Instant>>,
+    /// Time and steps of the last line.
+    told: Cell<Option<(Instant, u64)>>,
 }
 
 impl Lines {
@@ -99,13 +100,16 @@ impl Lines {
         tells().then(|| Self { pump: pump.to_owned(), of_steps, of_ml, told: Cell::default() })
     }
 
-    /// Tells the place that the motion has `reached`, if the last line is old enough or this is the last step.
+    /// Tells the place that the motion has `reached`, if it is a new one, and the last line is old enough or this is the last
+    /// step.
     pub(crate) fn made(&self, steps: u64, reached: impl FnOnce() -> Reached) {
-        let is_due = self.told.get().is_none_or(|told| told.elapsed() >= APART);
-        if !is_due && steps != self.of_steps {
+        let is_due = self.told.get().is_none_or(|(told, before)| {
+            before != steps && (told.elapsed() >= APART || steps == self.of_steps)
+        });
+        if !is_due {
             return;
         }
-        self.told.set(Some(Instant::now()));
+        self.told.set(Some((Instant::now(), steps)));
         let Reached { delivered_ml, angle_rad } = reached();
         let (of_steps, of_ml, angle_deg) = (self.of_steps, self.of_ml, degrees(angle_rad));
         tell(&self.pump, Told::Moving { steps, of_steps, delivered_ml, of_ml, angle_deg });

@@ -21,7 +21,8 @@ const ALIVE: Duration = Duration::from_secs(5);
 /// Events that wait for a slow watcher. One that is slower is told everything anew.
 const WAITING: usize = 64;
 
-/// What happens from now on: first `hello` with the state of every pump, then `pump`, `progress`, `order` and `note`.
+/// What happens from now on: first `hello` with the state of every pump, then `pump`, `progress`, `order` and `note`,
+/// and `alive` after each 5 s without another.
 /// A watcher that was too slow gets `hello` again.
 #[utoipa::path(get, path = "/events", tag = "events",
     responses((status = 200, description = "Server-sent events", content_type = "text/event-stream")))]
@@ -51,7 +52,8 @@ pub(super) async fn events(
             }
         }
     });
-    Sse::new(ReceiverStream::new(take)).keep_alive(KeepAlive::new().interval(ALIVE).text("alive"))
+    Sse::new(ReceiverStream::new(take))
+        .keep_alive(KeepAlive::new().interval(ALIVE).event(SseEvent::default().event("alive").data("")))
 }
 
 /// The state of every pump, for a watcher that knows nothing.

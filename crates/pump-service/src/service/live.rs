@@ -1,5 +1,7 @@
 //! An order that is carried out now.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 use tokio::sync::mpsc::UnboundedSender;
 
@@ -16,10 +18,10 @@ const MOST_REPORTS: usize = 1000;
 #[derive(Debug)]
 pub(super) struct Live {
     pub(super) record: OrderRecord,
-    /// Plan of the present motion, until its report comes.
-    pub(super) plan: Option<Value>,
-    /// Last line of progress.
-    pub(super) progress: Option<Value>,
+    /// Plan of each pump's present motion, by the pump's id, until its report comes.
+    plans: BTreeMap<String, Value>,
+    /// Last line of progress of each pump, by the pump's id.
+    progress: BTreeMap<String, Value>,
     stops: UnboundedSender<String>,
     /// Hearer of each line of a command, with its text.
     hearer: Option<UnboundedSender<(Line, String)>>,
@@ -33,7 +35,7 @@ impl Live {
         stops: UnboundedSender<String>,
         hearer: Option<UnboundedSender<(Line, String)>>,
     ) -> Self {
-        Self { record, plan: None, progress: None, stops, hearer, has_begun: false }
+        Self { record, plans: BTreeMap::new(), progress: BTreeMap::new(), stops, hearer, has_begun: false }
     }
 
     /// Asks the command to stop for this reason.
@@ -42,10 +44,21 @@ impl Live {
         let _ = self.stops.send(reason.to_owned());
     }
 
+    /// Returns true if the order is for a pump of this name and id, alone or in a rack.
+    pub(super) fn is_of(&self, name: &str, id: &str) -> bool {
+        let ordered = &self.record.order.pump;
+        if ordered.is_empty() { self.progress.contains_key(id) } else { ordered == name }
+    }
+
+    /// Returns the plan of the present motion, and the last line of progress, of the pump with this id.
+    pub(super) fn of_pump(&self, id: &str) -> (Option<Value>, Option<Value>) {
+        (self.plans.get(id).cloned(), self.progress.get(id).cloned())
+    }
+
     /// Returns the record with the plan of the present motion as its last report.
     pub(super) fn shown(&self) -> OrderRecord {
         let mut record = self.record.clone();
-        record.reports.extend(self.plan.clone());
+        record.reports.extend(self.plans.values().cloned());
         record
     }
 
@@ -58,13 +71,15 @@ impl Live {
         match line {
             Line::Progress(value) => {
                 self.has_begun = true;
+                let id = value.get("pump").and_then(Value::as_str).unwrap_or_default().to_owned();
                 match value.get("plan") {
-                    Some(plan) => self.plan = Some(plan.clone()),
-                    None => self.progress = Some(value.clone()),
+                    Some(plan) => drop(self.plans.insert(id, plan.clone())),
+                    None => drop(self.progress.insert(id, value.clone())),
                 }
             }
             Line::Report(report) => {
-                self.plan = None;
+                let id = report.get("pump").and_then(Value::as_str).unwrap_or_default();
+                self.plans.remove(id);
                 if self.record.reports.len() == MOST_REPORTS {
                     self.record.reports.remove(0);
                 }

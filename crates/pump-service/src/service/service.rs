@@ -130,17 +130,18 @@ impl Service {
     pub fn view(&self, pump: &Pump) -> PumpView {
         let mut view = pump.view();
         let live = self.live();
-        if let Some(order) = live.values().find(|order| order.record.order.pump == pump.name()) {
+        let id = &pump.bench().file().pump.id;
+        if let Some(order) = live.values().find(|order| order.is_of(pump.name(), id)) {
             view.order = Some(order.record.id.clone());
             view.task = Some(order.record.order.task.name());
-            (view.plan, view.progress) = (order.plan.clone(), order.progress.clone());
+            (view.plan, view.progress) = order.of_pump(id);
         }
         view
     }
 
     /// Returns true while a pump carries out an order.
     pub(super) fn is_ordered(&self, pump: &Pump) -> bool {
-        self.live().values().any(|order| order.record.order.pump == pump.name())
+        self.live().values().any(|order| order.is_of(pump.name(), &pump.bench().file().pump.id))
     }
 
     /// Returns a channel of what happens from now on.
