@@ -56,7 +56,8 @@ impl OrderState {
         let moved = error.and_then(|error| error.get("moved")).and_then(Value::as_bool);
         match (code, moved) {
             (0, _) => Self::Done,
-            (_, Some(false)) => Self::Refused,
+            // These codes say that nothing moved, also in words for people.
+            (2..=4, _) | (_, Some(false)) => Self::Refused,
             _ => Self::Failed,
         }
     }

@@ -85,6 +85,7 @@ impl Live {
                 }
                 self.record.reports.push(report.clone());
             }
+            Line::Words(text) | Line::Message(text) if text.is_empty() => {}
             Line::Words(text) | Line::Message(text) => {
                 if self.record.messages.len() == MOST_MESSAGES {
                     self.record.messages.remove(0);

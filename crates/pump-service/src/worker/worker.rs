@@ -133,7 +133,7 @@ async fn read(from: impl AsyncRead + Unpin, tell: UnboundedSender<Told>, read: f
             Ok(_) => {
                 let text = String::from_utf8_lossy(&line);
                 let text = text.trim_end_matches(['\r', '\n']);
-                if !text.is_empty() && tell.send((read(text), text.to_owned())).is_err() {
+                if tell.send((read(text), text.to_owned())).is_err() {
                     return;
                 }
             }
