@@ -9,8 +9,12 @@ use pump_ctl::plan::PlannedMotion;
 /// Longest sleep between two calls of the caller's watch.
 const SLICE: Duration = Duration::from_millis(20);
 
-/// Time by which a step may be early: a sleep for each of many thousand steps a second would make them late.
-const EARLY: Duration = Duration::from_millis(1);
+/// Time by which a step may be early: a sleep for each of many thousand steps a second would make them late, and fifty
+/// pumps of a service would keep a processor busy.
+const EARLY: Duration = Duration::from_millis(10);
+
+/// Time by which the last step may be early, which ends the motion.
+const LAST_EARLY: Duration = Duration::from_millis(1);
 
 /// Real time of a motion under way.
 #[derive(Debug)]
@@ -40,10 +44,12 @@ impl<'p> RealTime<'p> {
     ) -> ControlFlow<()> {
         let Some(plan) = self.plan else { return ControlFlow::Continue(()) };
         let began = *self.began.get_or_insert_with(Instant::now);
-        let due_s = plan.time_of((made + 1).min(plan.steps().unsigned_abs()));
+        let steps = plan.steps().unsigned_abs();
+        let due_s = plan.time_of((made + 1).min(steps));
+        let early = if made + 1 < steps { EARLY } else { LAST_EARLY };
         loop {
             let left = Duration::from_secs_f64(due_s).saturating_sub(began.elapsed());
-            if left < EARLY {
+            if left < early {
                 return ControlFlow::Continue(());
             }
             watch(made)?;
