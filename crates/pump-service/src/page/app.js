@@ -110,7 +110,7 @@ async function give(slot, path, body) {
   }
 }
 const LOST = 'The service did not answer, so the page does not know whether the order began. Look at the pump. ' +
-  'The same button asks again and does not dose twice.';
+  'Pressing the same button asks again and does not dose twice.';
 
 /** Waits until an order has ended. */
 async function ended(order) {
@@ -138,9 +138,9 @@ let retryMs = 500;
 let retryTimer = 0;
 let needsLogin = false;
 
-const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Making the rest of a dose',
+const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Delivering the rest of a dose',
   accept: 'Accepting', clear: 'Clearing', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
-  retract: 'Sucking back' };
+  retract: 'Retracting' };
 /** Tasks that turn no motor. */
 const STANDING = ['accept', 'clear', 'emptied', 'calibrate'];
 const isDose = (report) => report && report.schema === 'dose/1';
@@ -356,7 +356,7 @@ function lose(isExpected) {
 }
 function showLink() {
   const text = isLive ? 'Live' : pumps.size
-    ? `Reconnecting… Values of ${clock(new Date(heard))}` : 'Reconnecting…';
+    ? `Reconnecting… Values as of ${clock(new Date(heard))}` : 'Reconnecting…';
   say($('link').firstElementChild, text);
 }
 function hello(told) {
@@ -439,7 +439,7 @@ async function stopAll() {
       const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status && pump.view.status.in_use_by);
       const also = others.length
         ? ` In use by another program, which this page cannot stop: ${others.map((pump) => pump.name).join(', ')}.` : '';
-      const told = count ? `The service stops ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
+      const told = count ? `The service is stopping ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
       tell(told + also, others.length > 0);
       await sleep(others.length ? 30000 : 6000);
       if (run === stopRun) $('stop-said').replaceChildren();
@@ -634,9 +634,12 @@ function stateOf(pump) {
   return ['ready', 'Ready'];
 }
 
-const plusMinus = (report) => `± ${ml(report.expanded_uncertainty_ml, report.expanded_uncertainty_ml)} mL (k = 2)`;
+/** Its spaces do not break, so that no line ends within it. */
+const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${ml(u, u)}\u00a0mL (k\u00a0=\u00a02)`;
 const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
-const askedWords = (report) => report.asked || `${short(report.requested_ml)} mL`;
+/** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
+const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
+  : `${short(own)} mL${asked ? ` (${asked})` : ''}`);
 const purposeWord = (purpose) => (purpose === 'calibrate' ? 'calibration run' : purpose === 'retract' ? 'retraction' : purpose);
 
 /** The volume in large numerals: figure, words below it, and the bar. */
@@ -679,7 +682,7 @@ function readOf(pump) {
   return { figure: '–', below: 'the service has made no dose yet', words: '', bar: null };
 }
 
-const between = (least, most, u) => (least == null ? 'unknown: the pump file has no such line'
+const between = (least, most, u) => (least == null ? 'unknown: the pump file does not describe this line'
   : `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`);
 
 function angleWords({ view, motion }) {
@@ -716,12 +719,12 @@ function factsOf(pump, isWide) {
     : `${short(safety.day_left_ml)} mL left of ${short(safety.max_ml_per_day)} mL`]);
   facts.push(['Vessel', safety.vessel_ml == null ? `no limit; ${short(safety.received_ml)} mL received`
     : `${short(safety.vessel_left_ml)} mL left of ${short(safety.vessel_ml)} mL`]);
-  if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record; frees no volume`]);
+  if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record: no volume becomes free`]);
   if (!isWide) return facts;
   if (plan) facts.push(['Flow', `${short(plan.cruise_flow_ml_s)} mL/s at ${short(plan.cruise_speed_rpm)} r/min`]);
   facts.push(['Calibration', status.calibration ? `number ${status.calibration.version} of ${status.calibration.date.slice(0, 10)}`
     : 'none; volumes are those of the model']);
-  if (status.unfinished_calibration) facts.push(['Also', 'a guided calibration of the command is unfinished']);
+  if (status.unfinished_calibration) facts.push(['Also', 'a guided calibration by the command is unfinished']);
   facts.push(['Rollers', `${view.rollers}, ${short(view.pitch_deg)}° apart; 0° is where one begins to leave the outlet`],
     ['Motor', view.simulated ? `simulated (${view.driver})` : `${view.driver}${view.port ? ` at ${view.port}` : ''}`],
     ['Usual flow', `${short(view.default_flow_ml_s)} mL/s`],
@@ -828,7 +831,7 @@ const text = (box, unit) => (unit ? withUnit(box.input.value, unit) : box.input.
 
 /** The form of a dose, short on a card. */
 function doseForm(pump, isWide) {
-  const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone means mL. 25g doses by mass; a minus reverses.' : null });
+  const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
   const said = saidBox();
   const [slot, planSlot] = [{}, {}];
   const button = h('button', { type: 'submit', class: 'first', text: 'Dose' });
@@ -837,7 +840,7 @@ function doseForm(pump, isWide) {
   let plan = null;
   if (isWide) {
     Object.assign(parts, {
-      rate: field('Rate', { placeholder: `${short(pump.view.default_flow_ml_s)}mL/s`, hint: 'A number alone means mL/s; max is the fastest.' }),
+      rate: field('Rate', { placeholder: `${short(pump.view.default_flow_ml_s)}mL/s`, hint: 'A number alone is in mL/s; max is the fastest.' }),
       within: field('Within', { placeholder: '10s' }), retract: field('Retract', { placeholder: '0.1mL' }),
       temperature: field('Temperature', { placeholder: '20degC' }), fluid: field('Fluid', { placeholder: 'water' }),
       repeat: field('Number of doses', { placeholder: '5' }), every: field('One every', { placeholder: '30s' }),
@@ -864,7 +867,7 @@ function doseForm(pump, isWide) {
   };
   const form = h('form', { novalidate: true, 'aria-label': `Dose with ${pump.name}`, onsubmit: (event) => {
     event.preventDefault();
-    if (!volume.input.value.trim()) return needs(volume, said, 'Write a volume, as 25mL.');
+    if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
     send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), body(false), (order) => {
       if (order.state === 'failed') throw orderError(order);
       tellTaken(said, order, `dose ${order.volume}`);
@@ -873,7 +876,7 @@ function doseForm(pump, isWide) {
   isWide && parts.smooth.el, more, isWide && h('div', { class: 'row' }, button, plan), said);
   if (plan) {
     plan.addEventListener('click', () => {
-      if (!volume.input.value.trim()) return needs(volume, said, 'Write a volume, as 25mL.');
+      if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
       send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
         order = await ended(order);
         if (order.state !== 'done') throw orderError(order);
@@ -923,16 +926,16 @@ function unfinishedActions(pump) {
   const isOverTime = unfinished && unfinished.over_time;
   const resume = orderButton(pump, 'resume', 'Resume', true);
   const accept = h('button', { type: 'button', text: 'Accept…', onclick: () => askAccept(pump) });
-  const words = isOverTime ? 'Its times have passed, so no rest can be made. Accept leaves it as it is.'
+  const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
     : unfinished && unfinished.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
-      : 'Resume makes the rest. Accept leaves the dose as it is.';
+      : 'Resume delivers the rest. Accept leaves the dose as it is.';
   return [h('p', { text: words }), h('div', { class: 'row' }, isOverTime ? null : resume.button, accept), resume.said];
 }
 function standActions(pump) {
   const { stand } = (pump.view.status && pump.view.status.safety) || {};
   const emptied = stand && stand.limit === 'vessel'
     ? h('button', { type: 'button', text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
-  return [h('p', { text: 'No motion begins until a person clears the pump.' }),
+  return [h('p', { text: 'The pump will not move until somebody clears it.' }),
     h('div', { class: 'row' }, emptied, h('button', { type: 'button', class: 'first', text: 'Clear…', onclick: () => askClear(pump) }))];
 }
 
@@ -961,12 +964,12 @@ const pumpStop = (pump) => async () => {
 function askAccept(pump) {
   const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
   const box = dialog(`Accept the dose of ${pump.name}?`, [
-    h('p', { text: 'The rest is not made, and the carry begins at 0.' }), h('div', { class: 'row' }, accept.button), accept.said]);
+    h('p', { text: 'The rest is not delivered, and the carry starts again at 0.' }), h('div', { class: 'row' }, accept.button), accept.said]);
 }
 function askEmptied(pump) {
   const act = orderButton(pump, 'emptied', 'The vessel is empty', true, null, () => box.close());
   const box = dialog(`Vessel of ${pump.name}`, [
-    h('p', { text: 'Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands still waits to be cleared.' }),
+    h('p', { text: 'Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands at a limit still has to be cleared.' }),
     h('div', { class: 'row' }, act.button), act.said]);
 }
 function askClear(pump) {
@@ -979,7 +982,7 @@ function askClear(pump) {
     h('form', { novalidate: true, onsubmit: (event) => {
       event.preventDefault();
       if (name.input.value.trim() !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
-      if (!reason.input.value.trim()) return needs(reason, said, 'Write a reason.');
+      if (!reason.input.value.trim()) return needs(reason, said, 'Enter a reason.');
       send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason) }, async (order) => {
         order = await ended(order);
         if (order.state !== 'done') throw orderError(order);
@@ -1000,7 +1003,7 @@ function calibrate(pump) {
     heading.focus();
   };
   const first = () => {
-    const volume = field('Volume', { value: '10mL', required: true, hint: 'Several revolutions of the head make a sure calibration.' });
+    const volume = field('Volume', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
     const said = saidBox();
     const slot = {};
     const button = h('button', { type: 'submit', class: 'first', text: 'Dose' });
@@ -1021,7 +1024,7 @@ function calibrate(pump) {
       order = await ended(order);
     } catch (error) {
       const said = saidBox();
-      put(2, 'the end is not known', said);
+      put(2, 'it is not known how the dose ended', said);
       return showError(said, error, pump.name);
     } finally {
       clearInterval(timer);
@@ -1033,16 +1036,16 @@ function calibrate(pump) {
     showError(said, orderError(order), pump.name);
   };
   const third = (report) => {
-    const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type all digits that the scale shows, with the unit: the last digit says how fine the scale is.' });
-    const anyway = check('Take it although it is far from what was expected');
-    const anew = check('Begin a new calibration with it');
+    const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows, with the unit: the last digit tells how fine the scale is.' });
+    const anyway = check('Use it although it is far from what was expected');
+    const anew = check('Start a new calibration with it');
     const said = saidBox();
     const slot = {};
     const button = h('button', { type: 'submit', class: 'first', text: 'Calibrate' });
     put(3, 'weigh', report ? h('p', { text: `${volumeWords(report)}. Wait until the last drop has fallen.` }) : h('p', { text: 'Enter the reading of the last dose.' }),
       h('form', { novalidate: true, onsubmit: (event) => {
         event.preventDefault();
-        if (!reading.input.value.trim()) return needs(reading, said, 'Write the reading, as 23.8g.');
+        if (!reading.input.value.trim()) return needs(reading, said, 'Enter the reading, such as 23.8g.');
         const options = {};
         if (anyway.input.checked) options.anyway = true;
         if (anew.input.checked) options.anew = true;
@@ -1062,15 +1065,15 @@ function calibrate(pump) {
     }
     if (made && made.next_weighing) {
       const next = made.next_weighing;
-      facts.push(['Sure now', `one dose ± ${short(next.dose_percent, 2)} %, the mean of many ± ${short(next.mean_percent, 2)} %`],
-        ['One more', `then one dose ± ${short(next.then_dose_percent, 2)} %, the mean of many ± ${short(next.then_mean_percent, 2)} %`]);
+      facts.push(['Uncertainty now', `one dose ± ${short(next.dose_percent, 2)} %, the mean of many ± ${short(next.mean_percent, 2)} %`],
+        ['After one more', `one dose ± ${short(next.then_dose_percent, 2)} %, the mean of many ± ${short(next.then_mean_percent, 2)} %`]);
     }
     const list = h('dl', { class: 'facts' });
     showFacts(list, facts);
     const used = made && made.used === false
-      ? 'It waits: doses keep to the model, which is surer than this calibration. Weigh one more dose.'
+      ? 'Not in use yet: the model is still more accurate than this calibration. Weigh one more dose.'
       : 'Doses use it from now on.';
-    put(0, 'Calibration kept', h('p', { text: used }), list, made && warningsOf(made),
+    put(0, 'Calibration saved', h('p', { text: used }), list, made && warningsOf(made),
     h('div', { class: 'row' }, h('button', { type: 'button', class: 'first', text: 'Weigh one more dose', onclick: first })));
   };
   first();
@@ -1123,8 +1126,8 @@ class Panel {
         h('section', { class: 'panel' }, h('h2', { text: 'State' }), this.facts),
         h('section', { class: 'panel' }, h('h2', { text: 'Line' }),
           plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
-          plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs back.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
-          plainForm(pump, 'run', 'Run', 'Runs at the rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
+          plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs backwards.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
+          plainForm(pump, 'run', 'Run', 'Runs at a rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
             const options = {};
             if (rate.input.value.trim()) options.rate = text(rate, 'mL/s');
             if (time.input.value.trim()) options.for = text(time);
@@ -1334,7 +1337,7 @@ function panelOf(pump, isWide) {
 function viewPump(name) {
   const pump = pumps.get(name);
   if (!pump) return ['No such pump', [h('h1', { tabindex: '-1', text: 'No such pump' }),
-    h('p', {}, `The configuration names no pump ${name}. `, h('a', { href: '#/', text: 'All pumps' }))]];
+    h('p', {}, `The configuration has no pump named ${name}. `, h('a', { href: '#/', text: 'All pumps' }))]];
   const panel = panelOf(pump, true);
   panel.log();
   return [name, [panel.el]];
@@ -1401,7 +1404,7 @@ function viewSchedule() {
     box.replaceChildren(
       rows.length ? table(`Next runs, by the clock of this device (${zone})`, ['Entry', 'Next', 'What', 'Times', 'Policy'], rows)
         : h('p', { text: 'The schedule has no entry.' }),
-      h('p', { class: 'hint', text: `File: ${told.file}${told.schedule.zone ? `; its zone is ${told.schedule.zone}` : ''}. The service reads it anew when it changes.` }));
+      h('p', { class: 'hint', text: `File: ${told.file}${told.schedule.zone ? `; its zone is ${told.schedule.zone}` : ''}. The service reads it again when it changes.` }));
   }).catch((error) => {
     const words = error instanceof Refused ? error.message : 'The schedule cannot be read: the service does not answer.';
     box.replaceChildren(h('p', { class: 'error', text: words }));
