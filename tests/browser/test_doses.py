@@ -1,0 +1,147 @@
+"""Doses from the page: to their report, planned, refused, over a network that loses answers."""
+
+import json
+
+from playwright.sync_api import expect
+
+from watching import PHONE, angle, panel, state, turns
+
+
+def test_a_dose_runs_to_its_report_and_two_watchers_see_the_same(laboratory, service, open_page):
+    pages = [open_page(service.url), open_page(service.url, size=PHONE)]
+    card = panel(pages[0], "acid")
+    card.get_by_label("Volume").fill("15")
+    card.get_by_role("button", name="Dose").click()
+    for page in pages:
+        expect(state(page, "acid")).to_have_text("Dosing")
+        turns(page, "acid")
+    expect(card.locator(".said")).to_have_text("Done: dose 15mL.")
+    for page in pages:
+        expect(state(page, "acid")).to_have_text("Ready")
+        expect(panel(page, "acid").locator(".read .what")).to_contain_text("last dose: 15 mL asked, ±")
+    report = laboratory.log("acid")[-1]
+    figures = [panel(page, "acid").locator(".big").inner_text() for page in pages]
+    assert figures[0] == figures[1]
+    assert abs(float(figures[0].removesuffix(" mL")) - report["delivered_ml"]) < 0.06, "the page tells the record"
+    pages[0].wait_for_timeout(800)
+    assert pages[0].evaluate("document.getAnimations().length") == 0, "nothing is animated while nothing turns"
+    view = service.view("acid")
+    for page in pages:
+        # The rollers stand where the record says, but for whole pitches.
+        off = (angle(page, "acid") - view["status"]["angle_deg"]) % view["pitch_deg"]
+        assert min(off, view["pitch_deg"] - off) < 0.1
+
+
+def test_the_options_of_a_dose_are_those_that_were_typed(laboratory, service, open_page):
+    page = open_page(service.url + "/#/pump/acid")
+    form = page.get_by_role("form", name="Dose with acid")
+    form.get_by_text("More options").click()
+    typed = {"Volume": "12", "Rate": "2.5", "Retract": "0.1", "Temperature": "20degC", "Fluid": "water"}
+    for label, value in typed.items():
+        form.get_by_label(label, exact=True).fill(value)
+    form.get_by_label("Smooth flow").check()
+    form.get_by_role("button", name="Plan").click()
+    expect(form.get_by_role("heading", name="Plan (nothing has moved)")).to_be_focused()
+    expect(form).to_contain_text("±")
+    assert laboratory.log("acid") == [], "a plan moves nothing"
+    order = service.get("/api/v1/orders")[0]
+    options = {"rate": "2.5mL/s", "retract": "0.1mL", "temperature": "20degC", "fluid": "water", "smooth": True}
+    assert order["options"] == options | {"dry-run": True}
+    assert order["volume"] == "12mL"
+
+
+def test_what_the_command_refuses_is_said_beside_the_form(service, open_page):
+    page = open_page(service.url)
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("5 gallons")
+    card.get_by_role("button", name="Dose").click()
+    expect(card.get_by_role("alert")).to_contain_text("gallons")
+    card.get_by_label("Volume").fill("")
+    card.get_by_role("button", name="Dose").click()
+    expect(card.get_by_role("alert")).to_have_text("Enter a volume, such as 25mL.")
+    expect(card.get_by_label("Volume")).to_be_focused()
+
+
+def test_a_lost_answer_doses_once(laboratory, service, make_network, open_page):
+    network = make_network(service)
+    page = open_page(network.url)
+    network.answers_to_lose = 2
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("3")
+    page.keyboard.press("Enter")
+    expect(card.locator(".said")).to_have_text("Done: dose 3mL.")
+    assert len(network.orders) == 3
+    assert len({key for _, key, _ in network.orders}) == 1, "the same key asks again"
+    assert len(laboratory.log("acid")) == 1
+    card.get_by_role("button", name="Dose").click()
+    expect(state(page, "acid")).to_have_text("Dosing")
+    expect(card.locator(".said")).to_have_text("Done: dose 3mL.")
+    assert len(laboratory.log("acid")) == 2, "the same words, typed again, are another dose"
+
+
+def test_a_form_keeps_its_words_while_others_dose(service, make_network, open_page):
+    network = make_network(service)
+    page = open_page(network.url)
+    volume = panel(page, "acid").get_by_label("Volume")
+    volume.fill("12.")
+    service.dose("acid", "10mL")
+    expect(state(page, "acid")).to_have_text("Dosing")
+    network.has_events = False
+    expect(page.locator("#link")).to_contain_text("Reconnecting")
+    network.has_events = True
+    expect(page.locator("#link")).to_have_text("Live")
+    expect(state(page, "acid")).to_have_text("Ready")
+    expect(volume).to_have_value("12.")
+    expect(volume).to_be_focused()
+
+
+def test_a_rack_is_planned_and_run(make_laboratory, open_page):
+    rack = """schema = "rack/1"
+[pumps]
+acid = "acid"
+base = "base"
+[[step]]
+ratio = { acid = 2, base = 1 }
+volume = "24mL"
+rate = "6mL/s"
+"""
+    service = make_laboratory(pumps=("acid", "base"), racks=rack).serve()
+    page = open_page(service.url)
+    page.get_by_role("button", name="Plan rack mix").click()
+    expect(page.get_by_role("heading", name="Plan (nothing has moved)")).to_be_visible()
+    page.get_by_role("button", name="Run rack mix").click()
+    page.get_by_role("dialog").get_by_role("button", name="Run the rack").click()
+    for pump in ("acid", "base"):
+        expect(state(page, pump)).to_have_text("Running in a rack")
+    for pump, volume in (("acid", "16 mL (24mL, 2 of 3)"), ("base", "8 mL (24mL, 1 of 3)")):
+        expect(state(page, pump)).to_have_text("Ready")
+        expect(panel(page, pump).locator(".read .what")).to_contain_text(f"{volume} asked")
+
+
+def test_a_head_stands_for_who_wants_no_motion(service, open_page):
+    page = open_page(service.url, reduced_motion="reduce")
+    service.dose("acid", "40mL")
+    expect(state(page, "acid")).to_have_text("Dosing")
+    figure = panel(page, "acid").locator(".big")
+    turned, number = angle(page, "acid"), figure.inner_text()
+    page.wait_for_timeout(600)
+    assert angle(page, "acid") == turned
+    assert figure.inner_text() != number
+
+
+def test_the_log_has_the_doses_and_their_export(laboratory, service, open_page):
+    page = open_page(service.url)
+    panel(page, "acid").get_by_label("Volume").fill("2mL")
+    page.keyboard.press("Enter")
+    expect(panel(page, "acid").locator(".said")).to_have_text("Done: dose 2mL.")
+    page.get_by_role("link", name="Log").click()
+    expect(page.get_by_role("heading", name="Log")).to_be_focused()
+    expect(page.get_by_role("table").first.get_by_role("row")).to_have_count(2)
+    for name, begins in (("Export CSV", "number,time,"), ("Export JSON", "{")):
+        with page.expect_download() as download:
+            page.get_by_role("link", name=name).click()
+        text = download.value.path().read_text()
+        assert text.startswith(begins), text[:200]
+    assert json.loads(text) == laboratory.log("acid")[0]
+    page.go_back()
+    expect(panel(page, "acid")).to_be_visible()

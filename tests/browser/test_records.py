@@ -1,0 +1,65 @@
+"""What changes a pump's record: a calibration, a stand that is cleared, an angle that nobody knows."""
+
+from playwright.sync_api import expect
+
+from watching import PHONE, panel, state
+
+
+def test_a_calibration_is_guided_until_it_is_in_use(laboratory, service, open_page):
+    page = open_page(service.url + "/#/pump/acid", size=PHONE)
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    for weighing in range(1, 9):
+        box.get_by_label("Volume").fill("25mL")
+        box.get_by_role("button", name="Dose", exact=True).click()
+        expect(box.get_by_role("heading", name="Step 2 of 3: wait")).to_be_visible()
+        expect(box.get_by_role("heading", name="Step 3 of 3: weigh")).to_be_visible()
+        box.get_by_label("Reading").fill(f"25.{30 + weighing % 3}g")
+        page.keyboard.press("Enter")
+        expect(box.get_by_role("heading", name="Calibration saved")).to_be_focused()
+        expect(box).to_contain_text(f"Doses weighed{weighing}")
+        if "Doses use it from now on." in box.inner_text():
+            break
+        box.get_by_role("button", name="Weigh one more dose").click()
+    page.keyboard.press("Escape")
+    expect(box).to_have_count(0)
+    assert 1 < weighing < 8
+    assert "doses use calibration" in laboratory.run("status")
+    form = page.get_by_role("form", name="Dose with acid")
+    form.get_by_label("Volume").fill("5mL")
+    form.get_by_role("button", name="Dose").click()
+    expect(form.locator(".said")).to_have_text("Done: dose 5mL.")
+    assert laboratory.log("acid")[-1]["calibration"] == weighing
+    expect(page.locator("dl.facts").first).to_contain_text(f"Calibrationnumber {weighing} of ")
+
+
+def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
+    limit = "\n[safety]\nmax_ml_per_day = 20.0\n"
+    service = make_laboratory(pumps=("acid", "base"), lines={"base": limit}).serve()
+    page = open_page(service.url)
+    card = panel(page, "base")
+    card.get_by_label("Volume").fill("50mL")
+    card.get_by_role("button", name="Dose").click()
+    expect(state(page, "base")).to_have_text("Stands at a limit")
+    expect(page.locator("#alert")).to_contain_text("base stands at its limit of 24 h")
+    card.get_by_role("button", name="Clear…").first.click()
+    box = page.get_by_role("dialog", name="Clear base")
+    box.get_by_label("Name of the pump").fill("acid")
+    box.get_by_label("Reason").fill("the tank was changed; Anna")
+    box.get_by_role("button", name="Clear the pump").click()
+    expect(box.get_by_role("alert")).to_contain_text("Type the name of this pump")
+    box.get_by_label("Name of the pump").fill("base")
+    page.keyboard.press("Enter")
+    expect(state(page, "base")).to_have_text("Ready")
+    expect(box).to_have_count(0)
+    expect(card.get_by_role("alert")).to_have_count(0)
+    assert service.get("/api/v1/orders?pump=base")[0]["task"] == "clear"
+
+
+def test_an_unknown_angle_is_shown_as_unknown(laboratory, open_page):
+    laboratory.run("home", "--unknown")
+    page = open_page(laboratory.serve().url)
+    card = panel(page, "acid")
+    expect(card.locator(".head")).to_have_accessible_name("Pump head with 3 rollers, standing; the angle is unknown")
+    expect(card.locator(".roller")).to_have_count(0)
+    expect(card.locator("dl.facts")).to_contain_text("Angleunknown")
