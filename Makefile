@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
+.PHONY: test test-rust test-python clock browser faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
 
 test: test-rust test-python
 
@@ -31,6 +31,22 @@ clock:
 	command -v faketime || (apt-get update && apt-get install -y --no-install-recommends faketime)
 	command -v systemd-analyze || (apt-get update && apt-get install -y --no-install-recommends systemd)
 	FAKETIME_NEEDED=1 SYSTEMD_NEEDED=1 cargo test --locked --test command -- unattended::clock unattended::units
+
+# The page of `dose serve` in Chromium: what people do, over bad networks and kills too, for barriers with axe, and its
+# times. Two idle cores take less than 4 minutes. `PAGE=crates/pump-service/src/page` at pytest tries a page before a build.
+# npm keeps what it fetches within the checkout.
+BROWSER := .venv-browser
+browser: $(BROWSER)/installed
+	command -v chromium || (apt-get update && apt-get install -y --no-install-recommends chromium fonts-liberation)
+	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
+	cd tests/browser && npm ci --no-audit --no-fund --cache ../../target/npm
+	cargo build --locked --features serve --bin dose
+	timeout 480 $(BROWSER)/bin/python -m pytest -q --durations=3 tests/browser
+
+$(BROWSER)/installed: tests/browser/requirements.txt
+	$(PYTHON) -m venv $(BROWSER)
+	$(BROWSER)/bin/pip install --quiet -r $<
+	touch $@
 
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults: clock
@@ -70,6 +86,7 @@ lint: $(VENV)/installed
 	cargo clippy --locked --workspace --all-targets --features serve -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --features serve --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
+	cd tests/browser && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
 
