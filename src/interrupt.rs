@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock, OnceLock};
 
 use pump_bench::drives::StopRequest;
+#[cfg(unix)]
+use signal_hook::consts::SIGXFSZ;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
@@ -18,6 +20,14 @@ static REASON: OnceLock<String> = OnceLock::new();
 /// The signals cannot be watched for.
 #[derive(Debug)]
 pub(crate) struct Unwatched(pub(crate) io::Error);
+
+/// Lets a file that has grown to the process's limit be an error of its writing, as a full disk is. Otherwise the system
+/// would end the process by SIGXFSZ in the midst of a motion.
+#[cfg(unix)]
+pub(crate) fn outlive_file_limits() {
+    // Where the signal cannot be watched for, it ends the process as before.
+    let _ = flag::register(SIGXFSZ, Arc::default());
+}
 
 /// A watch for these signals.
 pub(crate) struct Interrupt(());

@@ -30,6 +30,8 @@ use cli::Cli;
 use failure::Failure;
 
 fn main() -> ExitCode {
+    #[cfg(unix)]
+    interrupt::outlive_file_limits();
     supervised::begin();
     let words: Vec<OsString> = std::env::args_os().collect();
     let json = arguments::asks_for_json(&words);

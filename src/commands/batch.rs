@@ -98,11 +98,11 @@ pub(super) fn run(
 
 /// The failure of a batch that has skipped doses: a script must not take it for whole.
 fn missed(skipped: u64, count: u64) -> Failure {
-    let were = if skipped == 1 { "dose was" } else { "doses were" };
+    let were = if skipped == 1 { "was" } else { "were" };
     Failure::failed(
         ErrorKind::Missed,
         format!(
-            "{skipped} of {count} {were} not made: the time had passed; --missed now makes such a dose at once"
+            "{skipped} of {count} doses {were} not made: the time had passed; --missed now makes such a dose at once"
         ),
     )
 }

@@ -154,6 +154,11 @@ impl Node {
         Encoded::answer(header, &answer).ok()
     }
 
+    /// Returns true if a computer has the board and was heard within the dead-man time.
+    pub fn is_heard(&self) -> bool {
+        self.session != 0 && !self.dead
+    }
+
     /// Returns true if a request comes from the host that has the session.
     fn holds(&self, from: Origin) -> bool {
         from.session != 0 && from.session == self.session && self.ports.is_home(from.port)

@@ -109,7 +109,7 @@ fn main() -> ! {
             poll_at = now + POLL_TICKS;
             node.poll(now, &mut shared);
             usb.serve();
-            light.show(node.session() != 0, shared.is_moving());
+            light.show(node.is_heard(), shared.is_moving());
         }
         if !Usb::asks() {
             step_timer::sleep_until(poll_at);

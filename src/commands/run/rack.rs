@@ -163,7 +163,9 @@ fn finish_interrupted(
         }
         let told = places.meaning(&member.name, || before_dose(&bench, &mut session, options, interrupt));
         moved |= session.has_moved();
-        let mut told = told.map_err(|failure| of_member(failure.after_earlier_motion(moved)))?;
+        let mut told = told.map_err(|failure| {
+            of_member(failure.after_earlier_motion(moved)).with(&waits_after(rack, &member.name))
+        })?;
         warn(&told.take().iter().map(|notice| places.warning(&member.name, notice)).collect::<Vec<_>>());
         if let Some(signal) = interrupt.signal() {
             let stopped = "stopped by the user before the rack began; what was moved is on record";
@@ -171,6 +173,19 @@ fn finish_interrupted(
         }
     }
     Ok(moved)
+}
+
+/// Tells the pumps after this one whose interrupted doses wait too, as the rest of a message.
+fn waits_after(rack: &Rack, name: &str) -> String {
+    let after = rack.members().iter().skip_while(|member| member.name != name).skip(1);
+    let waits = after.filter(|member| {
+        member.bench.story().is_ok_and(|story| story.state.is_some_and(|state| state.unfinished.is_some()))
+    });
+    let names: Vec<&str> = waits.map(|member| member.name.as_str()).collect();
+    match names.as_slice() {
+        [] => String::new(),
+        names => format!("; a dose is unfinished of {} too, see `dose status --rack`", names.join(", ")),
+    }
 }
 
 /// Progress bar and words of the pumps, which their threads show.
@@ -282,7 +297,7 @@ fn ended(report: RackReport, interrupt: &Interrupt, places: &Places) -> Result<(
             let failure = Failure::of(&fault.error).after(&format!("pump `{}` of the rack: ", fault.pump));
             let failure = places.failed(&fault.pump, failure);
             let failure = failure.with(&format!("; every other pump was stopped{rests}"));
-            Err(if moved { failure.after_motion() } else { failure })
+            Err(if moved { failure.after_motion().delivered(range_ml) } else { failure })
         }
         (RackEnd::Stopped, _) => {
             let signal = interrupt.signal().unwrap_or(0);

@@ -2,7 +2,9 @@
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, BufWriter, Write};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
@@ -192,4 +194,43 @@ fn a_log_is_listed_in_constant_memory() {
         let rows = BufReader::new(File::open(listed(words)).unwrap()).split(b'\n').count() as u64;
         assert_eq!(rows, DOSES + others, "{words:?}");
     }
+}
+
+#[test]
+fn a_run_that_was_killed_has_bounds_and_not_the_uncertainty_of_a_plan_without_end() {
+    let user = User::new();
+    let mut run = user.command(&["run", "--rate", "5mL/s", "--pace", "real"]);
+    let mut run = run.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let moved =
+        || user.json(&["status"])["unfinished"]["delivered_most_ml"].as_f64().is_some_and(|ml| ml > 0.0);
+    let begun = Instant::now();
+    while !moved() {
+        assert!(begun.elapsed() < Duration::from_secs(30), "the run has not begun");
+        sleep(Duration::from_millis(20));
+    }
+    run.kill().unwrap();
+    run.wait().unwrap();
+    fs::create_dir_all(user.path("config/pump-dose")).unwrap();
+    let pump = user.types(&["pumps", "show", "three-roller"]).out;
+    fs::write(user.path("config/pump-dose/three.toml"), pump).unwrap();
+    let config = "schema = \"config/1\"\n[pumps]\nthree = \"three.toml\"\n";
+    fs::write(user.path("config/pump-dose/config.toml"), config).unwrap();
+    let row = user.types(&["status", "--all"]).out;
+    assert!(row.contains("unfinished run until it is stopped; at ") && row.contains("° ± "), "{row}");
+
+    assert_eq!(user.types(&["accept"]).code, 0);
+    let dose = &objects(&user.types(&["log", "--format", "json"]).out)[0];
+    let [least_ml, most_ml, middle_ml] =
+        ["delivered_least_ml", "delivered_most_ml", "delivered_ml"].map(|key| number(dose, key));
+    assert!(least_ml <= middle_ml && middle_ml <= most_ml && most_ml < 1000.0, "{dose}");
+    assert_eq!(dose["expanded_uncertainty_ml"], Value::Null);
+}
+
+#[test]
+fn a_dry_run_beyond_a_limit_says_that_the_pump_would_stand() {
+    let user = User::new();
+    let refused = user.types(&["5mL", "--repeat", "3", "--max-per-day", "12mL", "--dry-run"]);
+    assert_eq!(refused.code, 5);
+    assert!(refused.err.contains("would stand at a safety limit: "), "{}", refused.err);
+    assert!(!refused.err.contains("dose safety clear"), "{}", refused.err);
 }

@@ -84,7 +84,8 @@ pub enum DoseError {
     },
     /// A safety limit is reached, so the pump stands until a person clears it. Nothing has moved.
     #[error(
-        "pump {pump} stands at a safety limit{}: {stand}",
+        "pump {pump} {} at a safety limit{}: {stand}",
+        if *is_recorded { "stands" } else { "would stand" },
         if *is_new { String::new() } else { format!(" since {}", Stamp::new(stand.unix_s, 0)) }
     )]
     Stands {
@@ -94,6 +95,8 @@ pub enum DoseError {
         stand: Stand,
         /// True if this dose would have exceeded the limit. False if an earlier one would have.
         is_new: bool,
+        /// True if the stand is on record. A dry run records none.
+        is_recorded: bool,
     },
     /// The stand at a safety limit cannot be cleared.
     #[error("pump {pump} is not cleared: {why}")]

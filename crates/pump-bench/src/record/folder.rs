@@ -45,7 +45,7 @@ pub enum FolderError {
         source: std::io::Error,
     },
     /// No folder for journals is named or can be found.
-    #[error("no folder for journals: neither an absolute XDG_STATE_HOME nor HOME is set")]
+    #[error("no folder for journals: neither an absolute XDG_STATE_HOME nor an absolute HOME is set")]
     NoFolder,
 }
 
@@ -58,16 +58,16 @@ pub struct Folder {
 
 /// Returns the default folder for journals: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
 ///
-/// A relative XDG_STATE_HOME is ignored, as its specification (XDG Base Directory 0.8) asks for.
+/// A relative XDG_STATE_HOME or HOME is ignored, as its specification (XDG Base Directory 0.8) asks for.
 ///
 /// # Errors
 ///
-/// [`FolderError::NoFolder`] if neither an absolute XDG_STATE_HOME nor HOME is set.
+/// [`FolderError::NoFolder`] if neither an absolute XDG_STATE_HOME nor an absolute HOME is set.
 pub fn default_state_dir() -> Result<PathBuf, FolderError> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let base = set("XDG_STATE_HOME")
         .filter(|path| path.is_absolute())
-        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
+        .or_else(|| Some(set("HOME")?.join(".local").join("state")).filter(|path| path.is_absolute()));
     Ok(base.ok_or(FolderError::NoFolder)?.join("pump-dose"))
 }
 

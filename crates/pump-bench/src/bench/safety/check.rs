@@ -71,7 +71,8 @@ impl Bench {
         }
         let volumes = series.iter().map(|part| (part.at_s, part.volume_ml));
         let stand = self.stand_of_all(&account, now_s, volumes);
-        stand.map_or(Ok(()), |stand| Err(self.refusal(stand, true)))
+        let pump = self.file().pump.id.clone();
+        stand.map_or(Ok(()), |stand| Err(DoseError::Stands { pump, stand, is_new: true, is_recorded: false }))
     }
 
     /// Returns the stand of a pump of which one of a series of volumes would exceed a limit. It tells the volume of the
@@ -104,7 +105,7 @@ impl Bench {
     /// Returns the error of a pump that stands.
     #[must_use]
     pub fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
-        DoseError::Stands { pump: self.file().pump.id.clone(), stand, is_new }
+        DoseError::Stands { pump: self.file().pump.id.clone(), stand, is_new, is_recorded: true }
     }
 }
 

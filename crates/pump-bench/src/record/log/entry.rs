@@ -74,19 +74,21 @@ impl LogEntry {
         } else {
             part.motion_delivered(pump)
         };
-        // The plan's uncertainty has the angle's share. The steps that nobody counted are added.
+        // The plan's uncertainty has the angle's share. The steps that nobody counted are added. The plan of a run until
+        // it is stopped is no measure of what it delivered, so its bounds alone are told.
         let [fewest_ml, most_steps_ml] = [made_least, made_most].map(|made| intent.delivered_ml(pump, made));
         let half_ml = 0.5 * (most_steps_ml - fewest_ml).abs();
-        let uncertainty_ml = told.and_then(|told| told.expanded_uncertainty_ml);
+        let is_endless = intent.terms.until_stopped;
+        let uncertainty_ml = told.and_then(|told| told.expanded_uncertainty_ml).filter(|_| !is_endless);
         Self {
             number: told.map_or(number, |told| told.number),
             time: Stamp::new(intent.unix_s, told.map_or(0, |told| told.utc_offset_s)),
             purpose: intent.purpose,
             asked: told.and_then(|told| told.asked),
             requested_ml: intent.requested_ml,
-            until_stopped: intent.terms.until_stopped,
+            until_stopped: is_endless,
             delivered_ml: delivered.middle_ml,
-            delivered_range_ml: (!is_exact).then_some(delivered.range_ml()),
+            delivered_range_ml: (!is_exact || is_endless).then_some(delivered.range_ml()),
             expanded_uncertainty_ml: uncertainty_ml.map(|ml| if is_exact { ml } else { ml + half_ml }),
             carry_ml: 0.0,
             end,

@@ -24,6 +24,7 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
+            Self::Stands { is_recorded: false, .. } => Vec::new(),
             Self::Stands { stand, .. } if stand.limit == SafetyLimit::Vessel => {
                 vec![Remedy::EmptyVessel, Remedy::ClearStand]
             }

@@ -17,7 +17,8 @@ pub struct LogTotal {
     pub pumped_ml: f64,
     /// Number of doses whose time is before that of the dose before them: the clock had gone back.
     pub clock_went_back: u64,
-    /// Largest error of the volume where nobody knows how many steps were made, in mL.
+    /// Largest error of the volume by doses that were cut off, in mL: nobody knows how many steps they made. The
+    /// uncertainty of each dose, and of the rollers' angle, is not in it.
     pub unknown_ml: f64,
 }
 
@@ -37,14 +38,16 @@ impl LogTotal {
         self.pumped_ml += entry.delivered_ml.abs();
         self.doses += u64::from(entry.purpose != Purpose::Retract);
         self.delivered_ml += entry.delivered_ml;
-        self.unknown_ml +=
-            entry.delivered_range_ml.map_or(0.0, |(least_ml, most_ml)| 0.5 * (most_ml - least_ml));
+        let delivered_ml = entry.delivered_ml;
+        self.unknown_ml += entry
+            .delivered_range_ml
+            .map_or(0.0, |(least_ml, most_ml)| (most_ml - delivered_ml).max(delivered_ml - least_ml));
     }
 
     fn text(&self) -> String {
         let unknown = match self.unknown_ml {
             0.0 => String::new(),
-            ml => format!(", known to ± {} mL", significant(ml, 2)),
+            ml => format!(", of which ± {} mL by doses that were cut off", significant(ml, 2)),
         };
         let [net, pumped] = [self.delivered_ml, self.pumped_ml].map(|ml| significant(ml, 4));
         let volume = if net == pumped {
@@ -108,6 +111,18 @@ impl LogTotals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_bounds_of_a_total_hold_those_of_doses_that_were_cut_off() {
+        let mut cut = LogEntry::example(1, 0);
+        (cut.delivered_ml, cut.delivered_range_ml) = (2.5, Some((0.5, 3.0)));
+        let mut totals = LogTotals::default();
+        totals.add(&cut, false);
+        totals.add(&LogEntry::example(2, 0), false);
+        let total = totals.by_tube[&1];
+        assert_eq!((total.delivered_ml, total.unknown_ml), (3.5, 2.0));
+        assert_eq!(total.text(), "3.5 mL in 2 doses, of which ± 2 mL by doses that were cut off");
+    }
 
     #[test]
     fn a_total_tells_what_was_pumped_beside_what_is_left_of_it() {

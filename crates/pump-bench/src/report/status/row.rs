@@ -42,7 +42,10 @@ impl StatusRow {
             return self.unread(width);
         };
         let angle =
-            status.angle_deg.map_or("unknown angle".to_owned(), |angle_deg| format!("at {angle_deg:.2}°"));
+            status.angle_deg.map_or("unknown angle".to_owned(), |angle_deg| match status.half_width_deg {
+                half_deg if half_deg >= 0.005 => format!("at {angle_deg:.2}° ± {half_deg:.2}°"),
+                _ => format!("at {angle_deg:.2}°"),
+            });
         let life =
             status.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {}", significant(life_ml, 6)));
         let calibration = match &status.calibration {
@@ -52,6 +55,7 @@ impl StatusRow {
         let stands = status.safety.stand.map_or("", |_| "STANDS at a safety limit, ");
         let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
             (Some(holder), ..) => format!("in use by {holder}"),
+            (None, Some(dose), _) if dose.until_stopped => "unfinished run until it is stopped".to_owned(),
             (None, Some(dose), _) => format!("unfinished dose of {} mL", significant(dose.requested_ml, 6)),
             (None, None, Some(_)) => "unfinished calibration".to_owned(),
             (None, None, None) if !status.recorded => "nothing on record".to_owned(),
