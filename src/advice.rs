@@ -88,8 +88,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::GentlerFlow => {
             "make the flow smaller there or let it change over a longer time, or raise [motor] max_acceleration_rad_s2 \
-             and max_speed_rpm in the pump file if the motor can follow; `dose run --rate <FLOW>` keeps the mean flow alone, \
-             and pulsates"
+             and max_speed_rpm in the pump file if the motor can follow; `dose run --rate <FLOW>` keeps the mean flow \
+             alone, and pulsates"
         }
         Remedy::SayExactAngle => {
             "`dose home --sensor` finds the angle, and `dose home --set <ANGLE> --tolerance 0deg` says it"

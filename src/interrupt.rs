@@ -21,8 +21,8 @@ static REASON: OnceLock<String> = OnceLock::new();
 #[derive(Debug)]
 pub(crate) struct Unwatched(pub(crate) io::Error);
 
-/// Lets a file that has grown to the process's limit be an error of its writing, as a full disk is. Otherwise the system
-/// would end the process by SIGXFSZ in the midst of a motion.
+/// Lets a file that has grown to the process's limit be an error of its writing, as a full disk is. Otherwise the
+/// system would end the process by SIGXFSZ in the midst of a motion.
 #[cfg(unix)]
 pub(crate) fn outlive_file_limits() {
     // Where the signal cannot be watched for, it ends the process as before.

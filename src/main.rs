@@ -2,8 +2,6 @@
 
 mod advice;
 mod arguments;
-#[cfg(feature = "serve")]
-mod asking;
 mod cli;
 mod commands;
 mod failure;
@@ -14,8 +12,8 @@ mod options;
 mod outputs;
 mod progress;
 mod refusals;
+mod service;
 mod shown;
-mod supervised;
 mod terminal;
 mod told_commands;
 mod warned;
@@ -32,7 +30,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     #[cfg(unix)]
     interrupt::outlive_file_limits();
-    supervised::begin();
+    service::supervised::begin();
     let words: Vec<OsString> = std::env::args_os().collect();
     let json = arguments::asks_for_json(&words);
     let (ended, on_fail) = match parse(words) {
@@ -87,7 +85,7 @@ fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
         let cli = Cli::from_arg_matches(&matches)?;
         // What cannot be understood is refused here, before anybody is asked.
         #[cfg(feature = "serve")]
-        if let Some(code) = asking::ask(&matches, &typed) {
+        if let Some(code) = service::asking::ask(&matches, &typed) {
             return Ok(Parsed::Asked(code));
         }
         Ok(Parsed::Here(Box::new(cli)))

@@ -6,7 +6,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use pump_bench::Prepared;
 use pump_bench::dosing::RunEnd;
 
-use crate::supervised::{Lines, Reached};
+use crate::service::supervised::{Lines, Reached};
 use crate::terminal::waiting;
 
 /// The bar of a motion: it counts millilitres.
@@ -22,8 +22,8 @@ pub(crate) struct MotionBar {
 }
 
 impl MotionBar {
-    /// The bar of a pump's motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads the
-    /// report wants none.
+    /// The bar of a pump's motion of `steps` and `whole_ml`, which takes `whole_s` by its plan. A program that reads
+    /// the report wants none.
     pub(crate) fn new(pump: &str, steps: u64, whole_ml: f64, whole_s: Option<f64>, json: bool) -> Self {
         let lines = Lines::of(pump, steps, whole_ml);
         if json {

@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
 use crate::progress::until_next;
-use crate::supervised;
+use crate::service::supervised;
 use crate::terminal::{is_reader_gone, noted, print, tell, waiting, warn};
 use crate::warned::Warned;
 

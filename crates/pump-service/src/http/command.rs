@@ -37,8 +37,8 @@ struct CommandBody {
 }
 
 /// Carries out a command of this machine's user. The answer is a line of JSON with the order's name, `{"order": ID}`,
-/// then one for each line of its output: `{"out": TEXT}`, `{"err": TEXT}` or `{"progress": {..}}`, and at last `{"code": CODE}`. A reader that goes away stops the
-/// command.
+/// then one for each line of its output, `{"out": TEXT}`, `{"err": TEXT}` or `{"progress": {..}}`, and at last
+/// `{"code": CODE}`. A reader that goes away stops the command.
 pub(super) async fn command(
     State(shared): State<Shared>,
     headers: HeaderMap,

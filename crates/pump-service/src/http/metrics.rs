@@ -13,7 +13,7 @@ type Metric = (&'static str, &'static str, &'static str, Vec<(String, f64)>);
 
 /// The state of each pump in numbers.
 #[utoipa::path(get, path = "/metrics", tag = "events",
-    responses((status = 200, description = "Text of the Prometheus exposition format 0.0.4", content_type = "text/plain")))]
+    responses((status = 200, description = "Prometheus exposition format 0.0.4", content_type = "text/plain")))]
 pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
     let service = &shared.service;
     let views: Vec<_> = service.pumps().map(|pump| service.view(pump)).collect();

@@ -74,7 +74,8 @@ impl Worker {
         self.child.id()
     }
 
-    /// Carries the order out. `tell` hears each line, and its text; each text of `stops` stops the motion for that reason.
+    /// Carries the order out. `tell` hears each line, and its text; each text of `stops` stops the motion for that
+    /// reason.
     ///
     /// # Errors
     ///

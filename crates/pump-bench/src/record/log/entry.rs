@@ -74,8 +74,8 @@ impl LogEntry {
         } else {
             part.motion_delivered(pump)
         };
-        // The plan's uncertainty has the angle's share. The steps that nobody counted are added. The plan of a run until
-        // it is stopped is no measure of what it delivered, so its bounds alone are told.
+        // The plan's uncertainty has the angle's share. The steps that nobody counted are added. The plan of a run
+        // until it is stopped is no measure of what it delivered, so its bounds alone are told.
         let [fewest_ml, most_steps_ml] = [made_least, made_most].map(|made| intent.delivered_ml(pump, made));
         let half_ml = 0.5 * (most_steps_ml - fewest_ml).abs();
         let is_endless = intent.terms.until_stopped;
