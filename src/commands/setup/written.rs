@@ -66,8 +66,7 @@ pub(super) fn rewrite(course: &mut Course) -> Asked<()> {
 
 /// True if the file on the disk is the one of these answers.
 fn is_written(course: &Course, text: &str) -> bool {
-    let path = course.folder.pump_file(&course.answers.name);
-    course.answers.done.written.is_some() && std::fs::read_to_string(path).is_ok_and(|found| found == text)
+    course.folder.has_pump(&course.answers, text)
 }
 
 fn put(course: &mut Course, text: &str) -> Result<(), Stop> {

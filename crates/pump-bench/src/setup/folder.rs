@@ -109,6 +109,8 @@ impl SetupFolder {
         match (&found, answers.done.written) {
             // The process may have ended after it wrote the file and before it noted that.
             (Some(found), _) if found == text => {}
+            // What no question asks for was changed by hand, and the file stays as it is.
+            (Some(_), Some(_)) if self.has_pump(answers, text) => {}
             (Some(found), Some(written)) if crc32fast::hash(found.as_bytes()) != written => {
                 return Err(SetupError::Changed { path });
             }
@@ -119,6 +121,15 @@ impl SetupFolder {
         answers.done.written = Some(crc32fast::hash(text.as_bytes()));
         self.keep(answers)?;
         Ok(path)
+    }
+
+    /// Returns true if the pump file is the one of these answers: it is `text`, or somebody has changed in it by hand what
+    /// no question asks for, since this text was written.
+    pub fn has_pump(&self, answers: &Answers, text: &str) -> bool {
+        let found = read_text(&self.pump_file(&answers.name), MOST_PUMP_FILE_BYTES);
+        let is_same = answers.done.written == Some(crc32fast::hash(text.as_bytes()));
+        answers.done.written.is_some()
+            && found.is_ok_and(|found| found == text || (is_same && self.is_of_answers(answers)))
     }
 
     /// Returns true if the pump file says what these answers do. What no first run asks for may differ: the fluid, the

@@ -7,6 +7,7 @@ use pump_model::units::rpm;
 use crate::catalogue::{CataloguedPump, overlap_warning, suction_warning};
 use crate::heads::BoughtHead;
 use crate::notice::Notice;
+use crate::numbers::significant;
 use crate::pump_file::{FluidTable, PumpFile, THICK_MPA_S};
 use crate::simulation::{Method, SteadyReport};
 
@@ -25,6 +26,9 @@ use super::suction::{Suction, suction};
 /// Heads of the catalogue that are tried at most, and those that are named beside the one that serves.
 const TRIED: usize = 12;
 const NAMED: usize = 3;
+
+/// Friction in the pump's own tube that is noted, in kPa.
+const NOTED_KPA: f64 = 1.0;
 
 /// A pump with its speed, pressures, margins and pulsation at a duty.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,12 +111,17 @@ impl Sizing {
     /// [`SizingError::NoHead`] if no head gives the flow. Otherwise the error of the nearest head, if none serves.
     pub fn of_catalogue(duty: &Duty) -> Result<Self, SizingError> {
         let heads = heads_for(duty.flow_ml_s)?;
-        let mut first = None;
+        let (mut first, mut thin) = (None, None);
         for (n, head) in heads.iter().take(TRIED).enumerate() {
             match Self::of_head(head, head.rollers.unwrap_or_default(), duty) {
                 Ok(mut sizing) => {
                     let rest = heads.iter().skip(n + 1).take(NAMED);
                     sizing.others = rest.map(|other| other.name.clone()).collect();
+                    // A wider head may suck what the friction in this one's tube leaves no pressure for.
+                    if sizing.suction.is_used_up() {
+                        thin = thin.or(Some(sizing));
+                        continue;
+                    }
                     return Ok(sizing);
                 }
                 // Mean pressures are those of any head.
@@ -122,7 +131,10 @@ impl Sizing {
                 Err(error) => first = first.or(Some(error)),
             }
         }
-        Err(first.unwrap_or_else(|| unreachable!("a flow that no head gives is refused before")))
+        thin.map_or_else(
+            || Err(first.unwrap_or_else(|| unreachable!("a flow that no head gives is refused before"))),
+            Ok,
+        )
     }
 
     /// Sizes a head of the catalogue that has so many rollers.
@@ -164,7 +176,8 @@ impl Sizing {
         let needed_rpm = rpm(at.speed_rad_s);
         let motor_rpm = file.motor.max_speed_rpm;
         let most_rpm = head.map_or(Some(motor_rpm), |head| head.most_rpm);
-        let (suction, pulsation) = (suction(&file, &steady), pulsation(&at)?);
+        let suction = suction(&file, &steady, at.pump.revolution_ml(), duty.flow_ml_s);
+        let pulsation = pulsation(&at)?;
         let viscosity_mpa_s = file.fluid.fluid().ok().map(|fluid| fluid.viscosity_mpa_s);
         Ok(Self {
             head: SizedHead {
@@ -234,7 +247,19 @@ fn warnings(at: &Operating, suction: &Suction, steady: &SteadyState, pulsation: 
     });
     let overlap = overlap_warning(at.pump.geometry()).map(Notice::from);
     let sucks = suction_warning(file, file.ambient.pressure_kpa - steady.inlet.min_kpa).map(Notice::from);
-    let of_pump = file.resistance_warning().into_iter().chain(overlap).chain(sucks);
+    let own = suction.own_kpa.filter(|kpa| *kpa >= NOTED_KPA).map(|kpa| {
+        Notice::from(format!(
+            "the friction in the pump's own tube takes at least {} kPa more of the suction at this flow{}",
+            significant(kpa, 2),
+            if suction.is_used_up() {
+                ", and the margin is smaller: the tube does not fill, and less is delivered; a wider tube or a smaller \
+                 flow sucks it"
+            } else {
+                ""
+            }
+        ))
+    });
+    let of_pump = file.resistance_warning().into_iter().chain(overlap).chain(sucks).chain(own);
     of_pump.chain(hose).chain(swings(at, pulsation)).collect()
 }
 

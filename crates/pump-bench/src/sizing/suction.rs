@@ -1,5 +1,7 @@
 //! The suction margin: how far the inlet pressure stays above vapour and collapse.
 
+use std::f64::consts::PI;
+
 use pump_model::SteadyState;
 
 use crate::pump_file::{PumpFile, TubeTable};
@@ -27,10 +29,33 @@ pub struct Suction {
     pub limit_kpa: Option<f64>,
     /// Smallest inlet pressure less that limit, in kPa.
     pub margin_kpa: Option<f64>,
+    /// Pressure that the mean flow loses by friction in the half of the swept tube that sucks, in kPa, at least: laminar
+    /// flow through the bore, without the tube outside of the rollers' way. `None` if bore or viscosity is not known. The
+    /// inlet pressure does not hold it.
+    pub own_kpa: Option<f64>,
 }
 
-/// Returns the suction margin of a steady state.
-pub(super) fn suction(file: &PumpFile, steady: &SteadyState) -> Suction {
+impl Suction {
+    /// Returns true if the friction in the pump's own tube leaves nothing of the margin.
+    pub(super) fn is_used_up(&self) -> bool {
+        self.own_kpa.zip(self.margin_kpa).is_some_and(|(own_kpa, margin_kpa)| own_kpa >= margin_kpa)
+    }
+}
+
+/// Returns the pressure that `flow_ml_s` loses in the half of the swept tube that sucks, in kPa.
+///
+/// Hagen and Poiseuille: dp = 8 mu l Q/(pi r⁴), with l = V_rev/(2 pi r²).
+fn own_kpa(file: &PumpFile, revolution_ml: f64, flow_ml_s: f64) -> Option<f64> {
+    let bore_mm = file.head.as_ref().and_then(|head| head.tube_bore_mm);
+    let radius_mm = bore_mm.map(|mm| 0.5 * mm).or(file.tube.bore_radius_mm)?;
+    let viscosity_mpa_s = file.fluid.fluid().ok()?.viscosity_mpa_s;
+    let area_mm2 = PI * radius_mm * radius_mm;
+    let length_mm = 0.5 * 1e3 * revolution_ml / area_mm2;
+    Some(8e-3 * viscosity_mpa_s * length_mm * flow_ml_s * PI / (area_mm2 * area_mm2))
+}
+
+/// Returns the suction margin of a steady state, of a pump that displaces `revolution_ml`, at a mean flow.
+pub(super) fn suction(file: &PumpFile, steady: &SteadyState, revolution_ml: f64, flow_ml_s: f64) -> Suction {
     let vapour_kpa = file.fluid.vapour_kpa();
     let metre_kpa = 1e-3 * file.fluid.density_kg_m3 * GRAVITY_M_S2;
     let npsh = |kpa: f64| vapour_kpa.map(|vapour_kpa| (kpa - vapour_kpa) / metre_kpa);
@@ -56,5 +81,6 @@ pub(super) fn suction(file: &PumpFile, steady: &SteadyState) -> Suction {
         hose_collapse_kpa: hose.as_ref().and_then(below),
         limit_kpa,
         margin_kpa: limit_kpa.map(|limit_kpa| steady.inlet.min_kpa - limit_kpa),
+        own_kpa: own_kpa(file, revolution_ml, flow_ml_s),
     }
 }

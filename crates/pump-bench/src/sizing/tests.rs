@@ -55,6 +55,26 @@ fn friction_lift_and_margin_are_those_by_hand() {
 }
 
 #[test]
+fn a_thick_fluid_chooses_a_head_whose_own_tube_lets_it_in() {
+    let thick = duty("6x10mm,1m", "6x10mm,3m").with_fluid(Some("glycerol 99%".to_owned()), Some(25.0));
+    let sizing = Sizing::of_catalogue(&thick).unwrap();
+    let (own_kpa, margin_kpa) = (sizing.suction.own_kpa.unwrap(), sizing.suction.margin_kpa.unwrap());
+    assert!(own_kpa < margin_kpa, "{own_kpa} of {margin_kpa}");
+    let head = sizing.head.catalogued.as_ref().unwrap();
+    let bore_m = 1e-3 * head.bore_mm.unwrap();
+    // Half of the volume of a revolution fills this length of the bore.
+    let length_m = 0.5e-6 * sizing.head.ml_per_rev / (0.25 * PI * bore_m * bore_m);
+    let viscosity_pa_s = 1e-3 * sizing.viscosity_mpa_s.unwrap();
+    let by_hand = 1e-3 * 128.0 * viscosity_pa_s * length_m * FLOW_ML_S * 1e-6 / (PI * bore_m.powi(4));
+    near(own_kpa, by_hand, 1e-9);
+    assert!(
+        sizing.warnings.iter().any(|warning| warning.text().contains("the pump's own tube takes at least"))
+    );
+    // Nobody knows the viscosity of a fluid by its density alone, and thin ones lose nothing.
+    assert!(Sizing::of_catalogue(&glycerol()).unwrap().suction.own_kpa.unwrap() < 1.0);
+}
+
+#[test]
 fn boiling_water_follows_the_points_of_iapws() {
     // IAPWS-95, saturation: 2.3393 kPa at 20 °C, 19.946 at 60 °C, 47.414 at 80 °C.
     for (degc, vapour_kpa) in [(20.0, 2.3393), (60.0, 19.946), (80.0, 47.414)] {

@@ -55,6 +55,18 @@ pub enum ModelError {
         /// Angle over which a roller is fully engaged, degrees.
         span_deg: f64,
     },
+    /// The tube is thicker than the backplate's radius.
+    #[error(
+        "the backplate's radius of {backplate_radius_mm} mm is not more than the tube's outer diameter of \
+         {outer_diameter_mm} mm, by {:.3} mm; look at the units of both",
+        up(outer_diameter_mm - backplate_radius_mm, 1000.0)
+    )]
+    BackplateTooSmall {
+        /// Radius of the backplate r_b, mm.
+        backplate_radius_mm: f64,
+        /// Outer diameter of the tube 2 r_o, mm.
+        outer_diameter_mm: f64,
+    },
     /// Roller and backplate overlap.
     #[error(
         "the rollers press {depth_mm:.3} mm deeper than the tube's walls: roller offset + roller radius is \

@@ -89,9 +89,10 @@ impl Geometry {
             let allowed = "more than the bore radius";
             return Err(refused(Parameter::TubeOuterRadius, self.tube_outer_radius_mm, allowed));
         }
-        if self.backplate_radius_mm <= 2.0 * self.tube_outer_radius_mm {
-            let allowed = "more than the tube's outer diameter";
-            return Err(refused(Parameter::BackplateRadius, self.backplate_radius_mm, allowed));
+        let outer_diameter_mm = 2.0 * self.tube_outer_radius_mm;
+        if self.backplate_radius_mm <= outer_diameter_mm {
+            let backplate_radius_mm = self.backplate_radius_mm;
+            return Err(ModelError::BackplateTooSmall { backplate_radius_mm, outer_diameter_mm });
         }
         within(Parameter::ContactAngle, degrees(self.contact_angle_rad), -90.0..90.0)?;
         let reach_mm = self.roller_offset_mm + self.roller_radius_mm;

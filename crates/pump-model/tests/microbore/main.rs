@@ -94,6 +94,7 @@ fn a_dimension_that_is_wrong_is_named_with_the_amount() {
             "the rollers press 1.000 mm deeper than the tube's walls",
         ),
         (Geometry { backplate_radius_mm: 27.7, ..MICRO }, "stays open by 0.500 mm"),
+        (Geometry { backplate_radius_mm: 2.0, ..MICRO }, "not more than the tube's outer diameter of"),
         (Geometry { roller_radius_mm: 1.0, roller_offset_mm: 23.0, ..MICRO }, "mm too small"),
         (
             Geometry { contact_angle_rad: -60.0 * TAU / 360.0, ..MICRO },

@@ -79,6 +79,7 @@ pub fn sizing_json(sizing: &Sizing) -> String {
             "hose_collapse_kpa": suction.hose_collapse_kpa,
             "limit_kpa": suction.limit_kpa,
             "margin_kpa": suction.margin_kpa,
+            "own_kpa": suction.own_kpa,
         }),
         outlet_limit_kpa: sizing.largest.map(|most| most.kpa),
         outlet_limit: sizing.largest.map(|most| most.source.name()),
