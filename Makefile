@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
+.PHONY: test test-rust test-python clock mqtt faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
 
 test: test-rust test-python
 
@@ -31,6 +31,11 @@ clock:
 	command -v faketime || (apt-get update && apt-get install -y --no-install-recommends faketime)
 	command -v systemd-analyze || (apt-get update && apt-get install -y --no-install-recommends systemd)
 	FAKETIME_NEEDED=1 SYSTEMD_NEEDED=1 cargo test --locked --test command -- unattended::clock unattended::units
+
+# The service at a real MQTT broker; `make test` leaves these tests out where there is none.
+mqtt:
+	command -v mosquitto || test -x /usr/sbin/mosquitto || (apt-get update && apt-get install -y --no-install-recommends mosquitto)
+	MQTT_NEEDED=1 cargo test --locked --features serve --test serve -- mqtt
 
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults: clock
