@@ -104,7 +104,12 @@ fn a_stop_right_after_a_dose_finds_it() {
     let is_stop = |message: &Message| message.json()["command"] == "stop";
     let stopped = ear.hears("pump-dose/acid/answer", is_stop).json();
     let id = stopped["stopped"][0].as_str().unwrap().to_owned();
-    assert_eq!(service.ended(&id)["state"], "failed");
+    // The stop may come before the first step, so that nothing was moved, or soon after it.
+    let order = service.ended(&id);
+    assert!(["refused", "failed"].contains(&order["state"].as_str().unwrap()), "{order}");
+    let delivered_ml =
+        laboratory.log("acid").iter().filter_map(|dose| dose["delivered_ml"].as_f64()).sum::<f64>();
+    assert!(delivered_ml < 10.0, "{delivered_ml} of 20 mL");
 }
 
 #[test]
