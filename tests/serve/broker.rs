@@ -66,7 +66,8 @@ impl Broker {
         let place = folder.path().display();
         // Mosquitto that is started by root would become a user that cannot write here.
         let text = format!(
-            "user root\nlistener {port} 127.0.0.1\nallow_anonymous true\npersistence true\npersistence_location {place}/\n\
+            "user root\n\
+             listener {port} 127.0.0.1\nallow_anonymous true\npersistence true\npersistence_location {place}/\n\
              autosave_on_changes true\nautosave_interval 1\n"
         );
         fs::write(folder.path().join("mosquitto.conf"), text).unwrap();
