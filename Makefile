@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock browser faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
+.PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
 
 test: test-rust test-python
 
@@ -16,7 +16,7 @@ test-rust:
 	cargo test --locked --features serve
 
 test-python: $(VENV)/installed
-	cargo build --locked --example simulated_node
+	cargo build --locked --features serve --example simulated_node
 	cd crates/pump-py && $(BIN)/python -m pytest -q
 
 # Installed anew whenever a source of the Python module has changed.
@@ -30,7 +30,7 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/
 clock:
 	command -v faketime || (apt-get update && apt-get install -y --no-install-recommends faketime)
 	command -v systemd-analyze || (apt-get update && apt-get install -y --no-install-recommends systemd)
-	FAKETIME_NEEDED=1 SYSTEMD_NEEDED=1 cargo test --locked --test command -- unattended::clock unattended::units
+	FAKETIME_NEEDED=1 SYSTEMD_NEEDED=1 cargo test --locked --features serve --test command -- unattended::clock unattended::units
 
 # The page of `dose serve` in Chromium: what people do, over bad networks and kills too, for barriers with axe, and its
 # times. Two idle cores take less than 4 minutes. `PAGE=crates/pump-service/src/page` at pytest tries a page before a build.
@@ -47,6 +47,11 @@ $(BROWSER)/installed: tests/browser/requirements.txt
 	$(PYTHON) -m venv $(BROWSER)
 	$(BROWSER)/bin/pip install --quiet -r $<
 	touch $@
+
+# The service at a real MQTT broker; `make test` leaves these tests out where there is none.
+mqtt:
+	command -v mosquitto || test -x /usr/sbin/mosquitto || (apt-get update && apt-get install -y --no-install-recommends mosquitto)
+	MQTT_NEEDED=1 cargo test --locked --features serve --test serve -- mqtt
 
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults: clock

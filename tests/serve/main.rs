@@ -1,11 +1,14 @@
-//! `dose serve` as programs, people and commands use it: over HTTP, by its schedule, and killed at random instants.
+//! `dose serve` as programs, people and commands use it: over HTTP and MQTT, by its schedule, and killed at random
+//! instants.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod asked;
+mod broker;
 mod hostile;
 mod kills;
 mod laboratory;
+mod mqtt;
 mod orders;
 mod schedule;

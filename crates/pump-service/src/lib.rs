@@ -11,12 +11,15 @@
 //! - [`service`]: the pumps, and the orders that are carried out now.
 //! - [`runner`]: the schedule in force, whose runs become orders.
 //! - [`http`]: the service for programs and for the page.
+//! - [`mqtt`]: the service at an MQTT broker.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "serve")]
 pub mod history;
 #[cfg(feature = "serve")]
 pub mod http;
+#[cfg(feature = "serve")]
+pub mod mqtt;
 #[cfg(feature = "serve")]
 pub mod order;
 #[cfg(feature = "serve")]

@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use pump_bench::config::{Config, ServiceTable};
+use pump_bench::config::{Config, MqttTable, ServiceTable};
 use pump_bench::pump_file::Pace;
 use pump_bench::report::ErrorKind;
 use pump_service::history::History;
 use pump_service::http::{Access, Limits, serve};
+use pump_service::mqtt::{Link, Settings};
 use pump_service::runner::Runner;
 use pump_service::schedule::Timestamp;
 use pump_service::service::{Service, Setup};
@@ -43,13 +44,15 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
     let state_dir = args.record.folder(&config)?;
     let table = config.service().clone();
     let address = address(args, &table)?;
-    let token = args.token_file.as_ref().or(table.token_file.as_ref()).map(|path| token(path)).transpose()?;
+    let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
+    let token = token_file.map(|path| secret("token", path)).transpose()?;
     let local = pump_service::new_token().map_err(refused)?;
     let access = Access::new(address, token, local.clone(), table.hosts.clone()).map_err(refused)?;
     let schedule = args.schedule.as_ref().or(table.schedule.as_ref()).cloned();
     let interrupt = Interrupt::watch()?;
     let place = Place::take(&state_dir)?;
     let history = History::open(&state_dir.join("history.sqlite")).map_err(refused)?;
+    let mqtt = table.mqtt.as_ref().map(|table| settings(table, &history)).transpose()?;
     let program = Program::new(own_path()?, places(&config, &state_dir));
     let fast = args.pace == Some(Pace::Fast);
     let runtime = Builder::new_multi_thread().worker_threads(THREADS).enable_all().build();
@@ -68,6 +71,7 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
         if let Some(runner) = runner.clone() {
             tokio::spawn(async move { runner.run().await });
         }
+        let link = mqtt.map(|settings| Link::begin(service.clone(), settings));
         let (ended, until) = tokio::sync::oneshot::channel::<()>();
         let until = async move { drop(until.await) };
         let answering =
@@ -77,6 +81,9 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
         }
         say("stopping every pump; the records are written once they stand\n");
         let stand = service.end("the end of the service", LONGEST_END).await;
+        if let Some(link) = link {
+            link.end().await;
+        }
         // Watchers see the end of each order before their connections end.
         drop(ended);
         let _ = answering.await;
@@ -103,25 +110,31 @@ fn address(args: &ServeArgs, table: &ServiceTable) -> Result<SocketAddr, Failure
     })
 }
 
-/// The token of a file: its first line.
-fn token(path: &Path) -> Result<String, Failure> {
+/// The broker that a configuration names, with its user's password.
+fn settings(table: &MqttTable, history: &History) -> Result<Settings, Failure> {
+    let password = table.password_file.as_ref().map(|path| secret("password", path)).transpose()?;
+    Settings::new(table, password, history).map_err(refused)
+}
+
+/// The token or the password of a file: its first line.
+fn secret(what: &str, path: &Path) -> Result<String, Failure> {
     let text = fs::read_to_string(path).map_err(|error| Failure::unread(path, &error))?;
-    warn_of_readers(path);
+    warn_of_readers(what, path);
     Ok(text.lines().next().unwrap_or_default().trim().to_owned())
 }
 
-/// Warns of a token that other users can read.
+/// Warns of a secret that other users can read.
 #[cfg(unix)]
-fn warn_of_readers(path: &Path) {
+fn warn_of_readers(what: &str, path: &Path) {
     use std::os::unix::fs::PermissionsExt;
     if path.metadata().is_ok_and(|file| file.permissions().mode() & 0o077 != 0) {
         let path = path.display();
-        warn(&[format!("other users of this computer can read the token; `chmod 600 {path}` keeps it")]);
+        warn(&[format!("other users of this computer can read the {what}; `chmod 600 {path}` keeps it")]);
     }
 }
 
 #[cfg(not(unix))]
-fn warn_of_readers(_: &Path) {}
+fn warn_of_readers(_: &str, _: &Path) {}
 
 /// The path of this program, which carries out the orders too.
 fn own_path() -> Result<PathBuf, Failure> {

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::defaults::DoseDefaults;
 use super::error::ConfigError;
+use super::mqtt::MqttTable;
 use super::place::{default_path, named_path};
 use super::pumps::{built_in_names, is_built_in};
 use super::service::ServiceTable;
@@ -214,6 +215,9 @@ impl ConfigKeys {
                 key: format!("[defaults] {key}"),
                 ..WrongValue::new(key, value, reason)
             });
+        }
+        if let Some((key, value, allowed)) = self.service.mqtt.as_ref().and_then(MqttTable::wrong) {
+            return Err(WrongValue::new(&format!("[service.mqtt] {key}"), value, allowed));
         }
         let names: Vec<&str> = self.pumps.keys().map(String::as_str).collect();
         match &self.default_pump {

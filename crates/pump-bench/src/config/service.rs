@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::mqtt::MqttTable;
+
 /// Table `[service]`: where the service is, and who may use it.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,12 +20,15 @@ pub struct ServiceTable {
     pub hosts: Vec<String>,
     /// Schedule of the doses that come by the clock.
     pub schedule: Option<PathBuf>,
+    /// Broker of MQTT messages. `None` uses none.
+    pub mqtt: Option<MqttTable>,
 }
 
 impl ServiceTable {
     /// Returns the table with its paths relative to `folder`.
     pub(super) fn inside(self, folder: &Path) -> Self {
         let at = |path: Option<PathBuf>| path.map(|path| folder.join(path));
-        Self { token_file: at(self.token_file), schedule: at(self.schedule), ..self }
+        let mqtt = self.mqtt.map(|table| table.inside(folder));
+        Self { token_file: at(self.token_file), schedule: at(self.schedule), mqtt, ..self }
     }
 }

@@ -1,0 +1,76 @@
+//! The state of a pump as its topic has it.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::dosed::Volumes;
+use crate::order::OrderId;
+use crate::service::PumpView;
+
+/// Words of the states.
+pub(super) const STATES: [&str; 6] = ["idle", "moving", "waiting", "unfinished", "stands", "unknown"];
+
+/// Words of the states that somebody should look after.
+pub(super) const PROBLEMS: [&str; 3] = ["unfinished", "stands", "unknown"];
+
+/// State of a pump, `mqtt-pump/1`.
+#[derive(Debug, Serialize)]
+pub(super) struct State<'a> {
+    schema: &'static str,
+    state: &'static str,
+    /// Angle of the rollers on record, deg; null if it is not known.
+    angle_deg: Option<f64>,
+    /// Carry to the next dose, mL.
+    carry_ml: Option<f64>,
+    /// Volume that the tube has pumped, mL.
+    tube_ml: Option<f64>,
+    /// Volume of the last dose, mL.
+    delivered_ml: Option<f64>,
+    /// Volume that it was asked for, mL.
+    asked_ml: Option<f64>,
+    order: Option<&'a OrderId>,
+    task: Option<&'static str>,
+    /// Reason why the record cannot be read.
+    error: Option<&'a str>,
+}
+
+impl<'a> State<'a> {
+    /// The state of a pump. `motion` is the word of a line of progress that is not in the view, as that of a rack.
+    pub(super) fn of(view: &'a PumpView, motion: Option<&'static str>, last: Option<Volumes>) -> Self {
+        let status = view.status.as_ref();
+        Self {
+            schema: "mqtt-pump/1",
+            state: motion.unwrap_or_else(|| word(view)),
+            angle_deg: status.and_then(|status| status.angle_deg),
+            carry_ml: status.map(|status| status.carry_ml),
+            tube_ml: status.map(|status| status.wear.volume_ml),
+            delivered_ml: last.map(|last| last.delivered_ml),
+            asked_ml: last.map(|last| last.asked_ml),
+            order: view.order.as_ref(),
+            task: view.task,
+            error: view.error.as_deref(),
+        }
+    }
+
+    /// Returns the state as one line of JSON.
+    pub(super) fn text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_else(|error| unreachable!("plain data: {error}"))
+    }
+}
+
+/// Returns the word of a line of progress: `waiting` between the doses of a batch, otherwise `moving`.
+pub(super) fn word_of_progress(progress: &Value) -> &'static str {
+    if progress.get("state").and_then(Value::as_str) == Some("waiting") { "waiting" } else { "moving" }
+}
+
+fn word(view: &PumpView) -> &'static str {
+    match (&view.progress, &view.plan, &view.status) {
+        (Some(progress), _, _) => word_of_progress(progress),
+        (None, Some(_), _) => "moving",
+        (None, None, None) => "unknown",
+        (None, None, Some(status)) if status.in_use_by.is_some() => "moving",
+        (None, None, Some(status)) if status.safety.stand.is_some() => "stands",
+        (None, None, Some(status)) if status.unfinished.is_some() => "unfinished",
+        (None, None, Some(_)) => "idle",
+    }
+}
