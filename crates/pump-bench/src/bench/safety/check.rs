@@ -86,6 +86,7 @@ impl Bench {
         let (used_ml, all_ml): (f64, f64) = match stand.limit {
             SafetyLimit::Day => (account.day_ml(now_s), series.map(|(_, volume_ml)| volume_ml.abs()).sum()),
             SafetyLimit::Vessel => (account.vessel_ml, series.map(|(_, volume_ml)| volume_ml).sum()),
+            SafetyLimit::Ordered => (stand.used_ml, stand.planned_ml),
         };
         let planned_ml = all_ml.max(stand.planned_ml);
         Some(Stand { unix_s: now_s, used_ml, planned_ml, ..self.as_said(stand) })
@@ -97,6 +98,7 @@ impl Bench {
         let allowed_ml = match stand.limit {
             SafetyLimit::Day => table.max_ml_per_day,
             SafetyLimit::Vessel => table.vessel_ml,
+            SafetyLimit::Ordered => None,
         };
         Stand { allowed_ml: allowed_ml.unwrap_or(stand.allowed_ml), ..stand }
     }
@@ -104,7 +106,7 @@ impl Bench {
     /// Returns the error of a pump that stands.
     #[must_use]
     pub fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
-        DoseError::Stands { pump: self.file().pump.id.clone(), stand, is_new }
+        DoseError::Stands { pump: self.file().pump.id.clone(), stand: Box::new(stand), is_new }
     }
 }
 

@@ -19,6 +19,6 @@ pub(crate) use file::{Log, LogTail};
 pub use file::{LogError, LogLine};
 pub use moment::{MomentError, moment};
 pub(crate) use pending::pending;
-pub use short_text::ShortText;
+pub use short_text::{CutText, ShortText};
 pub use stamp::Stamp;
 pub(crate) use told::Told;

@@ -71,6 +71,7 @@ impl DoseError {
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
             | Self::NotCleared { .. }
+            | Self::NotPutToStand { .. }
             | Self::RanOut { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
