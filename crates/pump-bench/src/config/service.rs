@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::inputs::InputTable;
+
 /// Table `[service]`: where the service is, and who may use it.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +20,9 @@ pub struct ServiceTable {
     pub hosts: Vec<String>,
     /// Schedule of the doses that come by the clock.
     pub schedule: Option<PathBuf>,
+    /// Inputs that must be alive.
+    #[serde(default, rename = "input")]
+    pub inputs: Vec<InputTable>,
 }
 
 impl ServiceTable {

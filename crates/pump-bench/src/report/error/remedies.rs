@@ -12,6 +12,14 @@ use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
 use crate::safety::SafetyLimit;
 
+/// Returns the remedies of a pump that stands.
+fn of_stand(limit: SafetyLimit) -> Vec<Remedy> {
+    match limit {
+        SafetyLimit::Vessel => vec![Remedy::EmptyVessel, Remedy::ClearStand],
+        SafetyLimit::Day | SafetyLimit::Ordered => vec![Remedy::ClearStand],
+    }
+}
+
 impl DoseError {
     /// Returns the remedies that a person has, in the order in which they are to be tried.
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
@@ -24,10 +32,7 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
-            Self::Stands { stand, .. } if stand.limit == SafetyLimit::Vessel => {
-                vec![Remedy::EmptyVessel, Remedy::ClearStand]
-            }
-            Self::Stands { .. } => vec![Remedy::ClearStand],
+            Self::Stands { stand, .. } => of_stand(stand.limit),
             Self::Disturbed { .. }
             | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
                 vec![Remedy::FindAngle]
