@@ -13,7 +13,8 @@ const USUAL_EVERY: Duration = Duration::from_secs(5);
 /// Time after which a silent input is taken for not well, where none is said.
 const USUAL_SILENT: Duration = Duration::from_secs(30);
 
-/// Times that an input may name: a command that runs more often wears the computer, and a longer silence guards nothing.
+/// Times that an input may name, in s: a command that runs more often wears the computer, and a longer silence guards
+/// nothing.
 const TIMES_S: std::ops::RangeInclusive<f64> = 0.1..=86_400.0;
 
 /// Table `[[service.input]]`: an input that must say that all is well, or its pumps stand.

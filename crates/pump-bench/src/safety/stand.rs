@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::cut_text::CutText;
 use crate::numbers::significant;
-use crate::record::CutText;
 use crate::words::words;
 
 /// Limit that keeps a pump safe while nobody looks.
@@ -25,7 +25,8 @@ words!(SafetyLimit { Day = "day", Vessel = "vessel", Ordered = "ordered" });
 /// Reason of a stand that was ordered. More than 120 bytes are cut, and the journal keeps the whole text.
 pub type StandReason = CutText<120>;
 
-/// Stand of a pump that would have exceeded a safety limit, or that was ordered to stand. It lasts until a person clears it.
+/// Stand of a pump that would have exceeded a safety limit, or that was ordered to stand. It lasts until a person
+/// clears it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -35,8 +36,8 @@ pub struct Stand {
     /// Volume that counted before the motion that was refused, or after the run that the limit has ended, in mL; 0 if
     /// the stand was ordered.
     pub used_ml: f64,
-    /// Volume that was planned, in mL; 0 for a run until it was stopped, which the limit has ended, and if the stand was
-    /// ordered.
+    /// Volume that was planned, in mL; 0 for a run until it was stopped, which the limit has ended, and if the stand
+    /// was ordered.
     pub planned_ml: f64,
     /// Volume that the limit allows, in mL; 0 if the stand was ordered.
     pub allowed_ml: f64,
