@@ -62,6 +62,7 @@ mod bench;
 pub mod calibration;
 pub mod catalogue;
 pub mod config;
+mod cut_text;
 pub mod displacement;
 pub mod dosing;
 pub mod drives;

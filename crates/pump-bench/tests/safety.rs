@@ -104,6 +104,67 @@ fn a_pump_stands_at_its_day_before_it_moves_and_over_restarts_until_a_person_cle
 }
 
 #[test]
+fn a_pump_that_is_ordered_to_stand_moves_nothing_over_restarts_until_a_person_clears_it() {
+    let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
+    let bench = bench(&folder, Some(50.0), None);
+    let mut first = session(&bench, &clock);
+    dose(&mut first, 30.0).unwrap();
+    for reason in ["", " \n", "two\nlines", &"x".repeat(1001)] {
+        assert!(matches!(first.stand(reason), Err(DoseError::NotPutToStand { .. })), "{reason:?}");
+    }
+    let reason = format!("there is water under the rack {}", "é".repeat(60));
+    let ordered = first.stand(&reason).unwrap();
+    assert_eq!((ordered.limit, ordered.unix_s), (SafetyLimit::Ordered, START));
+    let before = steps(&bench);
+    drop(first);
+    clock.set(START + 3600);
+    let mut second = session(&bench, &clock);
+    let refused = dose(&mut second, 0.1).unwrap_err();
+    let text = refused.to_string();
+    assert!(text.contains("stands by order since ") && text.contains("water under the rack"), "{text}");
+    assert_eq!(stands(Err(refused)), (SafetyLimit::Ordered, false));
+    assert_eq!(
+        stands(run(&mut second, DoseRequest::new(Purpose::Purge, -1.0))),
+        (SafetyLimit::Ordered, false)
+    );
+    assert!(second.jog(10, 1.0, |_| ControlFlow::Continue(())).is_err());
+    assert_eq!(steps(&bench), before, "nothing moved");
+    // The journal has the whole reason, and the state the part that every refusal shows.
+    let journal = fs::read_to_string(bench.folder().path().join("journal.jsonl")).unwrap();
+    assert!(journal.contains(&format!("\"reason\":\"{reason}\"")), "{journal}");
+    assert_eq!(second.clear_safety("dry again").unwrap().forgotten_ml, 0.0);
+    // The volumes of the day have nothing to do with an order: they count on.
+    assert_eq!(stands(dose(&mut second, 30.0)), (SafetyLimit::Day, true));
+    // An order takes the place of the limit, which stands in the way again once the order is cleared.
+    second.stand("the hose is off").unwrap();
+    assert_eq!(stands(dose(&mut second, 0.1)), (SafetyLimit::Ordered, false));
+    second.clear_safety("the hose is on").unwrap();
+    assert_eq!(stands(dose(&mut second, 30.0)), (SafetyLimit::Day, true));
+    assert_eq!(second.clear_safety("a new tank").unwrap().stand.reason, None);
+    dose(&mut second, 30.0).unwrap();
+}
+
+#[test]
+fn a_dose_that_was_cut_off_stays_unfinished_while_its_pump_is_ordered_to_stand() {
+    let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
+    let bench = bench(&folder, None, None);
+    let mut session = session(&bench, &clock);
+    let prepared = session.prepare(DoseRequest::dose(20.0)).unwrap();
+    let mut looks = 0;
+    let stopped = session.run(&prepared, |_| {
+        looks += 1;
+        if looks > 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert!(stopped.is_ok_and(|delivered| delivered.unfinished));
+    session.stand("there is water under the rack").unwrap();
+    assert!(matches!(session.prepare_rest(DoseRequest::dose(0.0)), Err(DoseError::Stands { .. })));
+    session.clear_safety("dry again").unwrap();
+    let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    session.run(&rest, |_| ControlFlow::Continue(())).unwrap();
+    assert!((bench.stands().unwrap().wear.volume_ml - 20.0).abs() < 0.01);
+}
+
+#[test]
 fn every_purpose_counts() {
     for (purpose, volume_ml) in [
         (Purpose::Prime, 50.0),

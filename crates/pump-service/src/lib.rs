@@ -9,11 +9,14 @@
 //! - [`worker`]: the process of the command that carries out an order.
 //! - [`history`]: the orders and events on record, in a file of SQLite.
 //! - [`service`]: the pumps, and the orders that are carried out now.
+//! - [`guard`]: the inputs that must be alive, or their pumps stand.
 //! - [`runner`]: the schedule in force, whose runs become orders.
 //! - [`http`]: the service for programs and for the page.
 //! - [`mqtt`]: the service at an MQTT broker.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "serve")]
+pub mod guard;
 #[cfg(feature = "serve")]
 pub mod history;
 #[cfg(feature = "serve")]

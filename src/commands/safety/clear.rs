@@ -1,4 +1,4 @@
-//! `dose safety clear`: a person lets a pump go on that stands at a safety limit.
+//! `dose safety clear`: a person lets a pump go on that stands.
 
 use clap::Args;
 use pump_bench::Bench;
@@ -45,6 +45,12 @@ impl ClearArgs {
             return print_json(&(Status::of(&bench)?.json() + "\n"));
         }
         let pump = &bench.file().pump.id;
+        let forgotten = match cleared.stand.limit {
+            SafetyLimit::Ordered => String::new(),
+            SafetyLimit::Day | SafetyLimit::Vessel => {
+                format!("the {:.4} mL of the last 24 h count no more\n", cleared.forgotten_ml)
+            }
+        };
         let full = match cleared.stand.limit {
             SafetyLimit::Vessel if cleared.vessel_ml > 0.0 => format!(
                 "the vessel has received {:.4} mL since it was emptied; once it is empty, say `dose vessel emptied`\n",
@@ -53,9 +59,8 @@ impl ClearArgs {
             _ => String::new(),
         };
         tell(&format!(
-            "{pump} may go on, and your reason is on record; it stood because {}\nthe {:.4} mL of the last 24 h count \
-             no more\n{full}",
-            cleared.stand, cleared.forgotten_ml
+            "{pump} may go on, and your reason is on record; it stood because {}\n{forgotten}{full}",
+            cleared.stand
         ))
     }
 }

@@ -1,12 +1,14 @@
-//! `dose safety`: the safety limits of a pump, and the word of a person to one that stands at a limit.
+//! `dose safety`: the safety limits of a pump, the order to one to stand, and the word of a person that it may go on.
 
 mod clear;
+mod stand;
 mod vessel;
 
 use clap::{Args, Subcommand};
 use pump_bench::report::Status;
 
 use self::clear::ClearArgs;
+use self::stand::StandArgs;
 use crate::advice;
 use crate::commands::record::{rows_of_all, tell_rows};
 use crate::failure::Failure;
@@ -32,14 +34,18 @@ pub(crate) struct SafetyArgs {
 
 #[derive(Debug, Subcommand)]
 enum SafetyCommand {
-    /// Let a pump go on that stands at a safety limit
+    /// Let a pump go on that stands
     Clear(ClearArgs),
+    /// Put a pump to stand: every motion is refused until it is cleared
+    Stand(StandArgs),
 }
 
 impl SafetyArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        if let Some(SafetyCommand::Clear(args)) = &self.command {
-            return args.run();
+        match &self.command {
+            Some(SafetyCommand::Clear(args)) => return args.run(),
+            Some(SafetyCommand::Stand(args)) => return args.run(),
+            None => {}
         }
         if self.all {
             let rows = rows_of_all(&self.record)?;

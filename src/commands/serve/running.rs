@@ -10,6 +10,7 @@ use std::time::Duration;
 use pump_bench::config::{Config, MqttTable, ServiceTable};
 use pump_bench::pump_file::Pace;
 use pump_bench::report::ErrorKind;
+use pump_service::guard::Guard;
 use pump_service::history::History;
 use pump_service::http::{Access, Limits, serve};
 use pump_service::mqtt::{Link, Settings};
@@ -72,10 +73,13 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
             tokio::spawn(async move { runner.run().await });
         }
         let link = mqtt.map(|settings| Link::begin(service.clone(), settings));
+        let guard = Guard::new(service.clone());
+        let guarding = guard.clone();
+        tokio::spawn(async move { guarding.run().await });
         let (ended, until) = tokio::sync::oneshot::channel::<()>();
         let until = async move { drop(until.await) };
         let answering =
-            tokio::spawn(serve(listener, service.clone(), access, runner, Limits::default(), until));
+            tokio::spawn(serve(listener, service.clone(), access, runner, guard, Limits::default(), until));
         while interrupt.signal().is_none() {
             tokio::time::sleep(LOOK).await;
         }

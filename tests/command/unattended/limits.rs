@@ -64,6 +64,43 @@ fn a_pump_stands_with_exit_code_5_until_it_is_cleared_by_name_with_a_reason() {
 }
 
 #[test]
+fn a_pump_is_put_to_stand_by_name_with_a_reason_that_every_refusal_shows() {
+    let user = User::new();
+    let tank = pump(&user, "");
+    let reason_of = "there is water under the rack";
+    assert_eq!(user.types(&["safety", "stand", tank]).code, 2, "a reason is needed");
+    assert_eq!(user.types(&["safety", "stand", tank, "--reason", " "]).code, 2);
+    assert_eq!(user.types(&["safety", "stand", "--reason", "no name"]).code, 2);
+    let stands = user.types(&["safety", "stand", tank, "--reason", reason_of]);
+    assert_eq!(stands.code, 0, "{}", stands.err);
+    assert!(stands.out.contains("tank stands") && stands.out.contains(reason_of), "{}", stands.out);
+    let dose = |words: &[&str]| user.types(&[words, &["--pump", tank, "--format", "json"]].concat());
+    for words in [&["1mL"][..], &["1mL", "--dry-run"], &["prime", "1mL"], &["run", "--rate", "1mL/s"]] {
+        let refused = dose(words);
+        assert_eq!((refused.code, refused.out.as_str()), (5, ""), "{words:?}");
+        let error = reason(&refused);
+        assert_eq!((&error["kind"], &error["value"]), (&"safety".into(), &Value::Null));
+        let text = error["message"].as_str().unwrap();
+        assert!(text.contains("stands by order since ") && text.contains(reason_of), "{text}");
+    }
+    for words in [["status", "--pump", tank], ["safety", "--pump", tank]] {
+        let told = user.types(&words).out;
+        assert!(told.contains("STANDS since") && told.contains(reason_of), "{told}");
+    }
+    let stand = &user.json(&["status", "--pump", tank])["safety"]["stand"];
+    assert_eq!((&stand["limit"], &stand["reason"]), (&"ordered".into(), &reason_of.into()));
+    let cleared = user.types(&["safety", "clear", tank, "--reason", "dry again"]);
+    assert!(cleared.code == 0 && !cleared.out.contains("count no more"), "{}{}", cleared.out, cleared.err);
+    assert_eq!(dose(&["1mL"]).code, 0);
+    let words = ["safety", "stand", tank, "--reason", "service", "--format", "json"];
+    let status: Value = serde_json::from_str(&user.types(&words).out).unwrap();
+    assert_eq!(
+        (&status["schema"], &status["safety"]["stand"]["reason"]),
+        (&"status/1".into(), &"service".into())
+    );
+}
+
+#[test]
 fn an_option_narrows_the_limit_of_a_day_and_never_widens_it() {
     let user = User::new();
     let tank = pump(&user, "max_ml_per_day = 30.0");

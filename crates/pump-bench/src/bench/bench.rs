@@ -259,9 +259,10 @@ impl Bench {
         &self.folder
     }
 
-    /// Returns the time at which the pump's journal was written last. `None` if nothing is on record.
-    pub fn journal_written(&self) -> Option<SystemTime> {
-        self.folder.journal().metadata().and_then(|journal| journal.modified()).ok()
+    /// Returns the time at which a file of the pump's record was written last: its journal, its log or its calibrations.
+    /// `None` if nothing is on record.
+    pub fn record_written(&self) -> Option<SystemTime> {
+        last_written(self.folder.path(), 1)
     }
 
     /// Returns true if another process holds the pump now.
@@ -449,4 +450,18 @@ pub(crate) fn headline(pump: &str, simulated: bool, device: Option<&str>) -> Str
         Some(device) => format!("MOVING {pump} on {device}"),
         None => format!("MOVING {pump}"),
     }
+}
+
+/// Returns the time at which a file in `folder`, or in its folders down to `depth`, was written last.
+fn last_written(folder: &Path, depth: u32) -> Option<SystemTime> {
+    let entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
+    let of_entry = |entry: std::fs::DirEntry| {
+        let found = entry.metadata().ok()?;
+        if found.is_dir() && depth > 0 {
+            last_written(&entry.path(), depth - 1)
+        } else {
+            found.modified().ok()
+        }
+    };
+    entries.filter_map(of_entry).max()
 }

@@ -7,9 +7,10 @@ use serde::Deserialize;
 
 use super::defaults::DoseDefaults;
 use super::error::ConfigError;
+use super::inputs::InputTable;
 use super::mqtt::MqttTable;
 use super::place::{default_path, named_path};
-use super::pumps::{built_in_names, is_built_in};
+use super::pumps::{DEFAULT_PUMP, built_in_names, is_built_in};
 use super::service::ServiceTable;
 use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
 use crate::record::{FolderError, default_state_dir};
@@ -220,6 +221,7 @@ impl ConfigKeys {
             return Err(WrongValue::new(&format!("[service.mqtt] {key}"), value, allowed));
         }
         let names: Vec<&str> = self.pumps.keys().map(String::as_str).collect();
+        self.check_inputs(&names)?;
         match &self.default_pump {
             Some(name) if !names.contains(&name.as_str()) && !is_built_in(name) => {
                 let allowed = [&names[..], &[&built_in_names()]].concat().join(", ");
@@ -230,6 +232,29 @@ impl ConfigKeys {
                 ))
             }
             _ => Ok(()),
+        }
+    }
+}
+
+impl ConfigKeys {
+    /// Refuses the first input of the service that is wrong. A configuration without pumps has its usual one.
+    fn check_inputs(&self, names: &[&str]) -> Result<(), WrongValue> {
+        let usual = [self.default_pump.as_deref().unwrap_or(DEFAULT_PUMP)];
+        let pumps = if names.is_empty() { &usual[..] } else { names };
+        let inputs = &self.service.inputs;
+        if let Some([key, value, allowed]) = inputs.iter().find_map(|input| input.wrong(pumps, is_name)) {
+            return Err(WrongValue { key, value, allowed });
+        }
+        let repeats = |(number, input): &(usize, &InputTable)| {
+            inputs[..*number].iter().any(|earlier| earlier.name == input.name)
+        };
+        match inputs.iter().enumerate().find(repeats) {
+            Some((_, input)) => Err(WrongValue::new(
+                "the name of a [[service.input]]",
+                input.name.as_str(),
+                "a name that no other input has",
+            )),
+            None => Ok(()),
         }
     }
 }

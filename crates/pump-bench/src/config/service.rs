@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::inputs::InputTable;
 use super::mqtt::MqttTable;
 
 /// Table `[service]`: where the service is, and who may use it.
@@ -22,6 +23,9 @@ pub struct ServiceTable {
     pub schedule: Option<PathBuf>,
     /// Broker of MQTT messages. `None` uses none.
     pub mqtt: Option<MqttTable>,
+    /// Inputs that must be alive.
+    #[serde(default, rename = "input")]
+    pub inputs: Vec<InputTable>,
 }
 
 impl ServiceTable {

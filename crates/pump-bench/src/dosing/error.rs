@@ -82,25 +82,35 @@ pub enum DoseError {
         /// True if a person confirmed other values before.
         changed: bool,
     },
-    /// A safety limit is reached, so the pump stands until a person clears it. Nothing has moved.
+    /// A safety limit is reached, or the pump was ordered to stand. It stands until a person clears it. Nothing has
+    /// moved.
     #[error(
-        "pump {pump} {} at a safety limit{}: {stand}",
+        "pump {pump} {} {}{}: {stand}",
         if *is_recorded { "stands" } else { "would stand" },
+        stand.place(),
         if *is_new { String::new() } else { format!(" since {}", Stamp::new(stand.unix_s, 0)) }
     )]
     Stands {
         /// Id of the pump.
         pump: String,
-        /// Limit, with the volumes that would have exceeded it.
-        stand: Stand,
+        /// Limit, with the volumes that would have exceeded it, or the reason of the order.
+        stand: Box<Stand>,
         /// True if this dose would have exceeded the limit. False if an earlier one would have.
         is_new: bool,
         /// True if the stand is on record. A dry run records none.
         is_recorded: bool,
     },
-    /// The stand at a safety limit cannot be cleared.
+    /// The stand of the pump cannot be cleared.
     #[error("pump {pump} is not cleared: {why}")]
     NotCleared {
+        /// Id of the pump.
+        pump: String,
+        /// Reason, as the message words it.
+        why: &'static str,
+    },
+    /// The pump cannot be ordered to stand. It is as it was.
+    #[error("pump {pump} is not put to stand: {why}")]
+    NotPutToStand {
         /// Id of the pump.
         pump: String,
         /// Reason, as the message words it.

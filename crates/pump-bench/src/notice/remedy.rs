@@ -16,7 +16,7 @@ pub enum Remedy {
     FinishOrAcceptThenFindAngle,
     /// Accept the unfinished dose as it is.
     Accept,
-    /// Clear the stand of a pump at a safety limit, with a reason.
+    /// Clear the stand of a pump, with a reason.
     ClearStand,
     /// Empty the receiving vessel, and put that on record.
     EmptyVessel,

@@ -28,10 +28,12 @@ pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};
 pub use journal::{JournalError, Storage, Story};
 pub use last_dose::{DoseByWeight, DosedFluid, LastDose};
 pub use log::{
-    Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, ShortText, Stamp,
-    SystemClock, moment,
+    Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp, SystemClock,
+    moment,
 };
 pub(crate) use log::{Log, LogTail, Told, pending};
+
+pub use crate::cut_text::{CutText, ShortText};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;
 pub use state::PumpState;

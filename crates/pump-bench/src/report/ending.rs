@@ -14,7 +14,7 @@ pub enum Ending {
     Busy,
     /// Nothing moved: an unfinished dose is on record.
     Unfinished,
-    /// Nothing moved: the pump stands at a safety limit.
+    /// Nothing moved: the pump stands at a safety limit, or by order.
     Stands,
     /// Nothing moved: the user asked to stop.
     Stopped,
@@ -56,6 +56,7 @@ impl DoseError {
             | Self::Displacement(_)
             | Self::Unconfirmed { .. }
             | Self::NotCleared { .. }
+            | Self::NotPutToStand { .. }
             | Self::Disturbed { .. }
             | Self::RunsTheOtherWay { .. }
             | Self::SuckBack { .. }

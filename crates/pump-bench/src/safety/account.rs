@@ -83,7 +83,7 @@ impl SafetyAccount {
         let exceeded = |limit, used_ml: f64, planned_ml: f64, allowed_ml: Option<f64>| {
             let allowed_ml =
                 allowed_ml.filter(|allowed_ml| used_ml + planned_ml > allowed_ml + ROUNDING_ML)?;
-            let stand = Stand { limit, used_ml, planned_ml, allowed_ml, unix_s: now_s };
+            let stand = Stand::at_limit(limit, used_ml, planned_ml, allowed_ml, now_s);
             (planned_ml > 0.0).then_some(stand)
         };
         exceeded(SafetyLimit::Day, self.day_ml(now_s), day_ml, limits.max_ml_per_day)
@@ -119,13 +119,15 @@ impl SafetyAccount {
         all.min_by(|one, other| one.left_ml().total_cmp(&other.left_ml()))
     }
 
-    /// Returns the stand at a limit that has ended a run. `None` without that limit.
+    /// Returns the stand at a limit that has ended a run. `None` without that limit, and for an order, which counts no
+    /// volume.
     pub(crate) fn stand_at(&self, limit: SafetyLimit, limits: &SafetyLimits, now_s: u64) -> Option<Stand> {
         let (used_ml, allowed_ml) = match limit {
             SafetyLimit::Day => (self.day_ml(now_s), limits.max_ml_per_day),
             SafetyLimit::Vessel => (self.vessel_ml, limits.vessel_ml),
+            SafetyLimit::Ordered => return None,
         };
-        Some(Stand { limit, used_ml, planned_ml: 0.0, allowed_ml: allowed_ml?, unix_s: now_s })
+        Some(Stand::at_limit(limit, used_ml, 0.0, allowed_ml?, now_s))
     }
 
     /// Returns the account of a pump that stands.
@@ -133,8 +135,12 @@ impl SafetyAccount {
         Self { stand: Some(stand), ..self }
     }
 
-    /// Returns the account once a person has cleared the stand: the day begins anew. What the vessel holds stays.
+    /// Returns the account once a person has cleared the stand: the day begins anew, unless the stand was ordered,
+    /// which has nothing to do with volumes. What the vessel holds stays.
     pub(crate) fn cleared(self, now_s: u64) -> Self {
+        if self.stand.is_some_and(|stand| stand.limit == SafetyLimit::Ordered) {
+            return Self { stand: None, ..self };
+        }
         Self { time: Some(self.at(now_s)), day: LastDay::default(), stand: None, ..self }
     }
 

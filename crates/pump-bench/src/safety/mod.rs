@@ -1,4 +1,4 @@
-//! Safety limits: volumes that a pump never exceeds, and the stand of a pump that would have.
+//! Safety limits: volumes that a pump never exceeds, and the stand of a pump that would have, or was ordered to.
 //!
 //! Nothing here reads a clock: the wall time comes in as a value.
 
@@ -12,5 +12,5 @@ mod unfinished;
 pub(crate) use account::SafetyAccount;
 pub use day::DAY_S;
 pub use limits::SafetyLimits;
-pub use stand::{SafetyLimit, Stand};
+pub use stand::{SafetyLimit, Stand, StandReason};
 pub use unfinished::UnfinishedPolicy;

@@ -1,9 +1,10 @@
-//! The stand of a pump that would have exceeded a safety limit.
+//! The stand of a pump that would have exceeded a safety limit, or was ordered to stand.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::cut_text::CutText;
 use crate::numbers::significant;
 use crate::words::words;
 
@@ -15,28 +16,61 @@ pub enum SafetyLimit {
     Day,
     /// The volume that the receiving vessel holds.
     Vessel,
+    /// The order of a person or a program.
+    Ordered,
 }
 
-words!(SafetyLimit { Day = "day", Vessel = "vessel" });
+words!(SafetyLimit { Day = "day", Vessel = "vessel", Ordered = "ordered" });
 
-/// Stand of a pump that would have exceeded a safety limit. It lasts until a person clears it.
+/// Reason of a stand that was ordered. More than 120 bytes are cut, and the journal keeps the whole text.
+pub type StandReason = CutText<120>;
+
+/// Stand of a pump that would have exceeded a safety limit, or that was ordered to stand. It lasts until a person
+/// clears it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Stand {
     /// Limit that was reached.
     pub limit: SafetyLimit,
-    /// Volume that counted before the motion that was refused, or after the run that the limit has ended, in mL.
+    /// Volume that counted before the motion that was refused, or after the run that the limit has ended, in mL; 0 if
+    /// the stand was ordered.
     pub used_ml: f64,
-    /// Volume that was planned, in mL; 0 for a run until it was stopped, which the limit has ended.
+    /// Volume that was planned, in mL; 0 for a run until it was stopped, which the limit has ended, and if the stand
+    /// was ordered.
     pub planned_ml: f64,
-    /// Volume that the limit allows, in mL.
+    /// Volume that the limit allows, in mL; 0 if the stand was ordered.
     pub allowed_ml: f64,
     /// Time at which the pump came to stand, in seconds since 1970.
     pub unix_s: u64,
+    /// Reason of a stand that was ordered. `None` at a limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<StandReason>,
 }
 
 impl Stand {
+    /// Returns the stand of a pump at a limit of volumes.
+    pub(super) fn at_limit(
+        limit: SafetyLimit,
+        used_ml: f64,
+        planned_ml: f64,
+        allowed_ml: f64,
+        unix_s: u64,
+    ) -> Self {
+        Self { limit, used_ml, planned_ml, allowed_ml, unix_s, reason: None }
+    }
+
+    /// Returns the stand of a pump that is ordered to stand.
+    pub(crate) fn ordered(reason: &str, unix_s: u64) -> Self {
+        let reason = Some(StandReason::new(reason));
+        Self { reason, ..Self::at_limit(SafetyLimit::Ordered, 0.0, 0.0, 0.0, unix_s) }
+    }
+
+    /// Returns the words between `stands` and the time: the place where a pump stands.
+    pub(crate) fn place(&self) -> &'static str {
+        if self.limit == SafetyLimit::Ordered { "by order" } else { "at a safety limit" }
+    }
+
     /// Returns the volume that the limit leaves, in mL.
     pub(crate) fn left_ml(&self) -> f64 {
         (self.allowed_ml - self.used_ml).max(0.0)
@@ -48,6 +82,10 @@ impl fmt::Display for Stand {
         let [used, planned, allowed] =
             [self.used_ml, self.planned_ml, self.allowed_ml].map(|volume_ml| significant(volume_ml, 6));
         match self.limit {
+            SafetyLimit::Ordered => {
+                let reason = self.reason.as_ref().map_or("no reason was given", StandReason::as_str);
+                write!(to, "it was put to stand: {reason}")
+            }
             SafetyLimit::Day if self.planned_ml == 0.0 => write!(
                 to,
                 "the limit has ended a run until it was stopped: {used} mL were pumped in the last 24 h, and the limit \

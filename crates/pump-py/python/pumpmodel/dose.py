@@ -396,13 +396,17 @@ class UnfinishedCalibration(Record):
 
 @dataclass(frozen=True)
 class Stand(Record):
-    """Stand of a pump at a safety limit, `day` or `vessel`, until `Bench.clear_safety`. Volumes in mL."""
+    """Stand of a pump at a safety limit, `day` or `vessel`, until `Bench.clear_safety`. Volumes in mL.
+
+    A pump that was ordered to stand (`dose safety stand`) has the limit `ordered`, the `reason` and no volumes.
+    """
 
     limit: str
     since: str
     used_ml: float
     planned_ml: float
     allowed_ml: float
+    reason: str | None
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,8 @@ class SafetyError(PumpError):
 
     `used_ml` counted before the dose, which would have pumped `planned_ml` (mL). The limit allows
     `allowed_ml`. A run until it is stopped that the limit has ended raises it too, after its motion:
-    `planned_ml` is 0 then, a note says how much was delivered, and the run is complete on record.
+    `planned_ml` is 0 then, a note says how much was delivered, and the run is complete on record. All
+    three are 0 for a pump that was ordered to stand; the message has the reason.
     """
 
     used_ml: float

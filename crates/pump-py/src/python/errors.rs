@@ -179,7 +179,9 @@ fn class(error: DoseError) -> PyErr {
         | DoseError::NoRestByWeight(_) => UnfinishedError::new_err(message),
         DoseError::Balance(_) | DoseError::ByWeight { .. } => BalanceError::new_err(message),
         DoseError::Stands { .. } => SafetyError::new_err(message),
-        DoseError::NotCleared { .. } | DoseError::Profile(_) => value(message),
+        DoseError::NotCleared { .. } | DoseError::NotPutToStand { .. } | DoseError::Profile(_) => {
+            value(message)
+        }
         DoseError::Drive { .. }
         | DoseError::Folder(FolderError::Busy { .. })
         | DoseError::Connection(_)

@@ -32,13 +32,25 @@ pub(super) struct OptionsBody {
     pub(super) options: Options,
 }
 
-/// Reason of a person who clears a pump.
+/// Reason of a person who clears a pump, or puts it to stand.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ReasonBody {
     /// Reason, which the pump's record keeps.
     #[schema(example = "the tank was changed")]
     pub(super) reason: String,
+}
+
+/// Word of an input of the guard.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct InputBody {
+    /// True if all is well.
+    #[schema(example = false)]
+    pub(super) ok: bool,
+    /// Reason why not. An input that is well needs none.
+    #[schema(example = "water under the rack")]
+    pub(super) reason: Option<String>,
 }
 
 /// Reason of a stop.

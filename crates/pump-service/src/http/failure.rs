@@ -5,6 +5,7 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
 use serde_json::Value;
 
+use crate::guard::GuardError;
 use crate::service::Refusal;
 use crate::service::error_report;
 
@@ -45,12 +46,22 @@ impl From<Refusal> for Failure {
         let status = match &refusal {
             Refusal::UnknownPump { .. } => StatusCode::NOT_FOUND,
             Refusal::Busy { .. } => StatusCode::CONFLICT,
+            Refusal::Guarded { .. } => StatusCode::LOCKED,
             Refusal::Order(_) | Refusal::KeyReused { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             Refusal::Key(_) => StatusCode::BAD_REQUEST,
             Refusal::Ending => StatusCode::SERVICE_UNAVAILABLE,
             Refusal::History(_) | Refusal::Start(_) | Refusal::Random(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
         Self { status, report: refusal.report() }
+    }
+}
+
+impl From<GuardError> for Failure {
+    fn from(error: GuardError) -> Self {
+        match &error {
+            GuardError::UnknownInput { .. } => Self::new(StatusCode::NOT_FOUND, "missing", error),
+            GuardError::OfCommand(_) => Self::new(StatusCode::UNPROCESSABLE_ENTITY, "usage", error),
+        }
     }
 }
 

@@ -48,7 +48,7 @@ pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
         (
             "dose_stands",
             "gauge",
-            "1 if the pump stands at a safety limit.",
+            "1 if the pump stands at a safety limit or by order.",
             of(|status| f64::from(u8::from(status.safety.stand.is_some()))),
         ),
     ];

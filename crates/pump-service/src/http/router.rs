@@ -15,9 +15,10 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::access::Access;
-use super::api::{log, orders, pumps, schedule};
+use super::api::{inputs, log, orders, pumps, schedule};
 use super::failure::Failure;
 use super::{assets, command, events, metrics};
+use crate::guard::Guard;
 use crate::runner::Runner;
 use crate::service::Service;
 
@@ -33,6 +34,7 @@ pub(super) struct Shared {
     pub(super) service: Service,
     pub(super) access: Arc<Access>,
     pub(super) schedule: Option<Arc<Runner>>,
+    pub(super) guard: Guard,
     pub(super) version: &'static str,
 }
 
@@ -41,7 +43,7 @@ pub(super) struct Shared {
 #[openapi(
     info(title = "pump-dose", description = "Doses with the pumps of one machine. Volumes, rates and options are those \
         of the command `dose`, as texts with units. Errors are `error/1`; their `code` is the command's exit code."),
-    tags((name = "pumps"), (name = "orders"), (name = "stop"), (name = "schedule"), (name = "events"))
+    tags((name = "pumps"), (name = "orders"), (name = "stop"), (name = "schedule"), (name = "guard"), (name = "events"))
 )]
 struct Description;
 
@@ -56,6 +58,7 @@ fn described() -> (Router<Shared>, utoipa::openapi::OpenApi) {
         .routes(routes!(pumps::run))
         .routes(routes!(pumps::resume))
         .routes(routes!(pumps::accept))
+        .routes(routes!(pumps::stand))
         .routes(routes!(pumps::clear))
         .routes(routes!(pumps::emptied))
         .routes(routes!(pumps::calibrate))
@@ -70,6 +73,8 @@ fn described() -> (Router<Shared>, utoipa::openapi::OpenApi) {
         .routes(routes!(orders::notes))
         .routes(routes!(log::log))
         .routes(routes!(schedule::schedule))
+        .routes(routes!(inputs::list))
+        .routes(routes!(inputs::tell))
         .routes(routes!(events::events))
         .routes(routes!(metrics::metrics))
         .split_for_parts()

@@ -21,6 +21,7 @@ use tower::ServiceExt;
 use super::access::Access;
 use super::failure::Failure;
 use super::router::{Shared, router};
+use crate::guard::Guard;
 use crate::runner::Runner;
 use crate::service::Service;
 
@@ -51,11 +52,12 @@ pub async fn serve(
     service: Service,
     access: Access,
     schedule: Option<Arc<Runner>>,
+    guard: Guard,
     limits: Limits,
     until: impl Future<Output = ()>,
 ) {
     let version = env!("CARGO_PKG_VERSION");
-    let router = router(Shared { service, access: Arc::new(access), schedule, version });
+    let router = router(Shared { service, access: Arc::new(access), schedule, guard, version });
     let places = Arc::new(Semaphore::new(limits.connections));
     tokio::pin!(until);
     loop {

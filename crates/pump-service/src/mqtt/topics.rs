@@ -80,7 +80,8 @@ mod tests {
         assert_eq!(read("lab/pumps/acid/dose/set"), Some((Some("acid"), "dose")));
         assert_eq!(read("lab/pumps/stop/set"), Some((None, "stop")));
         // A pump may be called `stop`.
-        assert_eq!(read(&topics.set("stop", "stop")), Some((Some("stop"), "stop")));
+        let stop = topics.set("stop", "stop");
+        assert_eq!(read(&stop), Some((Some("stop"), "stop")));
         for topic in
             ["lab/pumps/acid/state", "lab/acid/dose/set", "lab/pumps2/acid/dose/set", "lab/pumps/set"]
         {

@@ -41,7 +41,9 @@ impl Task {
             }
             Self::Rack { .. } => vec!["unfinished", "max-per-day"],
             Self::Calibrate { .. } => vec!["scale"],
-            Self::Accept | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => Vec::new(),
+            Self::Accept | Self::Stand { .. } | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => {
+                Vec::new()
+            }
         }
     }
 
@@ -54,7 +56,9 @@ impl Task {
             Self::Resume => &["smooth", "dry-run"],
             Self::Rack { .. } => &["dry-run"],
             Self::Calibrate { .. } => &["anew", "anyway"],
-            Self::Accept | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => &[],
+            Self::Accept | Self::Stand { .. } | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => {
+                &[]
+            }
         }
     }
 

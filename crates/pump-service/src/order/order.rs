@@ -49,8 +49,8 @@ impl Order {
         if matches!(self.task, Task::Command { .. }) {
             return Ok(words);
         }
-        // Clearing names its pump as a word, so that nobody clears another one by a default.
-        if !matches!(self.task, Task::Rack { .. } | Task::Clear { .. }) {
+        // Standing and clearing name their pump as a word, so that nobody means another one by a default.
+        if !matches!(self.task, Task::Rack { .. } | Task::Stand { .. } | Task::Clear { .. }) {
             words.push(format!("--pump={}", name("pump", &self.pump)?));
         }
         words.extend(self.task.options(&self.options)?);

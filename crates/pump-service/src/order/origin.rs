@@ -13,6 +13,8 @@ pub enum Origin {
     Mqtt,
     /// An entry of the schedule, by its name.
     Schedule(String),
+    /// The guard.
+    Guard,
 }
 
 impl Display for Origin {
@@ -21,6 +23,7 @@ impl Display for Origin {
             Self::Http => to.write_str("http"),
             Self::Command => to.write_str("command"),
             Self::Mqtt => to.write_str("mqtt"),
+            Self::Guard => to.write_str("guard"),
             Self::Schedule(entry) => write!(to, "schedule {entry}"),
         }
     }

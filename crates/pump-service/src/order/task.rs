@@ -30,7 +30,12 @@ pub enum Task {
     Resume,
     /// An interrupted dose is accepted as it is.
     Accept,
-    /// The pump may go on after a safety limit.
+    /// The pump stands until a person clears it.
+    Stand {
+        /// Reason, which every refusal shows.
+        reason: String,
+    },
+    /// The pump that stands may go on.
     Clear {
         /// Reason of the person who clears it.
         reason: String,
@@ -67,6 +72,7 @@ impl Task {
             Self::Run => "run",
             Self::Resume => "resume",
             Self::Accept => "accept",
+            Self::Stand { .. } => "stand",
             Self::Clear { .. } => "clear",
             Self::Emptied => "emptied",
             Self::Calibrate { .. } => "calibrate",
@@ -77,7 +83,20 @@ impl Task {
 
     /// Returns true if the task turns a motor.
     pub fn moves(&self) -> bool {
-        !matches!(self, Self::Accept | Self::Clear { .. } | Self::Emptied | Self::Calibrate { .. })
+        match self {
+            Self::Accept
+            | Self::Stand { .. }
+            | Self::Clear { .. }
+            | Self::Emptied
+            | Self::Calibrate { .. } => false,
+            Self::Command { words } => words.first().is_none_or(|word| word != "accept"),
+            Self::Dose { .. }
+            | Self::Prime { .. }
+            | Self::Purge { .. }
+            | Self::Run
+            | Self::Resume
+            | Self::Rack { .. } => true,
+        }
     }
 
     /// Returns the words of the command before its options, for `pump`.
@@ -90,6 +109,10 @@ impl Task {
             Self::Run => words(&["run"]),
             Self::Resume => words(&["resume"]),
             Self::Accept => words(&["accept"]),
+            Self::Stand { reason } => {
+                let reason = text("reason", reason)?;
+                words(&["safety", "stand", name("pump", pump)?, &format!("--reason={reason}")])
+            }
             Self::Clear { reason } => {
                 let reason = text("reason", reason)?;
                 words(&["safety", "clear", name("pump", pump)?, &format!("--reason={reason}")])

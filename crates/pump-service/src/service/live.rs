@@ -50,6 +50,11 @@ impl Live {
         if ordered.is_empty() { self.progress.contains_key(id) } else { ordered == name }
     }
 
+    /// Returns true if the order is for a pump of this name and id, or for a rack that has not told its pumps yet.
+    pub(super) fn may_be_of(&self, name: &str, id: &str) -> bool {
+        self.is_of(name, id) || (self.record.order.pump.is_empty() && self.progress.is_empty())
+    }
+
     /// Returns the plan of the present motion, and the last line of progress, of the pump with this id.
     pub(super) fn of_pump(&self, id: &str) -> (Option<Value>, Option<Value>) {
         (self.plans.get(id).cloned(), self.progress.get(id).cloned())

@@ -7,6 +7,7 @@ mod placing;
 mod pump;
 mod refresh;
 mod service;
+mod still;
 mod view;
 
 pub use self::error::ServiceError;
@@ -15,4 +16,5 @@ pub(crate) use self::placing::error_report;
 pub use self::placing::{Placed, Refusal};
 pub use self::pump::Pump;
 pub use self::service::{Service, Setup};
+pub(crate) use self::still::Stillness;
 pub use self::view::PumpView;

@@ -35,6 +35,14 @@ pub enum Refusal {
         /// Order that it carries out.
         order: OrderId,
     },
+    /// The guard has the pump stand.
+    #[error("pump {pump} does not move: {reason}")]
+    Guarded {
+        /// Name of the pump.
+        pump: String,
+        /// Input that is not well, what it says, and what to do.
+        reason: String,
+    },
     /// The order cannot be put into words of the command.
     #[error(transparent)]
     Order(#[from] OrderError),
@@ -64,9 +72,13 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Returns the exit code that the command would have: 2 refused, 3 in use.
+    /// Returns the exit code that the command would have: 2 refused, 3 in use, 5 the pump stands.
     pub fn code(&self) -> u8 {
-        if matches!(self, Self::Busy { .. }) { 3 } else { 2 }
+        match self {
+            Self::Busy { .. } => 3,
+            Self::Guarded { .. } => 5,
+            _ => 2,
+        }
     }
 
     /// Returns the word of the kind, as in `error/1`.
@@ -74,6 +86,7 @@ impl Refusal {
         match self {
             Self::UnknownPump { .. } => "pump",
             Self::Busy { .. } => "busy",
+            Self::Guarded { .. } => "safety",
             Self::Order(_) | Self::Key(_) => "usage",
             Self::KeyReused { .. } => "key",
             Self::Ending => "stopped",

@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use pump_bench::Bench;
 use pump_bench::config::Config;
 use pump_bench::report::Status;
+use pump_bench::safety::SafetyLimit;
 
 use super::error::ServiceError;
 use super::view::PumpView;
@@ -24,7 +25,7 @@ pub struct Pump {
 struct Read {
     status: Option<Status>,
     error: Option<String>,
-    /// Time at which the journal was written last.
+    /// Time at which the record was written last.
     written: Option<SystemTime>,
     /// True if another process held the pump.
     is_held: bool,
@@ -53,7 +54,7 @@ impl Pump {
 
     /// Reads the record if it has changed since it was read last. Returns true if it has.
     pub(super) fn refresh(&self) -> bool {
-        let written = self.bench.journal_written();
+        let written = self.bench.record_written();
         let is_held = self.bench.is_held();
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         let is_read = read.status.is_some() || read.error.is_some();
@@ -66,6 +67,13 @@ impl Pump {
             Err(error) => (None, Some(error.to_string())),
         };
         true
+    }
+
+    /// Returns true if the record that was read last has the pump stand by an order.
+    pub(crate) fn stands_by_order(&self) -> bool {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        let stand = read.status.as_ref().and_then(|status| status.safety.stand);
+        stand.is_some_and(|stand| stand.limit == SafetyLimit::Ordered.as_str())
     }
 
     /// Returns what people are shown of the pump while nothing moves.

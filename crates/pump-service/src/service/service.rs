@@ -18,6 +18,7 @@ use super::live::Live;
 use super::placing::{Placed, Refusal};
 use super::pump::Pump;
 use super::refresh;
+use super::still::{Still, Stillness};
 use super::view::PumpView;
 use crate::history::{EventRecord, History, Key, OrderRecord, OrderState};
 use crate::order::{Order, OrderId, Origin, Task};
@@ -61,6 +62,7 @@ struct Inner {
     live: Mutex<BTreeMap<OrderId, Live>>,
     events: Sender<Event>,
     is_ending: AtomicBool,
+    still: Still,
 }
 
 impl Service {
@@ -80,9 +82,9 @@ impl Service {
         let pumps = names.into_iter().map(pump).collect::<Result<_, ServiceError>>()?;
         let history = Arc::new(history);
         let (events, live) = (broadcast::channel(BEHIND).0, Mutex::default());
-        let is_ending = AtomicBool::new(false);
+        let (is_ending, still) = (AtomicBool::new(false), Still::default());
         let service =
-            Self(Arc::new(Inner { config, pumps, program, fast, history, live, events, is_ending }));
+            Self(Arc::new(Inner { config, pumps, program, fast, history, live, events, is_ending, still }));
         for cut in service.history().cut_off(Timestamp::now())? {
             let text = format!(
                 "the service ended before order {} ({}) did; the pump's record has what was delivered",
@@ -140,8 +142,20 @@ impl Service {
     }
 
     /// Returns true while a pump carries out an order.
-    pub(super) fn is_ordered(&self, pump: &Pump) -> bool {
+    pub(crate) fn is_ordered(&self, pump: &Pump) -> bool {
         self.live().values().any(|order| order.is_of(pump.name(), &pump.bench().file().pump.id))
+    }
+
+    /// Returns true while a pump carries out an order that turns its motor.
+    pub(crate) fn is_moving(&self, pump: &Pump) -> bool {
+        self.live()
+            .values()
+            .any(|live| live.record.order.pump == pump.name() && live.record.order.task.moves())
+    }
+
+    /// Takes no motion of these pumps from now on, and those of all others.
+    pub(crate) fn keep_still(&self, pumps: BTreeMap<String, Stillness>) {
+        self.0.still.set(pumps);
     }
 
     /// Returns a channel of what happens from now on.
@@ -248,8 +262,11 @@ impl Service {
         let mut words = order.words()?;
         let of_several =
             order.pump.is_empty() && matches!(order.task, Task::Rack { .. } | Task::Command { .. });
-        if !of_several {
+        if of_several {
+            self.0.still.check(&order)?;
+        } else {
             let pump = self.pump(&order.pump)?;
+            self.0.still.check(&order)?;
             if let Some(other) = live.values().find(|other| other.record.order.pump == order.pump) {
                 let (pump, order) = (order.pump, other.record.id.clone());
                 return Err(Refusal::Busy { pump, order });

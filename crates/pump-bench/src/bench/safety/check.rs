@@ -72,7 +72,9 @@ impl Bench {
         let volumes = series.iter().map(|part| (part.at_s, part.volume_ml));
         let stand = self.stand_of_all(&account, now_s, volumes);
         let pump = self.file().pump.id.clone();
-        stand.map_or(Ok(()), |stand| Err(DoseError::Stands { pump, stand, is_new: true, is_recorded: false }))
+        stand
+            .map(Box::new)
+            .map_or(Ok(()), |stand| Err(DoseError::Stands { pump, stand, is_new: true, is_recorded: false }))
     }
 
     /// Returns the stand of a pump of which one of a series of volumes would exceed a limit. It tells the volume of the
@@ -87,6 +89,7 @@ impl Bench {
         let (used_ml, all_ml): (f64, f64) = match stand.limit {
             SafetyLimit::Day => (account.day_ml(now_s), series.map(|(_, volume_ml)| volume_ml.abs()).sum()),
             SafetyLimit::Vessel => (account.vessel_ml, series.map(|(_, volume_ml)| volume_ml).sum()),
+            SafetyLimit::Ordered => (stand.used_ml, stand.planned_ml),
         };
         let planned_ml = all_ml.max(stand.planned_ml);
         Some(Stand { unix_s: now_s, used_ml, planned_ml, ..self.as_said(stand) })
@@ -98,6 +101,7 @@ impl Bench {
         let allowed_ml = match stand.limit {
             SafetyLimit::Day => table.max_ml_per_day,
             SafetyLimit::Vessel => table.vessel_ml,
+            SafetyLimit::Ordered => None,
         };
         Stand { allowed_ml: allowed_ml.unwrap_or(stand.allowed_ml), ..stand }
     }
@@ -105,7 +109,8 @@ impl Bench {
     /// Returns the error of a pump that stands.
     #[must_use]
     pub fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
-        DoseError::Stands { pump: self.file().pump.id.clone(), stand, is_new, is_recorded: true }
+        let (pump, stand) = (self.file().pump.id.clone(), Box::new(stand));
+        DoseError::Stands { pump, stand, is_new, is_recorded: true }
     }
 }
 

@@ -1,28 +1,26 @@
-//! The word of a person to a pump that stands at a safety limit.
+//! The word of a person to a pump that stands.
 
+use super::reason::checked;
 use crate::bench::session::Session;
 use crate::dosing::DoseError;
 use crate::record::{PumpState, Why};
 use crate::safety::Stand;
 
-/// Longest reason that is kept, in bytes.
-const MOST_REASON: usize = 1000;
-
-/// Stand at a safety limit that a person has cleared.
+/// Stand that a person has cleared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Cleared {
     /// Stand that was cleared.
     pub stand: Stand,
-    /// Volume of the last 24 hours that counts no more, in mL.
+    /// Volume of the last 24 hours that counts no more, in mL; 0 if the stand was ordered, as it counts on then.
     pub forgotten_ml: f64,
     /// Volume that the vessel has received since it was emptied, in mL. It still counts.
     pub vessel_ml: f64,
 }
 
 impl Session<'_> {
-    /// Clears the stand of the pump at a safety limit. The volumes of the last 24 hours count no more. The vessel holds
-    /// what it holds until [`Session::vessel_emptied`].
+    /// Clears the stand of the pump. The volumes of the last 24 hours count no more, unless the stand was ordered. The
+    /// vessel holds what it holds until [`Session::vessel_emptied`].
     ///
     /// # Errors
     ///
@@ -30,18 +28,14 @@ impl Session<'_> {
     /// [`DoseError::Journal`] if it cannot be recorded.
     pub fn clear_safety(&mut self, reason: &str) -> Result<Cleared, DoseError> {
         let refused = |why| DoseError::NotCleared { pump: self.bench.file().pump.id.clone(), why };
-        let reason = reason.trim();
         let now_s = self.log.clock.now().unix_s;
         let account = self.stands().safety_at(now_s);
-        let stand = account.stand.ok_or_else(|| refused("it does not stand at a safety limit"))?;
-        if reason.is_empty() {
-            return Err(refused("the reason is empty; say why it may go on"));
-        }
-        if reason.len() > MOST_REASON {
-            return Err(refused("the reason is longer than 1000 bytes"));
-        }
-        let (forgotten_ml, vessel_ml) = (account.day_ml(now_s), account.vessel_ml);
-        let state = PumpState { safety: Some(account.cleared(now_s)), ..self.stands() };
+        let stand = account.stand.ok_or_else(|| refused("it does not stand"))?;
+        let reason = checked(reason, "the reason is empty; say why it may go on").map_err(refused)?;
+        let cleared = account.cleared(now_s);
+        let forgotten_ml = account.day_ml(now_s) - cleared.day_ml(now_s);
+        let vessel_ml = account.vessel_ml;
+        let state = PumpState { safety: Some(cleared), ..self.stands() };
         self.rest_because(Why::Cleared, state, Some(reason.to_owned()))?;
         Ok(Cleared { stand, forgotten_ml, vessel_ml })
     }
@@ -53,16 +47,9 @@ impl Session<'_> {
     ///
     /// [`DoseError::Connection`] if the user asked to stop meanwhile. [`DoseError::Journal`] if it cannot be recorded.
     pub fn vessel_emptied(&mut self) -> Result<f64, DoseError> {
-        // A device that still knows its count tells the steps of a motion that was cut off. Otherwise the recorded
-        // bounds stay, and the count starts anew when the device is met again.
-        let unasked = match if self.cut_off.is_some() { self.connect() } else { Ok(()) } {
-            Err(error) if error.is_stop() => return Err(error),
-            asked => asked.is_err(),
-        };
-        let state = self.stands();
+        let state = self.met_after_cut_off()?;
         let account = state.safety_at(self.log.clock.now().unix_s);
-        let count = state.count.filter(|_| !unasked);
-        self.rest(Why::Emptied, PumpState { safety: Some(account.emptied()), count, ..state })?;
+        self.rest(Why::Emptied, PumpState { safety: Some(account.emptied()), ..state })?;
         Ok(account.vessel_ml)
     }
 }

@@ -1,8 +1,11 @@
-//! The safety limits of a bench: no motion begins that would exceed one, and a pump that stands is cleared by a person.
+//! The safety limits of a bench: no motion begins that would exceed one, and a pump that stands
+//! is cleared by a person.
 
 mod check;
 mod clear;
 mod disturbed;
+mod order;
+mod reason;
 mod run_bounds;
 mod timed_volume;
 

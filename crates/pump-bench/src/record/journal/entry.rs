@@ -73,9 +73,9 @@ pub(crate) enum Why {
     NewTube,
     /// The user confirmed values of the pump that the program had filled in.
     Confirmed,
-    /// A motion would have exceeded a safety limit.
+    /// A motion would have exceeded a safety limit, or the pump was ordered to stand.
     Stands,
-    /// A person cleared the stand at a safety limit.
+    /// A person cleared the stand.
     Cleared,
     /// The receiving vessel was emptied.
     Emptied,

@@ -7,7 +7,6 @@ mod entry;
 mod file;
 mod moment;
 mod pending;
-mod short_text;
 mod stamp;
 mod told;
 
@@ -19,6 +18,5 @@ pub(crate) use file::{Log, LogTail};
 pub use file::{LogError, LogLine};
 pub use moment::{MomentError, moment};
 pub(crate) use pending::pending;
-pub use short_text::ShortText;
 pub use stamp::Stamp;
 pub(crate) use told::Told;

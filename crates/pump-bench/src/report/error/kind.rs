@@ -47,7 +47,7 @@ pub enum ErrorKind {
     Busy,
     /// An unfinished dose is on record.
     Unfinished,
-    /// The pump stands at a safety limit, or is not cleared.
+    /// The pump stands at a safety limit or by order, or is not cleared.
     Safety,
     /// A dose of a batch was skipped: its time had passed.
     Missed,

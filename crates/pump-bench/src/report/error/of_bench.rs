@@ -9,6 +9,7 @@ use crate::drives::DriveError;
 use crate::notice::Remedy;
 use crate::record::{BackupError, FolderError, JournalError, LogError, MomentError};
 use crate::report::ending::Ending;
+use crate::safety::SafetyLimit;
 
 impl Explain for DoseError {
     fn facts(&self) -> ErrorFacts {
@@ -37,10 +38,11 @@ impl Explain for DoseError {
             Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) | Self::NoRestOfProfile { .. } => {
                 of(ErrorKind::Unfinished)
             }
+            Self::Stands { stand, .. } if stand.limit == SafetyLimit::Ordered => of(ErrorKind::Safety),
             Self::Stands { stand, .. } => of(ErrorKind::Safety)
                 .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),
-            Self::NotCleared { .. } => of(ErrorKind::Safety),
+            Self::NotCleared { .. } | Self::NotPutToStand { .. } => of(ErrorKind::Safety),
             Self::RanOut { .. } => of(ErrorKind::Limit),
             Self::Disturbed { within_deg, .. } => within_deg
                 .iter()

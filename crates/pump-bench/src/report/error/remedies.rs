@@ -12,6 +12,14 @@ use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
 use crate::safety::SafetyLimit;
 
+/// Returns the remedies of a pump that stands.
+fn of_stand(limit: SafetyLimit) -> Vec<Remedy> {
+    match limit {
+        SafetyLimit::Vessel => vec![Remedy::EmptyVessel, Remedy::ClearStand],
+        SafetyLimit::Day | SafetyLimit::Ordered => vec![Remedy::ClearStand],
+    }
+}
+
 impl DoseError {
     /// Returns the remedies that a person has, in the order in which they are to be tried.
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
@@ -25,10 +33,7 @@ impl DoseError {
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
             Self::Stands { is_recorded: false, .. } => Vec::new(),
-            Self::Stands { stand, .. } if stand.limit == SafetyLimit::Vessel => {
-                vec![Remedy::EmptyVessel, Remedy::ClearStand]
-            }
-            Self::Stands { .. } => vec![Remedy::ClearStand],
+            Self::Stands { stand, .. } => of_stand(stand.limit),
             Self::Disturbed { .. }
             | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
                 vec![Remedy::FindAngle]
@@ -72,6 +77,7 @@ impl DoseError {
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
             | Self::NotCleared { .. }
+            | Self::NotPutToStand { .. }
             | Self::RanOut { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),

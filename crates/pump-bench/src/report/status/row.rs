@@ -52,7 +52,8 @@ impl StatusRow {
             Some(used) => format!("calibration {}", used.version),
             None => "no calibration".to_owned(),
         };
-        let stands = status.safety.stand.map_or("", |_| "STANDS at a safety limit, ");
+        let stands =
+            status.safety.stand.map_or_else(String::new, |stand| format!("STANDS {}, ", stand.place()));
         let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
             (Some(holder), ..) => format!("in use by {holder}"),
             (None, Some(dose), _) if dose.until_stopped => "unfinished run until it is stopped".to_owned(),

@@ -6,7 +6,7 @@ use crate::bench::{Bench, system_now_s};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{duration, significant};
 use crate::record::{PumpState, Stamp};
-use crate::safety::{SafetyLimit, Stand};
+use crate::safety::{SafetyLimit, Stand, StandReason};
 
 /// Volumes that safety limits count, and the stand of the pump if one is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -26,24 +26,27 @@ pub struct SafetyStatus {
     pub vessel_left_ml: Option<f64>,
     /// How far the clock is behind the latest time on record, s; 0 if it is not.
     pub clock_behind_s: u64,
-    /// Stand of the pump at a limit; null if it may move.
+    /// Stand of the pump at a limit or by order; null if it may move.
     pub stand: Option<StandStatus>,
 }
 
-/// Stand of a pump at a safety limit.
+/// Stand of a pump at a safety limit, or by order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct StandStatus {
-    /// Limit that was reached: `day` or `vessel`.
+    /// Limit that was reached: `day` or `vessel`; `ordered` if a person or a program ordered the stand.
     pub limit: &'static str,
     /// Time at which the pump came to stand, RFC 3339.
     pub since: Stamp,
-    /// Volume that counted before the motion that was refused, or after the run that the limit has ended, mL.
+    /// Volume that counted before the motion that was refused, or after the run that the limit has ended, mL; 0 by
+    /// order.
     pub used_ml: f64,
-    /// Volume that was planned, mL; 0 for a run until it was stopped.
+    /// Volume that was planned, mL; 0 for a run until it was stopped, and by order.
     pub planned_ml: f64,
-    /// Volume that the limit allows, mL.
+    /// Volume that the limit allows, mL; 0 by order.
     pub allowed_ml: f64,
+    /// Reason of the order; null at a limit. More than 120 bytes are cut.
+    pub reason: Option<StandReason>,
     #[serde(skip)]
     stand: Stand,
 }
@@ -122,7 +125,13 @@ impl StandStatus {
             used_ml: stand.used_ml,
             planned_ml: stand.planned_ml,
             allowed_ml: stand.allowed_ml,
+            reason: stand.reason,
             stand,
         }
+    }
+
+    /// The words after `STANDS`: the place where the pump stands.
+    pub(super) fn place(&self) -> &'static str {
+        self.stand.place()
     }
 }

@@ -47,7 +47,7 @@ pub(in super::super) async fn one(
     responses((status = 202, description = "`order/1`: the dose began, or was made", body = Object),
         (status = 409, description = "`error/1`: the pump is in use, or a dose is unfinished"),
         (status = 422, description = "`error/1`: refused before anything moved, or the key stands for another order"),
-        (status = 423, description = "`error/1`: the pump stands at a safety limit")))]
+        (status = 423, description = "`error/1`: the pump stands at a safety limit, or by order")))]
 pub(in super::super) async fn dose(
     State(shared): State<Shared>,
     Path(name): Path<String>,
@@ -126,7 +126,23 @@ pub(in super::super) async fn accept(
     place(&shared, &name, Task::Accept, Options::new(), &headers).await
 }
 
-/// Clears a pump that stands at a safety limit, for a reason on record.
+/// Puts a pump to stand until a person clears it, for a reason on record.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/stand", tag = "orders", request_body = ReasonBody,
+    params(("name" = String, Path, description = "Name of the pump in the configuration")),
+    responses((status = 202, description = "`order/1`", body = Object),
+        (status = 409, description = "`error/1`: the pump is in use; stop it first"),
+        (status = 422, description = "`error/1`")))]
+pub(in super::super) async fn stand(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    bytes: Bytes,
+) -> Result<Response, Failure> {
+    let ReasonBody { reason } = body(&bytes)?;
+    place(&shared, &name, Task::Stand { reason }, Options::new(), &headers).await
+}
+
+/// Clears a pump that stands, for a reason on record.
 #[utoipa::path(post, path = "/api/v1/pumps/{name}/clear", tag = "orders", request_body = ReasonBody,
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
     responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]

@@ -1,26 +1,31 @@
-//! A short text of a record: a volume as it was typed, or a name.
+//! A short text of a record: a volume as it was typed, a name, or the reason of a stand.
 
 use std::fmt;
 use std::str;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Most bytes of the text that are kept.
-const MOST: usize = 40;
-
 /// Mark at the end of a text that was cut.
 const CUT: &str = "…";
 
 /// Short text of a record, as a volume that was typed: `25 mL`. A text of more than 40 bytes is cut, and ends with `…`.
+pub type ShortText = CutText<40>;
+
+/// Text of a record in a room of fixed size. A text of more than `MOST` bytes is cut, and ends with `…`. `MOST` is
+/// 255 at most.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub struct ShortText {
+pub struct CutText<const MOST: usize> {
     bytes: [u8; MOST],
     length: u8,
 }
 
-impl ShortText {
+impl<const MOST: usize> CutText<MOST> {
+    /// The room and the mark fit the counted length.
+    const FITS: () = assert!(MOST >= CUT.len() && MOST <= u8::MAX as usize, "3 to 255 bytes are kept");
+
     /// Keeps a text.
     pub fn new(text: &str) -> Self {
+        let () = Self::FITS;
         let mut kept = Self { bytes: [0; MOST], length: 0 };
         if text.len() <= MOST {
             kept.push(text);
@@ -47,19 +52,19 @@ impl ShortText {
     }
 }
 
-impl fmt::Debug for ShortText {
+impl<const MOST: usize> fmt::Debug for CutText<MOST> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(self.as_str(), to)
     }
 }
 
-impl Serialize for ShortText {
+impl<const MOST: usize> Serialize for CutText<MOST> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_str(self.as_str())
     }
 }
 
-impl<'de> Deserialize<'de> for ShortText {
+impl<'de, const MOST: usize> Deserialize<'de> for CutText<MOST> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         Ok(Self::new(&String::deserialize(from)?))
     }

@@ -1,0 +1,267 @@
+//! The guard of a service: its inputs, and the pumps that are put to stand.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use jiff::Timestamp;
+use tokio::sync::Notify;
+
+use super::command;
+use super::error::GuardError;
+use super::input::{Input, InputView, Word};
+use super::stand::{KIND, put_to_stand, tell_of_stand};
+use crate::service::{Service, Stillness};
+
+/// Time between two looks at the clock and at the pumps.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Longest reason of a stop, in letters, as the log keeps it.
+const MOST_REASON: usize = 100;
+
+/// Guard of the pumps of a service. A copy is the same guard.
+#[derive(Debug, Clone)]
+pub struct Guard(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    service: Service,
+    watch: Mutex<Watch>,
+    wake: Notify,
+}
+
+/// What the guard knows.
+#[derive(Debug)]
+struct Watch {
+    inputs: Vec<Input>,
+    /// Inputs that are not well, and were told.
+    told: BTreeSet<String>,
+    /// Pumps that are to stand and do not on record yet, with the reason, and whether that is under way.
+    pending: BTreeMap<String, (String, bool)>,
+    /// Pumps that stand by order while an input of theirs is not well.
+    stood: BTreeSet<String>,
+}
+
+impl Watch {
+    /// Returns the reason of the first input that has a pump stand. `None` if all of its inputs are well.
+    fn reason(&self, pump: &str) -> Option<String> {
+        self.inputs.iter().filter(|input| input.guards(pump)).find_map(Input::reason)
+    }
+}
+
+impl Guard {
+    /// The guard of a service by the inputs of its configuration. Each has its time to say for the first time that all
+    /// is well.
+    pub fn new(service: Service) -> Self {
+        let (now, pumps) =
+            (Instant::now(), service.pumps().map(|pump| pump.name().to_owned()).collect::<Vec<_>>());
+        let tables = &service.config().service().inputs;
+        let inputs = tables.iter().map(|table| Input::new(table.clone(), &pumps, now)).collect();
+        let (told, pending, stood) = Default::default();
+        let watch = Mutex::new(Watch { inputs, told, pending, stood });
+        Self(Arc::new(Inner { service, watch, wake: Notify::new() }))
+    }
+
+    /// Returns the inputs as they are.
+    pub fn inputs(&self) -> Vec<InputView> {
+        self.watch().inputs.iter().map(Input::view).collect()
+    }
+
+    /// Tells whether an input is well. Once this returns for one that is not, its pumps are asked to stop, and the
+    /// service begins no motion of theirs. A reason without meaning takes nothing away from the word.
+    ///
+    /// # Errors
+    ///
+    /// [`GuardError`] if there is no such input, or if its command speaks for it. Nothing has changed then.
+    pub fn tell(&self, name: &str, ok: bool, reason: Option<&str>) -> Result<InputView, GuardError> {
+        let known = {
+            let watch = self.watch();
+            match watch.inputs.iter().find(|input| input.name() == name) {
+                Some(input) if input.command().is_some() => Err(GuardError::OfCommand(name.to_owned())),
+                Some(_) => Ok(()),
+                None => {
+                    let names: Vec<&str> = watch.inputs.iter().map(Input::name).collect();
+                    let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+                    let name = name.chars().take(80).collect();
+                    Err(GuardError::UnknownInput { name, known })
+                }
+            }
+        };
+        known?;
+        self.hear(name, if ok { Word::Well } else { Word::bad(reason.unwrap_or_default()) });
+        let view = self.inputs().into_iter().find(|input| input.name == name);
+        Ok(view.unwrap_or_else(|| unreachable!("the input {name} was found before")))
+    }
+
+    /// Runs the commands of the inputs, watches the clock, and puts pumps to stand, until the service ends.
+    pub async fn run(&self) {
+        let commands: Vec<(String, String, Duration)> = {
+            let watch = self.watch();
+            let of = |input: &Input| {
+                let (command, every) = input.command()?;
+                Some((input.name().to_owned(), command.to_owned(), every))
+            };
+            watch.inputs.iter().filter_map(of).collect()
+        };
+        for (name, command, every) in commands {
+            tokio::spawn(self.clone().listen(name, command, every));
+        }
+        while !self.0.service.is_ending() {
+            self.check();
+            for (pump, reason) in self.to_stand() {
+                tokio::spawn(self.clone().stand(pump, reason));
+            }
+            tokio::select! {
+                () = self.0.wake.notified() => {}
+                () = tokio::time::sleep(LOOK) => {}
+            }
+        }
+    }
+
+    /// Runs the command of an input again and again, and hears what it says.
+    async fn listen(self, name: String, command: String, every: Duration) {
+        while !self.0.service.is_ending() {
+            let (command, service) = (command.clone(), self.0.service.clone());
+            let ran =
+                tokio::task::spawn_blocking(move || command::run(&command, &[], "", || service.is_ending()));
+            let word = match ran.await {
+                Ok(Ok(ended)) => word_of(&ended),
+                Ok(Err(error)) => Word::Nothing(format!("its command could not be run: {error}")),
+                Err(error) => Word::Nothing(format!("its command could not be run: {error}")),
+            };
+            if !self.0.service.is_ending() {
+                self.hear(&name, word);
+            }
+            tokio::time::sleep(every).await;
+        }
+    }
+
+    /// Takes the word of an input, and does what follows from it.
+    fn hear(&self, name: &str, word: Word) {
+        let mut watch = self.watch();
+        if let Some(input) = watch.inputs.iter_mut().find(|input| input.name() == name) {
+            input.hear(word, Instant::now(), Timestamp::now());
+        }
+        drop(watch);
+        self.check();
+    }
+
+    /// Looks at the clock and at the pumps. A pump whose input is not well is stopped and kept still, and is put to
+    /// stand unless it does so already.
+    fn check(&self) {
+        let service = &self.0.service;
+        let mut watch = self.watch();
+        let now = Instant::now();
+        watch.inputs.iter_mut().for_each(|input| input.look(now));
+        let changed = tell_changes(&mut watch);
+        let (mut still, mut stops) = (BTreeMap::new(), Vec::new());
+        for pump in service.pumps() {
+            let (name, reason) = (pump.name().to_owned(), watch.reason(pump.name()));
+            match &reason {
+                None => drop(watch.stood.remove(&name)),
+                Some(_) if watch.pending.contains_key(&name) => {}
+                Some(_) if pump.stands_by_order() && !service.is_moving(pump) => {
+                    watch.stood.insert(name.clone());
+                }
+                Some(reason) => {
+                    let is_again = watch.stood.contains(&name);
+                    watch.pending.insert(name.clone(), (reason.clone(), false));
+                    stops.push((name.clone(), reason.clone(), is_again));
+                }
+            }
+            let pending = watch.pending.get(&name);
+            if let Some(why) = reason.as_ref().or(pending.map(|(reason, _)| reason)) {
+                let reason = format!("{why}; it stands until the input is well and a person clears it");
+                still.insert(name, Stillness { reason, is_pending: pending.is_some() });
+            }
+        }
+        service.keep_still(still);
+        drop(watch);
+        for (pump, reason, is_again) in &stops {
+            let cut: String = reason.chars().take(MOST_REASON).collect();
+            service.stop(Some(pump), &cut);
+            if *is_again {
+                let text =
+                    format!("{pump} was cleared while its input was not well, so it stands again: {reason}");
+                service.note(KIND, Some(pump), &text);
+            }
+        }
+        for (view, text) in &changed {
+            service.tell("input", view);
+            service.note(KIND, None, text);
+        }
+        if !stops.is_empty() {
+            self.0.wake.notify_one();
+        }
+    }
+
+    /// Returns the pumps that are to be put to stand and are not yet, with the reason. They are under way then.
+    fn to_stand(&self) -> Vec<(String, String)> {
+        let mut watch = self.watch();
+        let waiting = watch.pending.iter_mut().filter(|(_, (_, is_under_way))| !*is_under_way);
+        waiting
+            .map(|(pump, (reason, is_under_way))| {
+                *is_under_way = true;
+                (pump.clone(), reason.clone())
+            })
+            .collect()
+    }
+
+    /// Puts a pump to stand, and tells everyone.
+    async fn stand(self, name: String, reason: String) {
+        let service = &self.0.service;
+        let Ok(pump) = service.pump(&name) else { return };
+        if !put_to_stand(service, pump, &reason).await {
+            return;
+        }
+        self.watch().pending.remove(&name);
+        service.note(KIND, Some(&name), &format!("{name} stands until a person clears it: {reason}"));
+        self.0.wake.notify_one();
+        tell_of_stand(service, &name, &reason).await;
+    }
+
+    fn watch(&self) -> MutexGuard<'_, Watch> {
+        self.0.watch.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Returns the inputs that are not well any more, or are well again, with the words about that.
+fn tell_changes(watch: &mut Watch) -> Vec<(InputView, String)> {
+    let Watch { inputs, told, .. } = watch;
+    let mut changed = Vec::new();
+    for input in inputs {
+        let (name, view) = (input.name(), input.view());
+        match &view.reason {
+            Some(reason) if told.insert(name.to_owned()) => {
+                let text = format!("input {reason}; it stops {}", view.pumps.join(", "));
+                changed.push((view, text));
+            }
+            None if told.remove(name) => {
+                let text = format!(
+                    "input {name}: all is well again; each pump that stands waits for a person's clear"
+                );
+                changed.push((view, text));
+            }
+            _ => {}
+        }
+    }
+    changed
+}
+
+/// Returns what a command says by its end. One that was ended, by a signal or because it took too long, says nothing:
+/// the signal that ends the service may end it too.
+fn word_of(ended: &command::Ended) -> Word {
+    let code = ended.status.map(|status| (status.success(), status.code()));
+    match code {
+        None => Word::Nothing(format!("its command took longer than {:?}", command::LONGEST)),
+        Some((true, _)) => Word::Well,
+        Some((_, Some(code @ 1..=128))) if ended.line.is_empty() => {
+            Word::bad(&format!("its command ended with exit code {code}"))
+        }
+        Some((_, Some(1..=128))) => Word::bad(&ended.line),
+        Some((_, Some(code))) if cfg!(windows) => {
+            Word::bad(&format!("its command ended with exit code {code}"))
+        }
+        Some(_) => Word::Nothing("a signal ended its command".to_owned()),
+    }
+}
