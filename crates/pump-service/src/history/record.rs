@@ -93,6 +93,14 @@ pub struct OrderRecord {
 }
 
 impl OrderRecord {
+    /// An order that begins now.
+    pub(crate) fn begun(id: OrderId, order: Order, origin: String, begun: Timestamp) -> Self {
+        let (schema, state) = ("order/1", OrderState::Running);
+        let (ended, code, error) = (None, None, None);
+        let (reports, messages) = (Vec::new(), Vec::new());
+        Self { schema, id, order, origin, state, begun, ended, code, reports, messages, error }
+    }
+
     /// Returns the order with its last report alone: a batch has thousands.
     #[must_use]
     pub fn brief(mut self) -> Self {

@@ -37,7 +37,7 @@ impl Loaded {
         }
         let text = std::fs::read_to_string(path).map_err(failed)?;
         let schedule = Schedule::read(&text, &TimeZone::system())
-            .map_err(|source| RunnerError::Schedule { path: path.to_owned(), source })?;
+            .map_err(|source| RunnerError::Schedule { path: path.to_owned(), source: Box::new(source) })?;
         let known = history.word(TEXT)?;
         let since = match history.word(SINCE)?.and_then(|since| since.parse().ok()) {
             Some(since) if known.as_ref() == Some(&text) => since,

@@ -35,7 +35,7 @@ pub enum RunnerError {
         /// Path of the file.
         path: PathBuf,
         /// Cause.
-        source: ScheduleError,
+        source: Box<ScheduleError>,
     },
     /// The history cannot be used.
     #[error(transparent)]

@@ -6,6 +6,7 @@ use serde_json::Value;
 use tokio::sync::mpsc::UnboundedSender;
 
 use crate::history::OrderRecord;
+use crate::order::OrderId;
 use crate::worker::Line;
 
 /// Most messages of an order that are kept.
@@ -13,6 +14,9 @@ const MOST_MESSAGES: usize = 100;
 
 /// Most reports of an order that are kept: a batch of more keeps its last ones, and the log of the pump has all.
 const MOST_REPORTS: usize = 1000;
+
+/// The orders that are carried out now, by their names.
+pub(super) type Orders = BTreeMap<OrderId, Live>;
 
 /// An order that is carried out now, and the channel that stops it.
 #[derive(Debug)]

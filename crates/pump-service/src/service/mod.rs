@@ -1,5 +1,6 @@
 //! The pumps of one configuration, and the orders that are carried out now.
 
+mod begin;
 mod error;
 mod event;
 mod live;

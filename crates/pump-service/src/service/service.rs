@@ -9,12 +9,13 @@ use std::time::Duration;
 use jiff::Timestamp;
 use pump_bench::config::Config;
 use tokio::sync::broadcast::{self, Receiver, Sender};
-use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender};
 use tokio::time::{Instant, sleep_until};
 
+use super::begin::{Asked, Begun};
 use super::error::ServiceError;
 use super::event::Event;
-use super::live::Live;
+use super::live::Orders;
 use super::placing::{Placed, Refusal};
 use super::pump::Pump;
 use super::refresh;
@@ -59,7 +60,7 @@ struct Inner {
     program: Program,
     fast: bool,
     history: Arc<History>,
-    live: Mutex<BTreeMap<OrderId, Live>>,
+    live: Mutex<Orders>,
     events: Sender<Event>,
     is_ending: AtomicBool,
     still: Still,
@@ -182,10 +183,10 @@ impl Service {
     ///
     /// [`Refusal`] if the order was not taken. Nothing has moved then.
     pub async fn place(&self, order: Order, origin: &Origin, key: Option<Key>) -> Result<Placed, Refusal> {
-        if let Some(key) = &key {
-            if key.text.is_empty() || key.text.len() > LONGEST_KEY {
-                return Err(Refusal::Key(key.text.len()));
-            }
+        if let Some(Key { text, .. }) = &key
+            && (text.is_empty() || text.len() > LONGEST_KEY)
+        {
+            return Err(Refusal::Key(text.len()));
         }
         let asked = Asked { order, origin, key, seat: Seat::default(), hearer: None };
         let (id, stops, worker) = match self.begin(asked)? {
@@ -235,83 +236,6 @@ impl Service {
             }
             Begun::Before(record) => Ok(record.id),
         }
-    }
-
-    /// Records an order and starts its command, unless its key was used before. Holds the list of orders meanwhile, so
-    /// that a pump has one at most, and a key begins one.
-    fn begin(&self, asked: Asked<'_>) -> Result<Begun, Refusal> {
-        let Asked { order, origin, key, seat, hearer } = asked;
-        let mut live = self.live();
-        if self.is_ending() {
-            return Err(Refusal::Ending);
-        }
-        let now = Timestamp::now();
-        if let Some(key) = &key
-            && let Some((id, body)) = self.history().of_key(&key.text, now)?
-        {
-            if body != key.body {
-                return Err(Refusal::KeyReused { key: key.text.clone() });
-            }
-            if let Some(live) = live.get(&id) {
-                return Ok(Begun::Before(Box::new(live.shown())));
-            }
-            if let Some(record) = self.history().order(&id)? {
-                return Ok(Begun::Before(Box::new(record)));
-            }
-        }
-        let mut words = order.words()?;
-        let of_several =
-            order.pump.is_empty() && matches!(order.task, Task::Rack { .. } | Task::Command { .. });
-        if of_several {
-            self.0.still.check(&order)?;
-        } else {
-            let pump = self.pump(&order.pump)?;
-            self.0.still.check(&order)?;
-            if let Some(other) = live.values().find(|other| other.record.order.pump == order.pump) {
-                let (pump, order) = (order.pump, other.record.id.clone());
-                return Err(Refusal::Busy { pump, order });
-            }
-            let is_typed = matches!(order.task, Task::Command { .. });
-            if order.task.moves() && !is_typed && pump.bench().is_simulated() {
-                words.push(format!("--pace={}", if self.0.fast { "fast" } else { "real" }));
-            }
-        }
-        let id = OrderId::random()?;
-        self.history().begin(&id, &order, &origin.to_string(), key.as_ref(), now)?;
-        let record = OrderRecord {
-            schema: "order/1",
-            id: id.clone(),
-            order,
-            origin: origin.to_string(),
-            state: OrderState::Running,
-            begun: now,
-            ended: None,
-            code: None,
-            reports: Vec::new(),
-            messages: Vec::new(),
-            error: None,
-        };
-        let worker = match Worker::start(self.program(), &words, &seat) {
-            Ok(worker) => Box::new(worker),
-            Err(error) => {
-                let refused = Refusal::Start(error);
-                let ended = (Some(Timestamp::now()), Some(i32::from(refused.code())), Some(refused.report()));
-                let (ended, code, error) = ended;
-                self.history().end(&OrderRecord {
-                    state: OrderState::Refused,
-                    ended,
-                    code,
-                    error,
-                    ..record
-                })?;
-                return Err(refused);
-            }
-        };
-        let (stop, stops) = unbounded_channel();
-        let order = Live::new(record, stop, hearer);
-        self.tell("order", &order.record);
-        live.insert(id.clone(), order);
-        Ok(Begun::New { id, stops, worker })
     }
 
     /// Carries an order out to its end, and records that.
@@ -364,7 +288,7 @@ impl Service {
                 self.tell("progress", &value);
             }
             Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) => {
-                self.tell("order", &order.shown().brief())
+                self.tell("order", &order.shown().brief());
             }
         }
     }
@@ -380,10 +304,10 @@ impl Service {
     /// and stands with its volume on record.
     pub fn stop(&self, pump: Option<&str>, reason: &str) -> Vec<OrderId> {
         let live = self.live();
-        let stopped = live.values().filter(|order| {
-            let of_rack = order.record.order.pump.is_empty();
-            pump.is_none_or(|pump| order.record.order.pump == pump || of_rack)
-        });
+        let id = pump.and_then(|name| self.0.pumps.get(name)).map(|pump| &pump.bench().file().pump.id);
+        let stopped = live
+            .values()
+            .filter(|order| pump.is_none_or(|name| order.may_be_of(name, id.map_or(name, String::as_str))));
         stopped
             .map(|order| {
                 order.stop(reason);
@@ -437,27 +361,22 @@ impl Service {
         let _ = self.0.events.send(Event::new(name, data));
     }
 
+    /// Returns the word of the pace of simulated motors.
+    pub(super) fn pace(&self) -> &'static str {
+        if self.0.fast { "fast" } else { "real" }
+    }
+
+    /// Refuses an order of a pump that the guard holds.
+    pub(super) fn check_still(&self, order: &Order) -> Result<(), Refusal> {
+        self.0.still.check(order)
+    }
+
     /// Returns true once the service begins nothing any more.
     pub fn is_ending(&self) -> bool {
         self.0.is_ending.load(Ordering::SeqCst)
     }
 
-    fn live(&self) -> MutexGuard<'_, BTreeMap<OrderId, Live>> {
+    pub(super) fn live(&self) -> MutexGuard<'_, Orders> {
         self.0.live.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// An order as it was asked for.
-struct Asked<'a> {
-    order: Order,
-    origin: &'a Origin,
-    key: Option<Key>,
-    seat: Seat,
-    hearer: Option<UnboundedSender<(Line, String)>>,
-}
-
-/// An order that was begun, now or before by the same key.
-enum Begun {
-    New { id: OrderId, stops: UnboundedReceiver<String>, worker: Box<Worker> },
-    Before(Box<OrderRecord>),
 }

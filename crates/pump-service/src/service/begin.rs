@@ -1,0 +1,98 @@
+//! The begin of an order: refused, known by its key, or recorded and started.
+
+use jiff::Timestamp;
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+
+use super::live::{Live, Orders};
+use super::placing::Refusal;
+use super::service::Service;
+use crate::history::{Key, OrderRecord, OrderState};
+use crate::order::{Order, OrderId, Origin, Task};
+use crate::worker::{Line, Seat, Worker};
+
+/// An order as it was asked for.
+pub(super) struct Asked<'a> {
+    pub(super) order: Order,
+    pub(super) origin: &'a Origin,
+    pub(super) key: Option<Key>,
+    pub(super) seat: Seat,
+    pub(super) hearer: Option<UnboundedSender<(Line, String)>>,
+}
+
+/// An order that was begun, now or before by the same key.
+pub(super) enum Begun {
+    New { id: OrderId, stops: UnboundedReceiver<String>, worker: Box<Worker> },
+    Before(Box<OrderRecord>),
+}
+
+impl Service {
+    /// Records an order and starts its command, unless its key was used before. Holds the list of orders meanwhile, so
+    /// that a pump has one at most, and a key begins one.
+    pub(super) fn begin(&self, asked: Asked<'_>) -> Result<Begun, Refusal> {
+        let Asked { order, origin, key, seat, hearer } = asked;
+        let mut live = self.live();
+        if self.is_ending() {
+            return Err(Refusal::Ending);
+        }
+        let now = Timestamp::now();
+        if let Some(key) = &key
+            && let Some(before) = self.of_key(&live, key, now)?
+        {
+            return Ok(Begun::Before(Box::new(before)));
+        }
+        let words = self.words(&live, &order)?;
+        let id = OrderId::random()?;
+        self.history().begin(&id, &order, &origin.to_string(), key.as_ref(), now)?;
+        let record = OrderRecord::begun(id.clone(), order, origin.to_string(), now);
+        let worker = match Worker::start(self.program(), &words, &seat) {
+            Ok(worker) => Box::new(worker),
+            Err(error) => return Err(self.not_started(record, Refusal::Start(error))?),
+        };
+        let (stop, stops) = unbounded_channel();
+        let order = Live::new(record, stop, hearer);
+        self.tell("order", &order.record);
+        live.insert(id.clone(), order);
+        Ok(Begun::New { id, stops, worker })
+    }
+
+    /// Returns the order of a key that was used before.
+    fn of_key(&self, live: &Orders, key: &Key, now: Timestamp) -> Result<Option<OrderRecord>, Refusal> {
+        let Some((id, body)) = self.history().of_key(&key.text, now)? else { return Ok(None) };
+        if body != key.body {
+            return Err(Refusal::KeyReused { key: key.text.clone() });
+        }
+        let running = live.get(&id).map(Live::shown);
+        Ok(match running {
+            Some(order) => Some(order),
+            None => self.history().order(&id)?,
+        })
+    }
+
+    /// Returns the words of an order's command, or the reason why it is not begun now.
+    fn words(&self, live: &Orders, order: &Order) -> Result<Vec<String>, Refusal> {
+        let mut words = order.words()?;
+        let is_typed = matches!(order.task, Task::Command { .. });
+        if order.pump.is_empty() && (is_typed || matches!(order.task, Task::Rack { .. })) {
+            self.check_still(order)?;
+            return Ok(words);
+        }
+        let pump = self.pump(&order.pump)?;
+        self.check_still(order)?;
+        if let Some(other) = live.values().find(|other| other.record.order.pump == order.pump) {
+            let (pump, order) = (order.pump.clone(), other.record.id.clone());
+            return Err(Refusal::Busy { pump, order });
+        }
+        if order.task.moves() && !is_typed && pump.bench().is_simulated() {
+            words.push(format!("--pace={}", self.pace()));
+        }
+        Ok(words)
+    }
+
+    /// Records that the command of an order could not be started.
+    fn not_started(&self, record: OrderRecord, refusal: Refusal) -> Result<Refusal, Refusal> {
+        let (ended, code) = (Some(Timestamp::now()), Some(i32::from(refusal.code())));
+        let (state, error) = (OrderState::Refused, Some(refusal.report()));
+        self.history().end(&OrderRecord { state, ended, code, error, ..record })?;
+        Ok(refusal)
+    }
+}
