@@ -145,6 +145,16 @@ impl<'a> Session<'a> {
         self.moved |= !is_refused;
         device.holds_since = Instant::now();
         match ended {
+            // Nothing has moved: another pump failed before the begin.
+            Ok(IndexSearch { made: 0, .. })
+                if halt.is_none()
+                    && motion.purpose != Purpose::Retract
+                    && self.bench.opening().stop.is_by_others() =>
+            {
+                self.put_away(device.drive);
+                self.rest(Why::Fault, before)?;
+                Err(DoseError::Connection(DriveError::Interrupted))
+            }
             Ok(IndexSearch { made, beyond }) => {
                 let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
@@ -266,7 +276,7 @@ fn drive(
         PlannedMotion::Flow(flow) => drive.run_flow(flow, &mut gate).map(made_all),
     };
     let AnnouncedSteps { disk_times, halt, .. } = announced;
-    let took_s = disk_times.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    let measured_s = real_time.took_s().or(drive.simulated_s()).unwrap_or(took_s);
+    let time_of = |made| motion.plan.time_of(made);
+    let measured_s = real_time.took_s().or(drive.simulated_s()).unwrap_or_else(|| disk_times.took_s(time_of));
     Driven { ended, is_refused: false, measured_s, disk_times, halt }
 }
