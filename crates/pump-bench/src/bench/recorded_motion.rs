@@ -88,6 +88,16 @@ impl Driven {
         let (ended, disk_times) = (Err(DriveFault::at(0, error)), DiskTimes::default());
         Self { ended, is_refused: true, measured_s: 0.0, disk_times, halt: None }
     }
+
+    /// Returns the end of a motion that was refused, if it was called off before it had made a step.
+    fn unless(self, is_called_off: bool) -> Self {
+        match &self.ended {
+            Ok(IndexSearch { made: 0, .. }) if is_called_off && self.halt.is_none() => {
+                Self::refused(DriveError::Interrupted)
+            }
+            _ => self,
+        }
+    }
 }
 
 impl<'a> Session<'a> {
@@ -133,7 +143,7 @@ impl<'a> Session<'a> {
             }
         });
         let Driven { ended, is_refused, measured_s, disk_times, halt } = match driven {
-            Ok(driven) => driven,
+            Ok(driven) => driven.unless(self.is_called_off(motion)),
             // Nothing has moved.
             Err(error) => {
                 device.drive.forget_plan();
@@ -145,16 +155,6 @@ impl<'a> Session<'a> {
         self.moved |= !is_refused;
         device.holds_since = Instant::now();
         match ended {
-            // Nothing has moved: another pump failed before the begin.
-            Ok(IndexSearch { made: 0, .. })
-                if halt.is_none()
-                    && motion.purpose != Purpose::Retract
-                    && self.bench.opening().stop.is_by_others() =>
-            {
-                self.put_away(device.drive);
-                self.rest(Why::Fault, before)?;
-                Err(DoseError::Connection(DriveError::Interrupted))
-            }
             Ok(IndexSearch { made, beyond }) => {
                 let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
@@ -168,6 +168,12 @@ impl<'a> Session<'a> {
             // The device is met anew before it moves again.
             Err(fault) => Err(self.record_fault(device, &before, intent, fault, disk_times.pauses)),
         }
+    }
+
+    /// Returns true if another pump has failed, so that a motion that has not begun leaves nothing unfinished. What a
+    /// dose is to suck back stays unfinished.
+    fn is_called_off(&self, motion: &RecordedMotion<'_>) -> bool {
+        motion.purpose != Purpose::Retract && self.bench.opening().stop.is_by_others()
     }
 
     /// Keeps to the safety limits, and writes the intent of a motion. Returns it with the state before.
