@@ -199,7 +199,8 @@ pub(crate) fn run_scripted(script: &[u8]) {
     let opened = Grbl::over(Box::new(board), &table, &file.motor, &Opening::default());
     let mut grbl = opened.expect("the board is honest before a motion");
     let mut limits = file.limits();
-    limits.motor.max_acceleration_rad_s2 = grbl.limits().expect("a board has limits").acceleration_rad_s2;
+    let allowed = grbl.limits().and_then(|limits| limits.acceleration_rad_s2);
+    limits.motor.max_acceleration_rad_s2 = allowed.expect("a board has ramps of its own");
     let volume_ml = if kind & 1 == 0 { 1.5 } else { -1.5 };
     let request = Request::new(volume_ml, Cruise::Flow { ml_s: 4.0 });
     let model = file.model().expect("a model");

@@ -121,7 +121,7 @@ fn doses(program: &Path, runs: u32) {
     let mut grbl = Grbl::open(&table, &file.motor, &opening).unwrap();
     let mut limits = file.limits();
     let allowed = grbl.limits().unwrap();
-    limits.motor.max_acceleration_rad_s2 = allowed.acceleration_rad_s2;
+    limits.motor.max_acceleration_rad_s2 = allowed.acceleration_rad_s2.unwrap();
     limits.motor.max_speed_rad_s = limits.motor.max_speed_rad_s.min(allowed.max_speed_rad_s);
     let mut count = grbl.count().unwrap();
     for run in 0..runs {

@@ -54,7 +54,8 @@ fn no_more_is_sent_ahead_than_a_stop_and_half_a_second() {
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);
     let cruise = plan.profile().peak_rad_s() / plan.step_rad();
-    let stop = cruise * cruise * plan.step_rad() / (2.0 * grbl.limits().unwrap().acceleration_rad_s2);
+    let stop =
+        cruise * cruise * plan.step_rad() / (2.0 * grbl.limits().unwrap().acceleration_rad_s2.unwrap());
     let mut ahead = 0;
     run_until(&mut grbl, &board, &plan, |made, about_to| {
         ahead = ahead.max(about_to - made);

@@ -64,7 +64,7 @@ pub(crate) fn refusal(options: Options) -> DriveError {
 pub(crate) fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
     let file = built_in("three-roller").unwrap();
     let mut limits = file.limits();
-    limits.motor.max_acceleration_rad_s2 = grbl.limits().unwrap().acceleration_rad_s2;
+    limits.motor.max_acceleration_rad_s2 = grbl.limits().unwrap().acceleration_rad_s2.unwrap();
     let request = Request::new(volume_ml, Cruise::Flow { ml_s });
     Doser::new(&file.model().unwrap(), limits).unwrap().plan(Phase::known(0.4), &request).unwrap()
 }
@@ -73,7 +73,7 @@ pub(crate) fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
 pub(crate) fn turn_at(grbl: &Grbl, steps_s: f64) -> Plan {
     let file = built_in("three-roller").unwrap();
     let mut limits = file.limits();
-    limits.motor.max_acceleration_rad_s2 = grbl.limits().unwrap().acceleration_rad_s2;
+    limits.motor.max_acceleration_rad_s2 = grbl.limits().unwrap().acceleration_rad_s2.unwrap();
     limits.motor.max_speed_rad_s = 100.0;
     let speed_rad_s = steps_s * limits.motor.step_rad();
     Doser::new(&file.model().unwrap(), limits).unwrap().turn(Phase::known(0.4), 64_000, speed_rad_s).unwrap()

@@ -23,7 +23,7 @@ fn limits_are_the_boards_own() {
     let limits = open(&board).limits().unwrap();
     let step_rad = std::f64::consts::TAU / 12_800.0;
     assert!((limits.max_speed_rad_s / step_rad - 10_000.0).abs() < 1e-6);
-    assert!((limits.acceleration_rad_s2 / step_rad - 20_000.0).abs() < 1e-6);
+    assert!((limits.acceleration_rad_s2.unwrap() / step_rad - 20_000.0).abs() < 1e-6);
     assert!((limits.min_speed_rad_s / step_rad - 30.517_578_125).abs() < 1e-9);
 }
 
@@ -98,7 +98,7 @@ fn configuring_writes_what_differs_and_says_what() {
     for number in ["$1 ", "$10 ", "$13 ", "$20 ", "$110 ", "$120 "] {
         assert!(notes.iter().any(|note| note.text().starts_with(number)), "{number}: {notes:?}");
     }
-    assert!(grbl.limits().unwrap().acceleration_rad_s2 <= motor().max_acceleration_rad_s2);
+    assert!(grbl.limits().unwrap().acceleration_rad_s2.unwrap() <= motor().max_acceleration_rad_s2);
     let plan = dose(&grbl, 0.4, 5.0);
     assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
     assert_eq!(grbl.disturbed(), None);

@@ -25,11 +25,23 @@ pub(super) enum Halt {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct DiskTimes {
     /// Instant of the first leave.
-    pub(super) began: Option<Instant>,
+    left_at: Option<Instant>,
+    /// Steps that the drive said first to be made, and the instant at which it did.
+    first_made: Option<(u64, Instant)>,
     /// Longest time that the disk took for an announcement.
     pub(super) slowest: Duration,
     /// Number of times that the motor paused for the disk.
     pub(super) pauses: u8,
+}
+
+impl DiskTimes {
+    /// Returns the time since the motor began to turn, in s. A drive may wait for others once it has leave, so the time
+    /// counts from the first steps that it says are made, and from the plan's time of those, `time_of` in s.
+    pub(super) fn took_s(&self, time_of: impl Fn(u64) -> f64) -> f64 {
+        let Some(left_at) = self.left_at else { return 0.0 };
+        let all_s = left_at.elapsed().as_secs_f64();
+        self.first_made.map_or(all_s, |(made, at)| all_s.min(time_of(made) + at.elapsed().as_secs_f64()))
+    }
 }
 
 /// Announced steps of a motion under way. No step beyond them gets leave.
@@ -71,6 +83,9 @@ impl<'a> AnnouncedSteps<'a> {
     /// Tells if the steps up to `about_to` may be made once `made` are made. Announces further steps when it
     /// is time.
     pub(super) fn leave(&mut self, made: u64, about_to: u64) -> Leave {
+        if made > 0 {
+            self.disk_times.first_made.get_or_insert_with(|| (made, Instant::now()));
+        }
         self.hear(Duration::ZERO);
         self.ask(made, about_to);
         if about_to > self.end {
@@ -87,7 +102,7 @@ impl<'a> AnnouncedSteps<'a> {
             self.pausing = false;
         }
         if self.left > 0 {
-            self.disk_times.began.get_or_insert_with(Instant::now);
+            self.disk_times.left_at.get_or_insert_with(Instant::now);
         }
         Leave::Go
     }

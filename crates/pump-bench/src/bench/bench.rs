@@ -331,7 +331,7 @@ impl Bench {
         let now_s = SystemClock.now().unix_s;
         let safety = self.nearest_limit(state.as_ref(), now_s, request.volume_ml < 0.0);
         let most = RunBounds { steps: None, safety };
-        let mut prepared = self.prepare_from(&self.file, state, request, Some(most))?;
+        let mut prepared = self.prepare_from(&self.file_for_dry_run(), state, request, Some(most))?;
         self.would_be_safe(state.as_ref(), prepared.plan.planned_ml())?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(state.as_ref()));
@@ -392,7 +392,8 @@ impl Bench {
         let request = DoseRequest { ramps: self.ramps_of_drive(request.ramps)?, ..request };
         let stored = self.calibrations().active()?;
         let stands = Stands { to_end_ml, ..self.stands_for(state, &request, stored.as_ref()) };
-        let mut prepared = Prepared::standing(file, &self.model, stored.as_ref(), request, stands)?;
+        let mut prepared = Prepared::standing(file, &self.model, stored.as_ref(), request, stands)
+            .map_err(|refused| self.told_by_device(file, refused))?;
         prepared.warnings.extend(self.tube_life(state, &prepared).and_then(|tube| tube.warning()));
         Ok(prepared)
     }

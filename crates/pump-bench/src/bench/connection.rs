@@ -5,26 +5,15 @@ mod confirmation;
 use std::time::{Duration, Instant};
 
 use pump_ctl::plan::PlannedMotion;
-use pump_model::units::{degrees, rpm};
+use pump_model::units::degrees;
 
-use super::device::Device;
+use super::device::{Device, as_allowed};
 use super::session::Session;
 use crate::dosing::DoseError;
-use crate::drives::{Disturbance, Drive, DriveError, DriveLimits, registry};
+use crate::drives::{Disturbance, Drive, DriveError, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
 use crate::record::{PumpState, Unfinished, Why};
-
-/// Returns the pump file with the motor's limits as the device sets them: never faster than the file, and
-/// with the device's acceleration.
-fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
-    let mut file = file.clone();
-    if let Some(limits) = limits {
-        file.motor.max_speed_rpm = file.motor.max_speed_rpm.min(rpm(limits.max_speed_rad_s));
-        file.motor.max_acceleration_rad_s2 = limits.acceleration_rad_s2;
-    }
-    file
-}
 
 /// Returns the unfinished dose during which the device was lost, and the steps counted since its start.
 /// `None` if the count does not fit or begins anew.

@@ -121,7 +121,8 @@ impl Session<'_> {
             warnings: Vec::new(),
         };
         if delivered.completed {
-            let late = lateness::warning(prepared, moved.measured_s, moved.disk_times, self.journal.path());
+            let (abilities, journal) = (self.bench.identity().abilities, self.journal.path());
+            let late = lateness::warning(prepared, moved.measured_s, moved.disk_times, abilities, journal);
             self.notes.extend(late);
         }
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {

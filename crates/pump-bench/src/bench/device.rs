@@ -1,9 +1,14 @@
-//! The device of a session: its drive, with the limits that it sets.
+//! The device of a session: its drive, with the limits that it sets. The pump file sets some for a dry run.
 
 use std::time::Instant;
 
+use pump_ctl::plan::{FlowError, PlanError};
+use pump_model::units::rpm;
+
+use super::bench::Bench;
+use crate::dosing::DoseError;
 use crate::drives::{Drive, DriveLimits};
-use crate::pump_file::PumpFile;
+use crate::pump_file::{DriverName, PumpFile};
 
 /// Connected drive of a session.
 #[derive(Debug)]
@@ -27,5 +32,54 @@ impl Device<'_> {
     /// Returns the slowest cruise of the pump head, in rad/s.
     pub(super) fn least_rad_s(&self) -> f64 {
         self.limits.map_or(0.0, |limits| limits.min_speed_rad_s)
+    }
+}
+
+/// Returns the pump file with the motor's limits as the device sets them: never faster than the file, and with the
+/// acceleration of a device that has one of its own.
+pub(super) fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
+    let mut file = file.clone();
+    if let Some(limits) = limits {
+        let motor = &mut file.motor;
+        motor.max_speed_rpm = motor.max_speed_rpm.min(rpm(limits.max_speed_rad_s));
+        motor.max_acceleration_rad_s2 = limits.acceleration_rad_s2.unwrap_or(motor.max_acceleration_rad_s2);
+    }
+    file
+}
+
+impl Bench {
+    /// Returns the pump file for a plan that asks no device. The pulses of a node's pins stand in the file, and no
+    /// board makes more steps than they allow.
+    pub(super) fn file_for_dry_run(&self) -> PumpFile {
+        let is_node = self.drive_id() == DriverName::Node.as_str();
+        let limits = is_node.then(|| {
+            let pins = self.drive().pins_or_usual();
+            let most_steps_s = 1e6 / (pins.step_pulse_us + pins.step_pause_us);
+            DriveLimits::of_speed(most_steps_s * self.file().limits().motor.step_rad())
+        });
+        as_allowed(self.file(), limits)
+    }
+
+    /// Returns the refusal of a plan with the cause of a speed limit that is lower than that of the pump file. `file` is
+    /// the pump file as the device allows it.
+    pub(super) fn told_by_device(&self, file: &PumpFile, refused: DoseError) -> DoseError {
+        let is_of_speed = matches!(
+            refused,
+            DoseError::Plan(PlanError::RateTooHigh { .. } | PlanError::SpeedTooHigh { .. })
+                | DoseError::Flow(FlowError::TooFast { .. })
+                | DoseError::SteepFlow { source: FlowError::TooFast { .. }, .. }
+        );
+        let [limit_rpm, file_rpm] = [file, self.file()].map(|file| file.motor.max_speed_rpm);
+        if !is_of_speed || limit_rpm >= file_rpm {
+            return refused;
+        }
+        let motor = file.limits().motor;
+        DoseError::DeviceSpeed {
+            driver: self.drive_id().to_owned(),
+            most_steps_s: motor.max_speed_rad_s / motor.step_rad(),
+            limit_rpm,
+            file_rpm,
+            source: Box::new(refused),
+        }
     }
 }

@@ -11,6 +11,7 @@ use super::bench::Bench;
 use crate::displacement::Correction;
 use crate::dosing::{DisplacedPumps, DoseError};
 use crate::drives::Drive;
+use crate::notice::Remedy;
 use crate::record::{DoseTerms, JournalError, PumpState, Why};
 use crate::record::{PhaseSource, Purpose};
 
@@ -273,7 +274,12 @@ impl Session<'_> {
     fn find(&mut self, phase: Option<Phase>, source: PhaseSource, why: Why) -> Result<PumpState, DoseError> {
         self.connect()?;
         let state = self.confirmed(self.stands().found(phase, source, self.bench.model()));
-        self.record_angle(why, state)
+        let recorded = self.record_angle(why, state)?;
+        if phase.is_some() {
+            // The device was met with an angle that was less sure, and now it is found.
+            self.notes.iter_mut().for_each(|note| note.drop_remedy(Remedy::FindAngle));
+        }
+        Ok(recorded)
     }
 
     /// Records the angle. The error tells if the rotor was turned before.

@@ -6,6 +6,7 @@ use pump_ctl::plan::{Cruise, PressureLimits};
 
 use super::announced_steps::DiskTimes;
 use crate::dosing::{DoseRequest, Prepared};
+use crate::drives::Abilities;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 
@@ -27,6 +28,7 @@ pub(super) fn warning(
     prepared: &Prepared,
     measured_s: f64,
     disk_times: DiskTimes,
+    abilities: Abilities,
     journal: &Path,
 ) -> Option<Notice> {
     let planned_s = prepared.plan.profile().duration_s();
@@ -44,6 +46,8 @@ pub(super) fn warning(
             "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}",
             journal.display()
         );
+    } else if abilities.step_times {
+        text += "other programs held this computer up, or its line to the motor was late";
     } else {
         text += "the board was slower than its settings say, or other programs held this computer up";
     }

@@ -88,6 +88,16 @@ impl Driven {
         let (ended, disk_times) = (Err(DriveFault::at(0, error)), DiskTimes::default());
         Self { ended, is_refused: true, measured_s: 0.0, disk_times, halt: None }
     }
+
+    /// Returns the end of a motion that was refused, if it was called off before it had made a step.
+    fn unless(self, is_called_off: bool) -> Self {
+        match &self.ended {
+            Ok(IndexSearch { made: 0, .. }) if is_called_off && self.halt.is_none() => {
+                Self::refused(DriveError::Interrupted)
+            }
+            _ => self,
+        }
+    }
 }
 
 impl<'a> Session<'a> {
@@ -133,7 +143,7 @@ impl<'a> Session<'a> {
             }
         });
         let Driven { ended, is_refused, measured_s, disk_times, halt } = match driven {
-            Ok(driven) => driven,
+            Ok(driven) => driven.unless(self.is_called_off(motion)),
             // Nothing has moved.
             Err(error) => {
                 device.drive.forget_plan();
@@ -158,6 +168,12 @@ impl<'a> Session<'a> {
             // The device is met anew before it moves again.
             Err(fault) => Err(self.record_fault(device, &before, intent, fault, disk_times.pauses)),
         }
+    }
+
+    /// Returns true if another pump has failed, so that a motion that has not begun leaves nothing unfinished. What a
+    /// dose is to suck back stays unfinished.
+    fn is_called_off(&self, motion: &RecordedMotion<'_>) -> bool {
+        motion.purpose != Purpose::Retract && self.bench.opening().stop.is_by_others()
     }
 
     /// Keeps to the safety limits, and writes the intent of a motion. Returns it with the state before.
@@ -266,7 +282,7 @@ fn drive(
         PlannedMotion::Flow(flow) => drive.run_flow(flow, &mut gate).map(made_all),
     };
     let AnnouncedSteps { disk_times, halt, .. } = announced;
-    let took_s = disk_times.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
-    let measured_s = real_time.took_s().or(drive.simulated_s()).unwrap_or(took_s);
+    let time_of = |made| motion.plan.time_of(made);
+    let measured_s = real_time.took_s().or(drive.simulated_s()).unwrap_or_else(|| disk_times.took_s(time_of));
     Driven { ended, is_refused: false, measured_s, disk_times, halt }
 }

@@ -43,6 +43,24 @@ pub enum DoseError {
     /// The dose cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// The motion is faster than the device makes it, whatever the pump file allows. Nothing has moved.
+    #[error(
+        "the {driver} driver makes {most_steps_s:.0} steps/s at most, and so {limit_rpm:.2} of the {file_rpm} r/min \
+         that the pump file allows; dose slower{}",
+        if driver == "node" { ", or with fewer microsteps; long pulses in [drive.pins] take of it too" } else { "" }
+    )]
+    DeviceSpeed {
+        /// Name of the drive.
+        driver: String,
+        /// Most steps a second that the device makes.
+        most_steps_s: f64,
+        /// Fastest speed of the pump head at these steps, in r/min.
+        limit_rpm: f64,
+        /// Fastest speed of the pump head by the pump file, in r/min.
+        file_rpm: f64,
+        /// Refusal of the plan within the device's limit.
+        source: Box<Self>,
+    },
     /// The table of a flow over time cannot be used. Nothing has moved.
     #[error(transparent)]
     Profile(#[from] ProfileError),

@@ -49,14 +49,20 @@ pub struct DriveLimits {
     pub min_speed_rad_s: f64,
     /// Fastest cruise, in rad/s.
     pub max_speed_rad_s: f64,
-    /// Acceleration of the device's ramps, in rad/s². It holds whatever the plan says.
-    pub acceleration_rad_s2: f64,
+    /// Acceleration of the device's own ramps, in rad/s². It holds whatever the plan says. `None` for a device that
+    /// makes the ramps of the plan.
+    pub acceleration_rad_s2: Option<f64>,
 }
 
 impl DriveLimits {
-    /// Makes the limits of a device without a slowest cruise.
+    /// Makes the limits of a device with ramps of its own, and without a slowest cruise.
     pub const fn new(max_speed_rad_s: f64, acceleration_rad_s2: f64) -> Self {
-        Self { min_speed_rad_s: 0.0, max_speed_rad_s, acceleration_rad_s2 }
+        Self { acceleration_rad_s2: Some(acceleration_rad_s2), ..Self::of_speed(max_speed_rad_s) }
+    }
+
+    /// Makes the limits of a device that makes the ramps of the plan up to this speed, in rad/s.
+    pub const fn of_speed(max_speed_rad_s: f64) -> Self {
+        Self { min_speed_rad_s: 0.0, max_speed_rad_s, acceleration_rad_s2: None }
     }
 
     /// Returns the limits with this slowest cruise, in rad/s.

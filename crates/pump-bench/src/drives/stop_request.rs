@@ -10,12 +10,13 @@ use std::sync::Arc;
 pub struct StopRequest {
     asked: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
     cause: Option<Arc<dyn Fn() -> Option<String> + Send + Sync>>,
+    by_others: Option<Arc<dyn Fn() -> bool + Send + Sync>>,
 }
 
 impl StopRequest {
     /// Returns a request that is made as soon as `asked` returns true.
     pub fn new(asked: impl Fn() -> bool + Send + Sync + 'static) -> Self {
-        Self { asked: Some(Arc::new(asked)), cause: None }
+        Self { asked: Some(Arc::new(asked)), ..Self::default() }
     }
 
     /// Returns the request that says who or what made it, as `SIGINT`. The log keeps it for a motion that was stopped.
@@ -29,6 +30,18 @@ impl StopRequest {
     #[must_use]
     pub fn saying(self, cause: impl Fn() -> Option<String> + Send + Sync + 'static) -> Self {
         Self { cause: Some(Arc::new(cause)), ..self }
+    }
+
+    /// Returns the request that `by_others` says is that of another pump's fault, and not the user's. A motion that it
+    /// ends before the first step leaves no unfinished dose.
+    #[must_use]
+    pub(crate) fn by_others(self, by_others: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self { by_others: Some(Arc::new(by_others)), ..self }
+    }
+
+    /// Returns true if the request is made, and by the fault of another pump.
+    pub(crate) fn is_by_others(&self) -> bool {
+        self.is_made() && self.by_others.as_ref().is_some_and(|by_others| by_others())
     }
 
     /// Returns true if the user asked to stop.

@@ -32,6 +32,11 @@ impl Notice {
         self
     }
 
+    /// Drops a remedy that is no longer needed.
+    pub(crate) fn drop_remedy(&mut self, remedy: Remedy) {
+        self.remedies.retain(|other| *other != remedy);
+    }
+
     /// Returns the text of the notice, without its remedies.
     pub fn text(&self) -> &str {
         &self.text

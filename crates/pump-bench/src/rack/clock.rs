@@ -54,8 +54,10 @@ impl SharedStop {
 
     /// Returns the request to stop that ends the waits for devices.
     pub(super) fn request(&self) -> StopRequest {
-        let (stop, told) = (self.clone(), self.clone());
-        StopRequest::new(move || stop.cause().is_some()).saying(move || told.said())
+        let (stop, told, failed) = (self.clone(), self.clone(), self.clone());
+        StopRequest::new(move || stop.cause().is_some())
+            .saying(move || told.said())
+            .by_others(move || matches!(failed.cause(), Some(Stop::Fault(_))))
     }
 
     /// Returns who or what stopped all pumps, as the log of each keeps it.

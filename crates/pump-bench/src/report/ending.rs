@@ -48,6 +48,7 @@ impl DoseError {
             | Self::NotRecorded { .. } => Ending::Moved,
             Self::PumpFile(_)
             | Self::Plan(_)
+            | Self::DeviceSpeed { .. }
             | Self::Profile(_)
             | Self::Flow(_)
             | Self::SteepFlow { .. }

@@ -6,6 +6,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Mutex;
+use std::time::Duration;
 
 use pump_bench::drives::{Abilities, Drive, DriveError, DriveFault, DriveLimits, Gate, Leave, Sim};
 use pump_bench::pump_file::{DriveTable, DriverName};
@@ -36,6 +37,8 @@ struct Servo {
     /// Net steps made so far.
     turned: i64,
     limits: Option<DriveLimits>,
+    /// Steps before which the servo waits for 1.5 s.
+    waits_at: Option<u64>,
     /// True if the servo holds only while it moves.
     lets_go: bool,
     /// True if the servo tells its count.
@@ -95,6 +98,9 @@ impl Drive for Servo {
             let next = (made + 10).min(all);
             match gate(made, next) {
                 Leave::Go => {
+                    if self.waits_at == Some(made) {
+                        std::thread::sleep(Duration::from_millis(1500));
+                    }
                     self.turned += sign * (next - made) as i64;
                     made = next;
                 }
@@ -211,6 +217,37 @@ fn limits_and_abilities_of_a_given_drive_hold_for_its_plans() {
     assert_eq!(prepared.plan.profile().acceleration_rad_s2(), 40.0);
 }
 
+/// Runs a short dose of a servo that waits once before it makes the step after these. Returns the time that it took, the
+/// time on record, in s, and the notes.
+fn waited(waits_at: u64) -> (f64, f64, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let servo = Servo { waits_at: Some(waits_at), ..Servo::default() };
+    let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.1)).unwrap();
+    let delivered = session.run(&prepared, go).unwrap();
+    assert!(delivered.completed);
+    let notes: Vec<String> = session.notes().iter().map(ToString::to_string).collect();
+    let told: Vec<String> = delivered.warnings.iter().map(ToString::to_string).chain(notes).collect();
+    (delivered.measured_s, session.state().unwrap().wear.motion_s, told.join("; "))
+}
+
+#[test]
+fn a_motion_takes_the_time_from_its_begin_and_not_from_its_leave() {
+    let (took_s, recorded_s, told) = waited(0);
+    assert!(took_s < 1.0 && recorded_s < 1.0, "{took_s} s, {recorded_s} s on record");
+    assert!(!told.contains("the motion took"), "{told}");
+}
+
+#[test]
+fn a_late_motion_of_a_drive_without_ramps_of_its_own_blames_no_settings() {
+    let (took_s, _, told) = waited(10);
+    assert!(took_s > 1.4, "{took_s} s");
+    assert!(told.contains("the motion took") && told.contains("or its line to the motor was late"), "{told}");
+    assert!(!told.contains("settings"), "{told}");
+}
+
 #[test]
 fn a_bench_takes_its_own_drive_and_no_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -288,6 +325,23 @@ fn a_count_that_changed_until_the_drive_was_connected_again_loses_the_angle() {
             session.notes().iter().any(|note| note.text().contains("something else has moved it")),
             !is_known
         );
+    }
+}
+
+#[test]
+fn a_note_of_the_meeting_names_no_way_to_an_angle_that_was_just_said() {
+    for (said, remedies) in [(Some(Phase::known(0.3)), 0), (None, 1)] {
+        let folder = tempfile::tempdir().unwrap();
+        let (bench, servo) = counting(folder.path());
+        let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
+        session.set_angle(Some(Phase::known(0.0))).unwrap();
+        drop(session);
+        let moved = Servo { counts: true, turned: 40, ..Servo::default() };
+        let mut session = Session::with_drive(&bench, Box::new(moved)).unwrap();
+        session.set_angle(said).unwrap();
+        let notes = session.notes();
+        let moved = notes.iter().find(|note| note.text().contains("something else has moved it")).unwrap();
+        assert_eq!(moved.remedies().len(), remedies, "{said:?}");
     }
 }
 

@@ -1,13 +1,14 @@
 //! Axes of one board in a rack.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use pump_bench::drives::{Drive, Node, NodeBoard, Opening, StopRequest};
 use pump_bench::pump_file::Axis;
-use pump_bench::rack::{Rack, RackEnd, RackFile, RackReport};
-use pump_bench::{Bench, Session, built_in};
+use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackReport};
+use pump_bench::{Bench, PumpFile, Session, built_in};
 use pump_ctl::plan::Phase;
 
 use crate::rig::Rig;
@@ -70,11 +71,17 @@ fn run(
     stopped: &'static AtomicBool,
     heard: &(dyn Fn() + Sync),
 ) -> RackReport {
+    let (benches, mut drives) = pumps(built_in("three-roller").unwrap(), world, state);
+    ran(rack, benches, &mut drives, stopped, heard).unwrap()
+}
+
+/// Returns two pumps of the file, at the axes X and Y of a board, whose angles are known.
+fn pumps(pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<Node>) {
     let board = NodeBoard::over(Box::new(world.clone()));
     let mut drives: Vec<Node> = Vec::new();
     let mut benches: Vec<Bench> = Vec::new();
     for (name, axis) in [("acid", Axis::X), ("base", Axis::Y)] {
-        let mut file = built_in("three-roller").unwrap();
+        let mut file = pump.clone();
         file.pump.id = name.to_owned();
         file.drive = Some(Rig::table().with_axis(axis));
         let folder = state.join(name);
@@ -93,11 +100,30 @@ fn run(
         drives.push(drive);
         benches.push(bench);
     }
+    (benches, drives)
+}
+
+fn ran(
+    rack: &str,
+    benches: Vec<Bench>,
+    drives: &mut [Node],
+    stopped: &'static AtomicBool,
+    heard: &(dyn Fn() + Sync),
+) -> Result<RackReport, RackError> {
     let file = RackFile::parse(rack, Path::new("mix.toml")).unwrap();
     let asked = StopRequest::new(|| stopped.load(Ordering::SeqCst));
     let rack = Rack::new(file, benches).unwrap().stopping_on(asked);
     let drives = drives.iter_mut().map(|drive| Some(Box::new(drive) as Box<dyn Drive>)).collect();
-    rack.run_with(drives, |_| heard()).unwrap()
+    rack.run_with(drives, |_| heard())
+}
+
+/// Returns a pump of many steps, and its flow at so many steps a second, in mL/s.
+fn fine_pump(steps_s: f64) -> (PumpFile, f64) {
+    let mut file = built_in("three-roller").unwrap();
+    file.motor.steps_per_rev *= 32;
+    let step_rad = TAU / f64::from(file.motor.steps_per_rev);
+    let ml_s = file.model().unwrap().average_flow_ml_s(steps_s * step_rad);
+    (file, ml_s)
 }
 
 fn rises(world: &SharedWorld, axis: usize) -> Vec<u64> {
@@ -172,5 +198,44 @@ fn a_fault_before_the_common_begin_is_no_end_of_a_rack_that_is_complete() {
         let is_told =
             |told: &&str| told.contains("emergency stop") || told.contains("has let go of the motor");
         assert!(reasons.iter().any(is_told), "{in_ms} ms: {reasons:?}");
+    }
+}
+
+#[test]
+fn a_later_step_of_more_steps_a_second_than_the_board_makes_is_refused_before_the_rack_moves() {
+    static STOPPED: AtomicBool = AtomicBool::new(false);
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let (file, ml_s) = fine_pump(64_000.0);
+    let rack = format!(
+        "schema = 'rack/1'\n[pumps]\nacid = 'acid'\nbase = 'base'\n\
+         [[step]]\npump = 'acid'\nvolume = '0.1mL'\nrate = '0.5mL/s'\n\
+         [[step]]\npump = 'base'\nvolume = '0.2mL'\nrate = '{ml_s}mL/s'\n"
+    );
+    let (benches, mut drives) = pumps(file, &world, state.path());
+    let refused = ran(&rack, benches, &mut drives, &STOPPED, &|| {}).unwrap_err();
+    let told = pump_bench::report::with_sources(&refused);
+    assert!(told.contains("pump `base` of the rack, step 2"), "{told}");
+    assert!(told.contains("the node driver makes 61068 steps/s at most"), "{told}");
+    assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
+}
+
+#[test]
+fn axes_that_together_exceed_the_board_do_not_begin_and_leave_no_dose_unfinished() {
+    static STOPPED: AtomicBool = AtomicBool::new(false);
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let (file, ml_s) = fine_pump(40_000.0);
+    let rack = format!(
+        "schema = 'rack/1'\n[pumps]\nacid = 'acid'\nbase = 'base'\n\
+         [[step]]\nratio = {{ acid = 1, base = 1 }}\nvolume = '0.4mL'\nrate = '{}mL/s'\n",
+        2.0 * ml_s
+    );
+    let (benches, mut drives) = pumps(file, &world, state.path());
+    let report = ran(&rack, benches.clone(), &mut drives, &STOPPED, &|| {}).unwrap();
+    assert_eq!(report.end, RackEnd::Fault, "{}", report.json());
+    let reasons: Vec<&str> = report.pumps.iter().filter_map(|pump| pump.error.as_deref()).collect();
+    assert!(reasons.iter().any(|told| told.contains("the other axes leave")), "{reasons:?}");
+    assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
+    for bench in benches {
+        assert!(bench.stands().unwrap().unfinished.is_none(), "{}", bench.file().pump.id);
     }
 }

@@ -1,10 +1,11 @@
 //! Step rates near the most that a board makes, with one axis and with several.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 use pump_bench::drives::{Drive, Leave, Node, NodeBoard, NodeError, Opening};
 use pump_bench::pump_file::{Axis, DriveTable, PinsTable};
-use pump_bench::{PumpFile, built_in};
+use pump_bench::{Bench, DoseError, DoseRequest, PumpFile, Session, built_in};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 
 use crate::rig::{Rig, go, node_error, run, worst};
@@ -120,4 +121,43 @@ fn a_plan_has_its_share_of_the_steps_from_its_check_until_it_ends_or_is_forgotte
     one.check(&fast).unwrap();
     one.forget_plan();
     other.check(&fast).unwrap();
+}
+
+#[test]
+fn the_fastest_dose_is_the_fastest_that_the_board_makes() {
+    for smooth in [false, true] {
+        let (rig, folder) = (Rig::new(), tempfile::tempdir().unwrap());
+        let mut drive = open(&rig.world, &Rig::table().with_baud(1_000_000), &rig.opening());
+        let bench = Bench::new(pump(), None, folder.path()).unwrap().driven_by(&drive).unwrap();
+        let bench = bench.confirming_pump(true);
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        session.connect().unwrap();
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+        let request = DoseRequest::dose(1.0).with_cruise(Some(Cruise::Fastest)).with_smooth(smooth);
+        let prepared = session.prepare(request).unwrap();
+        let steps_s = prepared.plan.profile().peak_rad_s() / prepared.plan.step_rad();
+        assert!((0.95..1.0 + 1e-9).contains(&(steps_s / f64::from(MOST_S))), "{steps_s}");
+        assert!(session.run(&prepared, |_| ControlFlow::Continue(())).unwrap().completed);
+        assert_eq!(rig.world.rises().len() as u64, prepared.plan.steps().unsigned_abs());
+    }
+}
+
+#[test]
+fn a_dry_run_refuses_what_the_pulses_of_the_pump_file_do_not_allow() {
+    let (rig, folder) = (Rig::new(), tempfile::tempdir().unwrap());
+    let mut file = pump();
+    let mut pins = PinsTable::default();
+    (pins.step_pulse_us, pins.step_pause_us) = (Some(100.0), Some(100.0));
+    file.drive = Some(Rig::table().with_pins(pins));
+    let rad_s = |steps_s: f64| steps_s * TAU / f64::from(file.motor.steps_per_rev);
+    let drive = open(&rig.world, &Rig::table(), &rig.opening());
+    let bench = Bench::new(file.clone(), None, folder.path()).unwrap().driven_by(&drive).unwrap();
+    let planned = |steps_s: f64| {
+        bench.prepare(DoseRequest::dose(0.1).with_cruise(Some(Cruise::Speed { rad_s: rad_s(steps_s) })))
+    };
+    let refused = planned(5_010.0).unwrap_err();
+    let DoseError::DeviceSpeed { most_steps_s, .. } = refused else { panic!("{refused:?}") };
+    assert!((most_steps_s - 5_000.0).abs() < 1e-6, "{most_steps_s}");
+    assert!(refused.to_string().contains("[drive.pins]"), "{refused}");
+    planned(4_990.0).unwrap();
 }

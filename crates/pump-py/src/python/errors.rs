@@ -188,7 +188,8 @@ fn class(error: DoseError) -> PyErr {
         | DoseError::NoIndex { .. }
         | DoseError::Retraction { .. } => DriveError::new_err(message),
         DoseError::SuckBack { source: CtlPlanError::OutOfRange { .. }, .. } => PyValueError::new_err(message),
-        DoseError::Displacement(_)
+        DoseError::DeviceSpeed { .. }
+        | DoseError::Displacement(_)
         | DoseError::NotByWeight { .. }
         | DoseError::Flow(_)
         | DoseError::SteepFlow { .. }

@@ -103,7 +103,7 @@ impl Bench {
         profile: &FlowProfile,
     ) -> Result<PreparedProfile, DoseError> {
         let state = self.state_to_plan_from()?;
-        let mut prepared = self.plan_profile(self.file(), state, request, profile)?;
+        let mut prepared = self.plan_profile(&self.file_for_dry_run(), state, request, profile)?;
         self.would_be_safe(state.as_ref(), prepared.planned_ml())?;
         prepared.whole.warnings.extend(self.device_not_asked());
         prepared.whole.warnings.extend(self.confirmation_missing(state.as_ref()));
@@ -119,13 +119,15 @@ impl Bench {
         request: DoseRequest,
         profile: &FlowProfile,
     ) -> Result<PreparedProfile, DoseError> {
-        self.plan_rows(file, state, request, profile).map_err(|error| match error {
+        let located = |error| match error {
             DoseError::Flow(refused) => DoseError::Flow(profile.located(refused)),
             DoseError::SteepFlow { way_out, source } => {
                 DoseError::SteepFlow { way_out, source: profile.located(source) }
             }
             error => error,
-        })
+        };
+        let planned = self.plan_rows(file, state, request, profile);
+        planned.map_err(|error| self.told_by_device(file, located(error)))
     }
 
     fn plan_rows(

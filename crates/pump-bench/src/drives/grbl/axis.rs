@@ -346,7 +346,7 @@ impl Drive for Grbl {
         Some(DriveLimits {
             min_speed_rad_s: self.least_steps_s * self.step_rad,
             max_speed_rad_s: self.most_steps_s * self.step_rad,
-            acceleration_rad_s2: self.steps_s2 * self.step_rad,
+            acceleration_rad_s2: Some(self.steps_s2 * self.step_rad),
         })
     }
 

@@ -11,13 +11,14 @@ use super::board::Board;
 use super::connect::{self, Met, Terms};
 use super::error::NodeError;
 use super::link::Link;
-use super::motion::{self, Fault, Made, Motion, Room, SentLead, Task};
+use super::motion::{self, Fault, Made, Motion, Room, SentLead, Task, most_steps_s};
 use super::node_board::NodeBoard;
 use crate::drives::drive::wait_of;
 use crate::drives::stepped::Lead;
 use crate::drives::wire::Wire;
 use crate::drives::{
-    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, Gate, IndexSearch, Opening, Watch,
+    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch,
+    Opening, Watch,
 };
 use crate::notice::Notice;
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -259,6 +260,12 @@ impl Drive for Node {
 
     fn abilities(&self) -> Abilities {
         Abilities::NODE
+    }
+
+    fn limits(&self) -> Option<DriveLimits> {
+        let At::Met { board, brake } = &self.at else { return None };
+        let most_steps_s = most_steps_s(&board.identity, &self.terms.config(true, brake));
+        Some(DriveLimits::of_speed(most_steps_s * self.motor.step_rad()))
     }
 
     fn count(&self) -> Option<i64> {

@@ -24,7 +24,7 @@ impl Explain for DoseError {
             Self::Calibration(error) => error.facts(),
             Self::Displacement(error) => error.facts(),
             Self::Connection(error) | Self::Drive { error, .. } => error.facts(),
-            Self::Retraction { source, .. } => source.facts(),
+            Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.facts(),
             Self::Balance(error) | Self::ByWeight { fault: WeightFault::Balance(error), .. } => error.facts(),
             Self::ByWeight { .. } => of(ErrorKind::Balance),
             Self::NotByWeight { volume_ml, .. } => {

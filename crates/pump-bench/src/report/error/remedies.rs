@@ -60,7 +60,7 @@ impl DoseError {
                 then(error.known_remedies(), Remedy::SeeStatusThenFinish)
             }
             Self::Drive { error, unfinished: false, .. } => then(error.known_remedies(), Remedy::SeeStatus),
-            Self::Retraction { source, .. } => source.known_remedies(),
+            Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.known_remedies(),
             Self::AngleNotRecorded { source, .. } => then(source.known_remedies(), Remedy::ThenFindAngle),
             Self::PumpFile(error) => error.known_remedies(),
             Self::Connection(error) => error.known_remedies(),

@@ -13,4 +13,4 @@ pub(super) use convoy::run;
 pub(super) use lead::SentLead;
 pub(super) use motion::Motion;
 pub(super) use outcome::{Fault, Made};
-pub(super) use task::{Room, Task};
+pub(super) use task::{Room, Task, most_steps_s};
