@@ -2,6 +2,8 @@
 
 mod advice;
 mod arguments;
+#[cfg(feature = "serve")]
+mod asking;
 mod cli;
 mod commands;
 mod failure;
@@ -12,7 +14,6 @@ mod options;
 mod outputs;
 mod progress;
 mod refusals;
-mod service;
 mod shown;
 mod terminal;
 mod told_commands;
@@ -30,7 +31,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     #[cfg(unix)]
     interrupt::outlive_file_limits();
-    service::supervised::begin();
+    progress::supervised::begin();
     let words: Vec<OsString> = std::env::args_os().collect();
     let json = arguments::asks_for_json(&words);
     let (ended, on_fail) = match parse(words) {
@@ -85,7 +86,7 @@ fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
         let cli = Cli::from_arg_matches(&matches)?;
         // What cannot be understood is refused here, before anybody is asked.
         #[cfg(feature = "serve")]
-        if let Some(code) = service::asking::ask(&matches, &typed) {
+        if let Some(code) = asking::ask(&matches, &typed) {
             return Ok(Parsed::Asked(code));
         }
         Ok(Parsed::Here(Box::new(cli)))

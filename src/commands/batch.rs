@@ -18,8 +18,8 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
+use crate::progress::supervised;
 use crate::progress::until_next;
-use crate::service::supervised;
 use crate::terminal::{is_reader_gone, noted, print, tell, waiting, warn};
 use crate::warned::Warned;
 

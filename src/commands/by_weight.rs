@@ -11,7 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
 use crate::progress::MotionBar;
-use crate::service::supervised::{self, Reached};
+use crate::progress::supervised::{self, Reached};
 use crate::terminal::{announced, noted, waiting, warn};
 use crate::warned::Warned;
 

@@ -19,7 +19,7 @@ use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
-use crate::service::supervised::{self, Reached};
+use crate::progress::supervised::{self, Reached};
 use crate::terminal::{announced, noted, warn};
 use crate::warned::Warned;
 

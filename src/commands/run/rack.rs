@@ -15,7 +15,7 @@ use crate::commands::delivery::{before_dose, unprinted};
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::options::dosing::DosingOptions;
-use crate::service::supervised::{self, Lines, Reached};
+use crate::progress::supervised::{self, Lines, Reached};
 use crate::terminal::{announce, print_json, tell, waiting, warn};
 use crate::told_commands::{completed, meaning};
 

@@ -12,7 +12,7 @@ use pump_bench::pump_file::Pace;
 use pump_bench::report::ErrorKind;
 use pump_service::guard::Guard;
 use pump_service::history::History;
-use pump_service::http::{Access, Limits, serve};
+use pump_service::http::{Access, AccessError, Limits, serve};
 use pump_service::mqtt::{Link, Settings};
 use pump_service::runner::Runner;
 use pump_service::schedule::Timestamp;
@@ -48,7 +48,11 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
     let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
     let token = token_file.map(|path| secret("token", path)).transpose()?;
     let local = pump_service::new_token().map_err(refused)?;
-    let access = Access::new(address, token, local.clone(), table.hosts.clone()).map_err(refused)?;
+    let access = Access::new(address, token, local.clone(), table.hosts.clone());
+    let access = access.map_err(|error| match error {
+        AccessError::NoToken(_) => refused(format!("{error}: --token-file, or token_file in [service]")),
+        error => refused(error),
+    })?;
     let schedule = args.schedule.as_ref().or(table.schedule.as_ref()).cloned();
     let interrupt = Interrupt::watch()?;
     let place = Place::take(&state_dir)?;

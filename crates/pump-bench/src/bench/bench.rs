@@ -259,8 +259,8 @@ impl Bench {
         &self.folder
     }
 
-    /// Returns the time at which a file of the pump's record was written last: its journal, its log or its calibrations.
-    /// `None` if nothing is on record.
+    /// Returns the time at which a file of the pump's record was written last: its journal, its log or its
+    /// calibrations. `None` if nothing is on record.
     pub fn record_written(&self) -> Option<SystemTime> {
         last_written(self.folder.path(), 1)
     }

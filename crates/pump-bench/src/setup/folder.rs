@@ -123,8 +123,8 @@ impl SetupFolder {
         Ok(path)
     }
 
-    /// Returns true if the pump file is the one of these answers: it is `text`, or somebody has changed in it by hand what
-    /// no question asks for, since this text was written.
+    /// Returns true if the pump file is the one of these answers: it is `text`, or somebody has changed in it by hand
+    /// what no question asks for, since this text was written.
     pub fn has_pump(&self, answers: &Answers, text: &str) -> bool {
         let found = read_text(&self.pump_file(&answers.name), MOST_PUMP_FILE_BYTES);
         let is_same = answers.done.written == Some(crc32fast::hash(text.as_bytes()));

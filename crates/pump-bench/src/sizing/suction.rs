@@ -29,9 +29,9 @@ pub struct Suction {
     pub limit_kpa: Option<f64>,
     /// Smallest inlet pressure less that limit, in kPa.
     pub margin_kpa: Option<f64>,
-    /// Pressure that the mean flow loses by friction in the half of the swept tube that sucks, in kPa, at least: laminar
-    /// flow through the bore, without the tube outside of the rollers' way. `None` if bore or viscosity is not known. The
-    /// inlet pressure does not hold it.
+    /// Pressure that the mean flow loses by friction in the half of the swept tube that sucks, in kPa, at least:
+    /// laminar flow through the bore, without the tube outside of the rollers' way. `None` if bore or viscosity is
+    /// not known. The inlet pressure does not hold it.
     pub own_kpa: Option<f64>,
 }
 

@@ -19,8 +19,8 @@ const SHORTEST_TOKEN: usize = 16;
 pub enum AccessError {
     /// Other computers reach the address, and no token keeps them out.
     #[error(
-        "{0} is reached by other computers, and the service has no token; name a file with a token (--token-file, or \
-         token_file in [service]), or listen on 127.0.0.1"
+        "{0} is reached by other computers, and the service has no token; name a file with a token, or listen on \
+         127.0.0.1 alone"
     )]
     NoToken(SocketAddr),
     /// The token is too short.

@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 
 use super::bodies::body;
 use super::failure::Failure;
-use super::router::Shared;
 use super::session::{HOLDS, SESSION_COOKIE};
+use super::shared::Shared;
 
 /// Time that a login with a wrong token takes, so that nobody tries many.
 const WRONG_TAKES: Duration = Duration::from_secs(1);

@@ -14,7 +14,7 @@ use tokio_stream::wrappers::ReceiverStream;
 
 use super::bodies::body;
 use super::failure::Failure;
-use super::router::Shared;
+use super::shared::Shared;
 use crate::order::OrderId;
 use crate::service::Service;
 use crate::worker::{Line, Seat};

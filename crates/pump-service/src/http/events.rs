@@ -12,7 +12,7 @@ use tokio::sync::mpsc::channel;
 use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 
-use super::router::Shared;
+use super::shared::Shared;
 use crate::service::Service;
 
 /// Time between two signs of life.

@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
 
-use super::router::Shared;
+use super::shared::Shared;
 
 /// A number of each pump: its name, its type, its help, and its value.
 type Metric = (&'static str, &'static str, &'static str, Vec<(String, f64)>);

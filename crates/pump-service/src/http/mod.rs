@@ -14,6 +14,7 @@ mod metrics;
 mod router;
 mod serve;
 mod session;
+mod shared;
 
 pub use self::access::{Access, AccessError};
 pub use self::serve::{Limits, serve};

@@ -14,29 +14,16 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::access::Access;
 use super::api::{inputs, log, orders, pumps, schedule};
 use super::failure::Failure;
+use super::shared::Shared;
 use super::{assets, command, events, metrics};
-use crate::guard::Guard;
-use crate::runner::Runner;
-use crate::service::Service;
 
 /// Largest body of a request, in bytes.
 const LARGEST_BODY: usize = 256 << 10;
 
 /// Longest time that a request may take until its answer begins: a body may be sent too slowly.
 const LONGEST_REQUEST: Duration = Duration::from_secs(30);
-
-/// What every request shares.
-#[derive(Debug, Clone)]
-pub(super) struct Shared {
-    pub(super) service: Service,
-    pub(super) access: Arc<Access>,
-    pub(super) schedule: Option<Arc<Runner>>,
-    pub(super) guard: Guard,
-    pub(super) version: &'static str,
-}
 
 /// Description of the service for programs.
 #[derive(OpenApi)]

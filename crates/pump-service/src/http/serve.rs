@@ -20,7 +20,8 @@ use tower::ServiceExt;
 
 use super::access::Access;
 use super::failure::Failure;
-use super::router::{Shared, router};
+use super::router::router;
+use super::shared::Shared;
 use crate::guard::Guard;
 use crate::runner::Runner;
 use crate::service::Service;

@@ -14,6 +14,7 @@ mod task;
 pub use self::error::OrderError;
 pub use self::id::OrderId;
 pub(crate) use self::id::random_hex;
+pub(crate) use self::options::option;
 pub use self::options::{Choice, Options};
 pub use self::order::Order;
 pub use self::origin::Origin;

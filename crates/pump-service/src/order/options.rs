@@ -27,6 +27,11 @@ const OF_MOTIONS: [&str; 7] =
 /// Options with a value that doses, primes, purges and runs have beside those of motions.
 const OF_VOLUMES: [&str; 5] = ["fluid", "temperature", "tube-limit", "max-per-day", "unfinished"];
 
+/// Returns the word of an option with its value.
+pub(crate) fn option(name: &str, value: &str) -> String {
+    format!("--{name}={value}")
+}
+
 impl Task {
     /// Options with a value.
     fn valued(&self) -> Vec<&'static str> {
@@ -76,7 +81,7 @@ impl Task {
                     return Err(OrderError::Option { option: name.clone(), allowed });
                 }
                 Choice::Text(value) if is_valued => {
-                    words.push(format!("--{name}={}", text("an option", value)?));
+                    words.push(option(name, text("an option", value)?));
                 }
                 Choice::Switch(on) if is_switch => {
                     words.extend(on.then(|| format!("--{name}")));

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::OrderError;
-use super::options::Options;
+use super::options::{Options, option};
 use super::task::{Task, name};
 
 /// Order to a pump, or to a rack.
@@ -51,10 +51,10 @@ impl Order {
         }
         // Standing and clearing name their pump as a word, so that nobody means another one by a default.
         if !matches!(self.task, Task::Rack { .. } | Task::Stand { .. } | Task::Clear { .. }) {
-            words.push(format!("--pump={}", name("pump", &self.pump)?));
+            words.push(option("pump", name("pump", &self.pump)?));
         }
         words.extend(self.task.options(&self.options)?);
-        words.push("--format=json".to_owned());
+        words.push(option("format", "json"));
         Ok(words)
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::OrderError;
+use super::options::option;
 
 /// Thing that an order asks for. Texts are as they were typed; the command checks them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,11 +112,11 @@ impl Task {
             Self::Accept => words(&["accept"]),
             Self::Stand { reason } => {
                 let reason = text("reason", reason)?;
-                words(&["safety", "stand", name("pump", pump)?, &format!("--reason={reason}")])
+                words(&["safety", "stand", name("pump", pump)?, &option("reason", reason)])
             }
             Self::Clear { reason } => {
                 let reason = text("reason", reason)?;
-                words(&["safety", "clear", name("pump", pump)?, &format!("--reason={reason}")])
+                words(&["safety", "clear", name("pump", pump)?, &option("reason", reason)])
             }
             Self::Emptied => words(&["vessel", "emptied"]),
             Self::Calibrate { reading } => words(&["calibrate", "last", amount("reading", reading)?]),

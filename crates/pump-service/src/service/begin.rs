@@ -7,7 +7,7 @@ use super::live::{Live, Orders};
 use super::placing::Refusal;
 use super::service::Service;
 use crate::history::{Key, OrderRecord, OrderState};
-use crate::order::{Order, OrderId, Origin, Task};
+use crate::order::{Order, OrderId, Origin, Task, option};
 use crate::worker::{Line, Seat, Worker};
 
 /// An order as it was asked for.
@@ -83,7 +83,7 @@ impl Service {
             return Err(Refusal::Busy { pump, order });
         }
         if order.task.moves() && !is_typed && pump.bench().is_simulated() {
-            words.push(format!("--pace={}", self.pace()));
+            words.push(option("pace", self.pace()));
         }
         Ok(words)
     }

@@ -11,7 +11,7 @@ use tokio::sync::mpsc::{Receiver, channel};
 use super::line::Line;
 use super::program::Program;
 use super::worker::Ended;
-use crate::order::{OrderError, plain_text};
+use crate::order::{OrderError, option, plain_text};
 
 /// Bytes that are passed on at a time.
 const PIECE: usize = 64 << 10;
@@ -38,10 +38,10 @@ pub(crate) fn log_words(
     until: Option<&str>,
     format: LogFormat,
 ) -> Result<Vec<String>, OrderError> {
-    let mut words = vec!["log".to_owned(), format!("--pump={pump}")];
+    let mut words = vec!["log".to_owned(), option("pump", pump)];
     for (name, text) in [("since", since), ("until", until)] {
         if let Some(text) = text {
-            words.push(format!("--{name}={}", plain_text("a time", text)?));
+            words.push(option(name, plain_text("a time", text)?));
         }
     }
     let format = match format {
@@ -49,7 +49,7 @@ pub(crate) fn log_words(
         LogFormat::Csv => "csv",
         LogFormat::Text => "text",
     };
-    words.push(format!("--format={format}"));
+    words.push(option("format", format));
     Ok(words)
 }
 

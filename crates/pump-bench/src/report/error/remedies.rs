@@ -32,8 +32,7 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
-            Self::Stands { is_recorded: false, .. } => Vec::new(),
-            Self::Stands { stand, .. } => of_stand(stand.limit),
+            Self::Stands { is_recorded: true, stand, .. } => of_stand(stand.limit),
             Self::Disturbed { .. }
             | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
                 vec![Remedy::FindAngle]
@@ -76,6 +75,7 @@ impl DoseError {
             | Self::NoIndex { .. }
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
+            | Self::Stands { .. }
             | Self::NotCleared { .. }
             | Self::NotPutToStand { .. }
             | Self::RanOut { .. }

@@ -6,7 +6,7 @@ use axum::extract::{Path, State};
 
 use super::super::bodies::{InputBody, body};
 use super::super::failure::Failure;
-use super::super::router::Shared;
+use super::super::shared::Shared;
 use crate::guard::InputView;
 
 /// The inputs that must be alive, with what they said last.

@@ -10,7 +10,7 @@ use tokio_stream::StreamExt;
 use tokio_stream::wrappers::ReceiverStream;
 
 use super::super::failure::Failure;
-use super::super::router::Shared;
+use super::super::shared::Shared;
 use crate::worker::{LogFormat, log_words, output};
 
 /// Part of the log.

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::super::bodies::{StopBody, body};
 use super::super::failure::Failure;
-use super::super::router::Shared;
+use super::super::shared::Shared;
 use crate::history::{EventRecord, OrderRecord};
 use crate::order::OrderId;
 use crate::service::Refusal;

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::super::bodies::{OptionsBody, ReadingBody, ReasonBody, VolumeBody, body};
 use super::super::failure::Failure;
-use super::super::router::Shared;
+use super::super::shared::Shared;
 use crate::history::{Key, OrderState};
 use crate::order::{Options, Order, Origin, Task};
 use crate::service::PumpView;

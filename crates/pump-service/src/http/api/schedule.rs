@@ -4,7 +4,7 @@ use axum::Json;
 use axum::extract::State;
 use serde_json::{Value, json};
 
-use super::super::router::Shared;
+use super::super::shared::Shared;
 
 /// The schedule that is in force, and the next time of each entry.
 #[utoipa::path(get, path = "/api/v1/schedule", tag = "schedule",

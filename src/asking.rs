@@ -19,7 +19,7 @@ use ureq::http::Response;
 
 use crate::interrupt::{Interrupt, name};
 use crate::progress::MotionBar;
-use crate::service::supervised::Reached;
+use crate::progress::supervised::Reached;
 use crate::terminal::{print, say};
 
 /// Commands that the service carries out; the empty one is a dose.

@@ -100,8 +100,8 @@ impl Lines {
         tells().then(|| Self { pump: pump.to_owned(), of_steps, of_ml, told: Cell::default() })
     }
 
-    /// Tells the place that the motion has `reached`, if it is a new one, and the last line is old enough or this is the
-    /// last step.
+    /// Tells the place that the motion has `reached`, if it is a new one, and the last line is old enough or this is
+    /// the last step.
     pub(crate) fn made(&self, steps: u64, reached: impl FnOnce() -> Reached) {
         let is_due = self.told.get().is_none_or(|(told, before)| {
             before != steps && (told.elapsed() >= APART || steps == self.of_steps)

@@ -6,7 +6,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use pump_bench::Prepared;
 use pump_bench::dosing::RunEnd;
 
-use crate::service::supervised::{Lines, Reached};
+use super::supervised::{Lines, Reached};
 use crate::terminal::waiting;
 
 /// The bar of a motion: it counts millilitres.

@@ -1,0 +1,18 @@
+//! What every request shares.
+
+use std::sync::Arc;
+
+use super::access::Access;
+use crate::guard::Guard;
+use crate::runner::Runner;
+use crate::service::Service;
+
+/// What every request shares.
+#[derive(Debug, Clone)]
+pub(super) struct Shared {
+    pub(super) service: Service,
+    pub(super) access: Arc<Access>,
+    pub(super) schedule: Option<Arc<Runner>>,
+    pub(super) guard: Guard,
+    pub(super) version: &'static str,
+}
