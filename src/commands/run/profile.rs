@@ -10,7 +10,7 @@ use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
 use pump_bench::simulation::{Method, Waveform, times};
 use pump_bench::units::Amount;
-use pump_bench::{Bench, DoseReport, PreparedProfile};
+use pump_bench::{Bench, Delivered, DoseError, DoseReport, PreparedProfile, Session};
 
 use crate::commands::delivery::{Said, before_dose, refuse_rows, report_once};
 use crate::failure::Failure;
@@ -64,23 +64,7 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
     prepared.whole.warnings.extend(before.take().into_iter().chain(assumed()));
     write_outputs(&bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
-    let motion = prepared.motion();
-    let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
-    let delivered = announced(&mut session, json, &prepared.whole.warnings, |session| {
-        supervised::begun(|| DoseReport::by_profile(&bench, &prepared, None));
-        let bar = LazyCell::new(|| {
-            MotionBar::new(&bench.file().pump.id, steps, prepared.planned_ml(), Some(whole_s), json)
-        });
-        let delivered = session.run_profile(&prepared, |made| {
-            bar.made(made, || Reached {
-                delivered_ml: prepared.delivered_ml(made),
-                angle_rad: motion.angle_after(made),
-            });
-            interrupt.flow()
-        });
-        bar.end();
-        delivered
-    });
+    let delivered = deliver(&mut session, &prepared, &interrupt, json);
     let delivered = noted(&mut session, delivered?)?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
@@ -96,6 +80,32 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
             Err(stopped.delivered(range_ml))
         }
     }
+}
+
+/// Makes the flow, with its progress.
+fn deliver(
+    session: &mut Session<'_>,
+    prepared: &PreparedProfile,
+    interrupt: &Interrupt,
+    json: bool,
+) -> Result<Result<Delivered, DoseError>, Failure> {
+    let bench = session.bench();
+    let motion = prepared.motion();
+    let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
+    announced(session, json, &prepared.whole.warnings, |session| {
+        supervised::begun(|| DoseReport::by_profile(bench, prepared, None));
+        let pump = &bench.file().pump.id;
+        let bar = LazyCell::new(|| MotionBar::new(pump, steps, prepared.planned_ml(), Some(whole_s), json));
+        let delivered = session.run_profile(prepared, |made| {
+            bar.made(made, || Reached {
+                delivered_ml: prepared.delivered_ml(made),
+                angle_rad: motion.angle_after(made),
+            });
+            interrupt.flow()
+        });
+        bar.end();
+        delivered
+    })
 }
 
 /// Writes the files that were asked for, all of them, before anything moves.

@@ -46,10 +46,7 @@ impl DoseError {
             Self::SteepFlow { .. } => vec![Remedy::GentlerFlow],
             Self::Flow(FlowError::UnsureAngle { .. }) => vec![Remedy::SayExactAngle],
             Self::ByWeight { fault, from_stated_angle, .. } => by_weight(fault, *from_stated_angle),
-            Self::NoRestByWeight(NoRestByWeight::ByVolume) => vec![Remedy::FinishOrLeave],
-            Self::NoRestByWeight(NoRestByWeight::NoTare) => vec![Remedy::FinishByVolumeInstead],
-            Self::NoRestByWeight(NoRestByWeight::OtherLoad { .. }) => vec![Remedy::PutVesselBack],
-            Self::NoRestByWeight(NoRestByWeight::Ceiling { .. }) => vec![Remedy::RaiseCeiling],
+            Self::NoRestByWeight(why) => vec![by_weight_again(why)],
             Self::Balance(error) => error.known_remedies(),
             Self::NotJournalled { source, .. } | Self::NotRecorded { source, .. } => {
                 then(source.known_remedies(), Remedy::ThenSeeStatus)
@@ -82,6 +79,16 @@ impl DoseError {
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
         }
+    }
+}
+
+/// Returns the remedy of a dose by weight that has no rest by weight.
+fn by_weight_again(why: &NoRestByWeight) -> Remedy {
+    match why {
+        NoRestByWeight::ByVolume => Remedy::FinishOrLeave,
+        NoRestByWeight::NoTare => Remedy::FinishByVolumeInstead,
+        NoRestByWeight::OtherLoad { .. } => Remedy::PutVesselBack,
+        NoRestByWeight::Ceiling { .. } => Remedy::RaiseCeiling,
     }
 }
 
