@@ -41,6 +41,8 @@ fn a_drawing_becomes_a_pump_that_doses_and_says_that_it_is_estimated() {
     ] {
         assert!(check.contains(text), "{text}: {check}");
     }
+    let estimated = check.lines().find(|line| line.trim_start().starts_with("estimated")).unwrap();
+    assert!(estimated.contains("uncertainties"), "{check}");
     let measured = user.json(&["25mL", "--rate", "5mL/s", "--dry-run"]);
     let drawn = user.json(&["25mL", "--rate", "5mL/s", "--pump", "drawn.toml"]);
     assert_eq!((&measured["volume_basis"], &drawn["volume_basis"]), (&"model".into(), &"estimated".into()));

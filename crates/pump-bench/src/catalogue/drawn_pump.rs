@@ -209,6 +209,12 @@ fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable)
     }
 }
 
+/// Returns true if a table states what the program estimates of a pump by its drawing: nobody has measured it.
+pub(crate) fn is_of_drawing(table: &UncertaintyTable, geometry: &Geometry) -> bool {
+    let estimated = uncertainty(geometry, 0.0, table);
+    (table.model_percent, table.speed_percent) == (estimated.model_percent, estimated.speed_percent)
+}
+
 /// Returns the uncertainty of a pump whose roller volume was measured.
 ///
 /// The model's uncertainty combines the shares between pumps and of the bore, see [`bore_percent`]. A

@@ -19,6 +19,7 @@ pub use built_in::{BUILT_IN, built_in, pump_named};
 pub use catalogued_pump::CataloguedPump;
 pub(crate) use copied_pump::as_a_copy;
 pub use drawn_pump::DrawnPump;
+pub(crate) use drawn_pump::is_of_drawing;
 pub(crate) use microsteps::{DECIMAL, POWERS};
 pub use overlap::overlap_warning;
 pub use roller_runs::{Fall, RollerRuns};

@@ -2,6 +2,7 @@
 
 use super::pins::pins_given;
 use crate::calibration::Calibration;
+use crate::catalogue::is_of_drawing;
 use crate::pump_file::{AmbientSource, LineSource, LineTable, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Source of a value in a pump file.
@@ -60,6 +61,13 @@ fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source
         Some(_) => "volume of a revolution",
         None => "head's dimensions",
     };
+    let is_drawn = matches!(file.roller_volume, Some(RollerVolumeTable::Drawing));
+    let geometry = file.model().ok().map(|model| *model.geometry()).filter(|_| is_drawn);
+    let uncertainties = match geometry {
+        _ if file.uncertainty.is_assumed() => Source::Assumed,
+        Some(geometry) if is_of_drawing(&file.uncertainty, &geometry) => Source::Estimated,
+        _ => Source::Given,
+    };
     let is_weighed = used.is_some_and(|used| used.displacement.is_some());
     let volume = if is_weighed { Source::Measured } else { Source::Given };
     let roller = match &file.roller_volume {
@@ -82,7 +90,7 @@ fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source
         ("ambient pressure", given_or(file.ambient.source() != AmbientSource::SeaLevel, Source::Assumed)),
         ("nozzle's end", given_or(file.outlet.end.is_some(), Source::Assumed)),
         ("nozzle's bore", given_or(file.outlet.nozzle_bore_mm.is_some(), Source::Assumed)),
-        ("uncertainties", given_or(!file.uncertainty.is_assumed(), Source::Assumed)),
+        ("uncertainties", uncertainties),
     ]
 }
 
