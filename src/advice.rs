@@ -212,6 +212,7 @@ mod tests {
         "<TEXT>",
         "none",
         "<ANGLE>",
+        "<FLOW>",
         "<N>",
         "0deg",
         "1deg",

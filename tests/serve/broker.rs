@@ -1,4 +1,5 @@
 //! A mosquitto of the test's own, and another client of it.
+#![allow(clippy::print_stderr, reason = "a test that is left out says why")]
 
 use std::env;
 use std::fs;
@@ -51,7 +52,7 @@ fn mosquitto() -> Option<String> {
     let path = env::split_paths(&beside).map(|folder| folder.join("mosquitto")).find(|path| path.is_file());
     if path.is_none() {
         assert!(env::var_os("MQTT_NEEDED").is_none(), "MQTT_NEEDED is set, and there is no mosquitto");
-        println!("left out: there is no mosquitto; `make mqtt` installs it");
+        eprintln!("left out: there is no mosquitto; `make mqtt` installs it");
     }
     Some(path?.display().to_string())
 }
