@@ -208,7 +208,7 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 13] = [
+    const VALUES: [&str; 14] = [
         "<TEXT>",
         "none",
         "<ANGLE>",
