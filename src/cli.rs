@@ -93,7 +93,7 @@ enum Command {
     Backup(BackupArgs),
     /// Put the records of a backup in place; a record never turns back
     Restore(RestoreArgs),
-    /// Share the pumps: a page, HTTP and a schedule for several people and programs
+    /// Share the pumps by a page, HTTP and a schedule
     Serve(ServeArgs),
     /// Print the completions of a shell
     Completions(CompletionsArgs),

@@ -126,7 +126,8 @@ fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Noti
     let whole = if accepted.dose.is_endless() {
         "an interrupted run until stopped".to_owned()
     } else {
-        format!("an interrupted dose of {requested_ml:.4} mL")
+        let requested = format!("{requested_ml:.4}");
+        format!("an interrupted dose of {} mL", requested.trim_end_matches('0').trim_end_matches('.'))
     };
     let delivered = if delivered_most_ml - delivered_least_ml < 1e-4 {
         format!("{delivered_least_ml:.4} mL")

@@ -144,9 +144,11 @@ fn a_flow_that_the_motor_cannot_meet_is_refused_with_the_part_and_the_accelerati
     };
     let user = user(&rows(6.0));
     let refused = user.is_refused(&dry[..3]);
-    for said in
-        ["in the stretch to row 3, the flow needs", "[motor] max_acceleration_rad_s2", "`dose run --rate`"]
-    {
+    for said in [
+        "in the stretch to row 3, the flow needs",
+        "[motor] max_acceleration_rad_s2",
+        "`dose run --rate <FLOW>`",
+    ] {
         assert!(refused.contains(said), "{said}: {refused}");
     }
     // A level flow Q needs 27.6 Q² rad/s² of the built-in pump (PHYSICS section 9), of 500 rad/s².
