@@ -60,8 +60,8 @@ impl Bench {
         as_allowed(self.file(), limits)
     }
 
-    /// Returns the refusal of a plan with the cause of a speed limit that is lower than that of the pump file. `file` is
-    /// the pump file as the device allows it.
+    /// Returns the refusal of a plan with the cause of a speed limit that is lower than that of the pump file. `file`
+    /// is the pump file as the device allows it.
     pub(super) fn told_by_device(&self, file: &PumpFile, refused: DoseError) -> DoseError {
         let is_of_speed = matches!(
             refused,

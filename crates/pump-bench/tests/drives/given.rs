@@ -217,8 +217,8 @@ fn limits_and_abilities_of_a_given_drive_hold_for_its_plans() {
     assert_eq!(prepared.plan.profile().acceleration_rad_s2(), 40.0);
 }
 
-/// Runs a short dose of a servo that waits once before it makes the step after these. Returns the time that it took, the
-/// time on record, in s, and the notes.
+/// Runs a short dose of a servo that waits once before it makes the step after these. Returns the time that it took,
+/// the time on record, in s, and the notes.
 fn waited(waits_at: u64) -> (f64, f64, String) {
     let folder = tempfile::tempdir().unwrap();
     let bench = bench(folder.path());

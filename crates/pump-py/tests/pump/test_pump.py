@@ -195,7 +195,7 @@ def test_a_bad_pump_file_is_a_pump_file_error_and_a_value_error(tmp_path: Path) 
         ("nonsense", "pump.toml"),
         (text.replace("pump/1", "pump/9"), "schema is `pump/9`"),
         (text.replace("count = 3", "count = 14"), "14 rollers"),
-        (text.replace("steps_per_rev = 12800", "steps_per_rev = 0"), "steps_per_rev is 0; allowed: 1 to"),
+        (text.replace("steps_per_rev = 12800", "steps_per_rev = 0"), "steps_per_rev is 0; allowed: 4 to"),
         (text + "\n[surprise]\n", "surprise"),
     ):
         path.write_text(bad, encoding="utf-8")

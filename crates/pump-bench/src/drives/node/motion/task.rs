@@ -21,8 +21,8 @@ const BITS: u32 = 10;
 /// segments takes less than a sixth, and the gathering of steps after a pause a sixteenth ([`super::steps`]).
 const SHORTER: u128 = 1 << 30;
 
-/// Most by which a segment of a plan is faster than the plan's speed, 2^-32 tick: an eighth of a tick. Its parabola keeps
-/// the steps to their times, and the intervals at its ends may be some shorter. 0.06 tick were seen.
+/// Most by which a segment of a plan is faster than the plan's speed, 2^-32 tick: an eighth of a tick. Its parabola
+/// keeps the steps to their times, and the intervals at its ends may be some shorter. 0.06 tick were seen.
 const CUT: u128 = 1 << 29;
 
 /// Number of halvings by which the rate is found that a plan takes of the line.
