@@ -398,7 +398,8 @@ class UnfinishedCalibration(Record):
 class Stand(Record):
     """Stand of a pump at a safety limit, `day` or `vessel`, until `Bench.clear_safety`. Volumes in mL.
 
-    A pump that was ordered to stand (`dose safety stand`) has the limit `ordered`, the `reason` and no volumes.
+    A pump that was ordered to stand (`dose safety stand`) has the limit `ordered`, the `reason` and
+    no volumes.
     """
 
     limit: str
