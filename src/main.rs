@@ -84,7 +84,7 @@ fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
     let read = |matches: ArgMatches| {
         told_commands::note(&matches, cli::command());
         let cli = Cli::from_arg_matches(&matches)?;
-        // What cannot be understood is refused here, before anybody is asked.
+        // A command that cannot be understood is refused here, before anybody is asked.
         #[cfg(feature = "serve")]
         if let Some(code) = asking::ask(&matches, &typed) {
             return Ok(Parsed::Asked(code));

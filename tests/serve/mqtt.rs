@@ -51,7 +51,7 @@ fn a_dose_by_text_and_by_json_is_answered_and_told() {
     assert!(told.json()["tube_ml"].as_f64().unwrap() > 5.4);
     assert_eq!(laboratory.log("acid").len(), 2);
 
-    // Who comes later is told the last state by the broker.
+    // A later client is told the last state by the broker.
     let late = broker.ear();
     let state = late.hears("pump-dose/acid/state", |_| true);
     assert!(state.is_retained && state.json()["asked_ml"] == 3.0, "{state:?}");
@@ -163,7 +163,7 @@ fn a_retained_command_never_doses() {
     assert_eq!(notes(&service, words), 2, "told once by each service");
     assert!(laboratory.log("acid").is_empty(), "nothing was dosed");
 
-    // Who deletes it sends an empty one, which moves nothing either. Then a dose is a dose.
+    // Deleting it sends an empty one, which moves nothing either. Then a dose is a dose.
     ear.retain("pump-dose/acid/dose/set", "");
     let order = ear.ask("acid", "dose", "2mL");
     assert_eq!(order["schema"], "order/1", "{order}");

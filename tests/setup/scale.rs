@@ -268,7 +268,7 @@ fn an_option_asks_for_one_more_dose_of_a_pump_that_is_set_up() {
     let again = desk.types(&["setup", "acid", "--again", "--yes"]);
     assert!(again.code == 0 && again.out.contains("2 runs at"), "{}{}", again.out, again.err);
     assert_eq!(doses(&desk), 2 * first);
-    // What no question asks for may be changed by hand, and setup weighs on.
+    // A person may change by hand what no question asks for, and setup weighs on.
     let path = desk.path("config/pump-dose/pumps/acid.toml");
     let edited = std::fs::read_to_string(&path).unwrap() + "\n# my own\n[safety]\nmax_ml_per_day = 500.0\n";
     std::fs::write(&path, &edited).unwrap();

@@ -17,7 +17,7 @@ pub(super) fn to_question_before(course: &mut Course) -> Asked<()> {
     match found {
         Some(topic) => {
             if course.answers.done.written.is_some() && course.corrected.is_none() {
-                // What was done with the file stays done unless another answer comes.
+                // The file stays as it was done unless another answer comes.
                 course.corrected = Some(course.answers.clone());
             }
             Ok(course.withdraw(topic)?)

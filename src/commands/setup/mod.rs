@@ -31,7 +31,7 @@ use crate::options::pump::{ConfigOption, RecordOption};
 use crate::terminal::say;
 use crate::told_commands::shell_word;
 
-/// What a call gives to the steps that move the pump. Each is taken once.
+/// Answers that a call gives to the steps that move the pump. Each is taken once.
 struct Given {
     balance: Option<Box<dyn Balance>>,
     /// How far the head turned, in turns.

@@ -1,4 +1,4 @@
-//! What a configuration says of the MQTT broker that `dose serve` talks to.
+//! The MQTT broker that `dose serve` talks to, as a configuration names it.
 
 use std::path::{Path, PathBuf};
 

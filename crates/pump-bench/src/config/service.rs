@@ -1,4 +1,4 @@
-//! What a configuration says of the service `dose serve`.
+//! The service `dose serve`, as a configuration describes it.
 
 use std::path::{Path, PathBuf};
 

@@ -109,7 +109,7 @@ impl SetupFolder {
         match (&found, answers.done.written) {
             // The process may have ended after it wrote the file and before it noted that.
             (Some(found), _) if found == text => {}
-            // What no question asks for was changed by hand, and the file stays as it is.
+            // A person changed by hand a part that no question asks for, and the file stays as it is.
             (Some(_), Some(_)) if self.has_pump(answers, text) => {}
             (Some(found), Some(written)) if crc32fast::hash(found.as_bytes()) != written => {
                 return Err(SetupError::Changed { path });

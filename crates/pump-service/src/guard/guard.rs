@@ -30,7 +30,7 @@ struct Inner {
     wake: Notify,
 }
 
-/// What the guard knows.
+/// Knowledge of the guard.
 #[derive(Debug)]
 struct Watch {
     inputs: Vec<Input>,

@@ -1,4 +1,4 @@
-//! Who may use the service: hosts, origins and tokens.
+//! The hosts, origins and tokens that may use the service.
 
 use std::collections::BTreeSet;
 use std::net::{IpAddr, SocketAddr};

@@ -1,4 +1,4 @@
-//! What happens, as server-sent events.
+//! The events of the service, as server-sent events.
 
 use std::convert::Infallible;
 use std::time::Duration;
@@ -21,7 +21,7 @@ const ALIVE: Duration = Duration::from_secs(5);
 /// Events that wait for a slow watcher. One that is slower is told everything anew.
 const WAITING: usize = 64;
 
-/// What happens from now on: first `hello` with the state of every pump, then `pump`, `progress`, `order` and `note`,
+/// Events from now on: first `hello` with the state of every pump, then `pump`, `progress`, `order` and `note`,
 /// and `alive` after each 5 s without another.
 /// A watcher that was too slow gets `hello` again.
 #[utoipa::path(get, path = "/events", tag = "events",

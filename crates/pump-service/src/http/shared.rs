@@ -1,4 +1,4 @@
-//! What every request shares.
+//! The parts that every request shares.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::guard::Guard;
 use crate::runner::Runner;
 use crate::service::Service;
 
-/// What every request shares.
+/// Parts that every request shares.
 #[derive(Debug, Clone)]
 pub(super) struct Shared {
     pub(super) service: Service,

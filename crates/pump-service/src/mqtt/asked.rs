@@ -12,7 +12,7 @@ pub(super) const PRESS: &str = "PRESS";
 /// Words of the commands.
 const WORDS: &str = "dose, prime, resume, accept, clear, stop, volume";
 
-/// What a message asks for.
+/// Request of a message.
 #[derive(Debug, PartialEq)]
 pub(super) enum Asked {
     /// An order, with its key if it has one.
@@ -66,7 +66,7 @@ impl Asked {
         let is_json = text.starts_with('{');
         let plain = |task| Ok(Self::Order { task, options: Options::new(), key: None });
         if text.is_empty() {
-            // Whoever deletes a retained message sends this.
+            // Deleting a retained message sends this.
             return Err(format!("the payload is empty, so nothing is done; {}", allowed(word)));
         }
         match word {

@@ -1,4 +1,4 @@
-//! What Home Assistant reads of the pumps: one device a pump.
+//! The documents that Home Assistant reads of the pumps: one device a pump.
 
 use serde_json::{Value, json};
 
@@ -40,7 +40,7 @@ pub(super) fn documents(prefix: &str, topics: &Topics, pump: &Pump) -> Vec<(Stri
     sensors(topics, name).into_iter().chain(controls(topics, name)).map(document).collect()
 }
 
-/// What is read of a pump.
+/// Values that are read of a pump.
 fn sensors(topics: &Topics, name: &str) -> [Entity; 4] {
     let state = topics.of(name, "state");
     let value = |key: &str| format!("{{{{ value_json.{key} }}}}");
@@ -64,7 +64,7 @@ fn sensors(topics: &Topics, name: &str) -> [Entity; 4] {
     ]
 }
 
-/// What a person may do with a pump. The broker takes what it gets by QoS 2 once, so a dose is pressed once.
+/// Things that a person may do with a pump. The broker takes what it gets by QoS 2 once, so a dose is pressed once.
 fn controls(topics: &Topics, name: &str) -> [Entity; 3] {
     let volume = json!({"name": "Volume of a dose", "command_topic": topics.set(name, "volume"),
         "state_topic": topics.of(name, "volume"), "unit_of_measurement": "mL", "min": 0.01, "max": MOST_ML,

@@ -1,4 +1,4 @@
-//! What the service tells the broker: whether it is there, states, progress and notes.
+//! The messages of the service to the broker: whether it is there, states, progress and notes.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -19,9 +19,9 @@ pub enum OrderError {
     Value {
         /// Name of the option, without dashes.
         option: String,
-        /// What is wrong.
+        /// Fault, in words.
         wrong: &'static str,
-        /// What to do instead.
+        /// Way out, in words.
         instead: &'static str,
     },
     /// A text cannot be a word of a command line.

@@ -1,4 +1,4 @@
-//! What an order asks for.
+//! The thing that an order asks for.
 
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,7 @@ pub enum ServiceError {
     Pump {
         /// Name of the pump in the configuration.
         name: String,
-        /// What is wrong, and what to do.
+        /// Fault and way out, in words.
         message: String,
     },
     /// The history cannot be used.

@@ -1,4 +1,4 @@
-//! What a service tells its watchers.
+//! The events that a service tells its watchers.
 
 use std::sync::Arc;
 

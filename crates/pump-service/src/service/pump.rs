@@ -20,7 +20,7 @@ pub struct Pump {
     read: Mutex<Read>,
 }
 
-/// What was last read of a record.
+/// Values that were last read of a record.
 #[derive(Debug, Default)]
 struct Read {
     status: Option<Status>,

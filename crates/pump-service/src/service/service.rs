@@ -34,7 +34,7 @@ const BEGINS_WITHIN: Duration = Duration::from_secs(2);
 /// Longest key, in bytes.
 const LONGEST_KEY: usize = 200;
 
-/// What a service is made of.
+/// Parts of a service.
 #[derive(Debug)]
 pub struct Setup {
     /// Configuration that names the pumps and racks.

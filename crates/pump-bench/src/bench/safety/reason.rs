@@ -7,7 +7,7 @@ const MOST: usize = 1000;
 ///
 /// # Errors
 ///
-/// What is wrong with the reason: it is empty, or too long.
+/// Fault of the reason: it is empty, or too long.
 pub(super) fn checked<'a>(reason: &'a str, empty: &'static str) -> Result<&'a str, &'static str> {
     let reason = reason.trim();
     if reason.is_empty() {

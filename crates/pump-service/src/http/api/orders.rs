@@ -99,7 +99,7 @@ pub(in super::super) async fn stop(
     Ok(Json(json!({"stopped": stopped.then_some(record.id).as_slice()})))
 }
 
-/// What happened that a person should know, the latest first.
+/// Notes of what a person should know, the latest first.
 #[utoipa::path(get, path = "/api/v1/notes", tag = "orders",
     params(("limit" = Option<u32>, Query, description = "Most rows, 50 without it, 1000 at most")),
     responses((status = 200, description = "Notes with time, kind, pump and text", body = Vec<Object>)))]
