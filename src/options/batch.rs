@@ -2,7 +2,7 @@
 
 use clap::Args;
 use pump_bench::dosing::{MAX_DOSES, Missed, Schedule};
-use pump_bench::units;
+use pump_bench::units::{self, count};
 
 use super::choice::choice;
 use crate::failure::Failure;
@@ -13,8 +13,8 @@ use crate::failure::Failure;
 pub(crate) struct BatchOptions {
     /// Make a batch of this many doses
     #[arg(long_help = "Make a batch of this many doses, one after the other or as --every says.")]
-    #[arg(long, value_name = "N", value_parser = number_of_doses)]
-    repeat: Option<u64>,
+    #[arg(long, value_name = "N", value_parser = count("number of doses", 1..=MAX_DOSES))]
+    repeat: Option<u32>,
     /// Time from one dose's start to the next, as 30s
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     pub(crate) every: Option<f64>,
@@ -29,12 +29,6 @@ pub(crate) struct BatchOptions {
         (Missed::Now, "Make it at once"),
     ]))]
     missed: Option<Missed>,
-}
-
-/// Reads the number behind `--repeat`.
-fn number_of_doses(text: &str) -> Result<u64, String> {
-    let number = text.parse().ok().filter(|number| (1..=MAX_DOSES).contains(number));
-    number.ok_or_else(|| format!("allowed: whole numbers from 1 to {MAX_DOSES}, as in --repeat 10"))
 }
 
 impl BatchOptions {
@@ -53,7 +47,7 @@ impl BatchOptions {
                 None => Ok(None),
             };
         };
-        let schedule = Schedule::new(count, self.every, self.missed.unwrap_or_default())
+        let schedule = Schedule::new(count.into(), self.every, self.missed.unwrap_or_default())
             .map_err(|error| Failure::of(error).after("--every: "))?;
         Ok((count > 1).then_some(schedule))
     }

@@ -226,7 +226,8 @@ fn the_steps_of_the_motor_are_said_or_the_file_says_that_nobody_did() {
     assert!(refused(&["--gear", "3"]).contains("add --steps-per-rev 3200, or --microsteps 16"));
     assert!(refused(&["--steps-per-rev", "3200", "--microsteps", "16"]).contains("cannot be used with"));
     assert!(
-        refused(&["--steps-per-rev", "0"]).contains("[motor] steps_per_rev is 0; allowed: 4 to 100000000")
+        refused(&["--steps-per-rev", "0"])
+            .contains("number of steps per revolution is 0; allowed: whole numbers from 4 to 100000000")
     );
     assert!(refused(&["--full-steps", "70000", "--microsteps", "70000"]).contains("allowed: 4 to 100000000"));
 }

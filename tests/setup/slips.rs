@@ -49,6 +49,33 @@ fn a_rate_that_hardly_turns_the_head_is_refused_at_its_question_with_the_range()
 }
 
 #[test]
+fn full_steps_that_no_motor_has_are_asked_again_and_taken_if_they_are_meant() {
+    let desk = Desk::new();
+    let doubt = "3200 full steps per revolution are unusual";
+    let answers = [("Head:", "0.5mL"), ("Rollers", "4"), ("Driver", "sim"), ("Altitude", "0m")];
+    let setup = |name: &str, full_steps: [&str; 2]| {
+        let (mut react, mut steps) = (by_part(&answers), full_steps.iter());
+        let ended = desk.answers(&["setup", name, "--no-motion"], &mut |question| match question {
+            question if question.starts_with("Full steps") => steps.next().map(ToString::to_string),
+            question if question.starts_with("Microsteps") => Some("1".to_owned()),
+            question => react(question),
+        });
+        assert_eq!(ended.code, 0, "{}", ended.err);
+        assert!(ended.err.contains(&format!("{doubt}: stepper motors have 20 to 400")), "{}", ended.err);
+        (desk.configured(&format!("pumps/{name}.toml")).unwrap(), ended.err)
+    };
+    let (slip, said) = setup("slip", ["3200", "200"]);
+    assert!(slip.contains("full_steps_per_rev = 200\n") && said.matches(doubt).count() == 1, "{slip}");
+    let (meant, said) = setup("meant", ["3200", "3200"]);
+    assert!(meant.contains("full_steps_per_rev = 3200\n"), "{meant}");
+    // The question says it, and the warning before the file is written.
+    assert_eq!(said.matches(doubt).count(), 2, "{said}");
+    let option = ["setup", "said", "--ml-per-rev", "0.5mL", "--rollers", "4", "--full-steps", "3200"];
+    let ended = desk.types(&[&option[..], &SIM].concat());
+    assert!(ended.code == 0 && ended.err.contains(&format!("warning: {doubt}")), "{}", ended.err);
+}
+
+#[test]
 fn what_is_unusual_is_said_before_the_file_is_written_and_by_the_check() {
     let desk = Desk::new();
     let warnings = [

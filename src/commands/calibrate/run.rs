@@ -6,7 +6,7 @@ use clap::Args;
 use pump_bench::Bench;
 use pump_bench::calibration::{Calibration, CalibrationRun, Fit, RunLog, Source, Stored, runs_of_csv};
 use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
-use pump_bench::units;
+use pump_bench::units::{self, count};
 
 use super::course::{GuidedCourse, MOST_PITCHES};
 use super::guided::{self, Weighed, kept};
@@ -42,10 +42,10 @@ pub(super) struct RunArgs {
     #[arg(conflicts_with = "from")]
     speeds: Vec<f64>,
     /// Guided runs at each speed [default: 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100), conflicts_with = "from")]
+    #[arg(long, value_name = "N", value_parser = count("number of runs", 1..=100), conflicts_with = "from")]
     runs: Option<u32>,
     /// Whole pitches of each guided run [default: 50 mL or more]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PITCHES)))]
+    #[arg(long, value_name = "N", value_parser = count("number of pitches", 1..=MOST_PITCHES))]
     #[arg(conflicts_with = "from")]
     pitches: Option<u32>,
     /// Volume of each guided run, as 20mL: the nearest whole pitches

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use pump_bench::calibration::{Tolerance, Verification, Weighing, readings_of_csv};
 use pump_bench::report::ErrorKind;
-use pump_bench::units::{self, Amount};
+use pump_bench::units::{self, Amount, count};
 use pump_bench::{Bench, DoseRequest, Session};
 
 use super::answers::{Answer, volume_ml};
@@ -33,7 +33,7 @@ pub(super) struct VerifyArgs {
     #[arg(long = "volume", value_name = "VOLUME", value_parser = units::amount)]
     nominal: Amount,
     /// Number of doses [default: 10]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000), conflicts_with = "from")]
+    #[arg(long, value_name = "N", value_parser = count("number of doses", 2..=1000), conflicts_with = "from")]
     runs: Option<u32>,
     /// Systematic error allowed, as 0.6% [default: ISO 8655-5's for 10 mL]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]

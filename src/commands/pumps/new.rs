@@ -9,7 +9,7 @@ use pump_bench::files::{MOST_TABLE_BYTES, Staged, read_text};
 use pump_bench::pump_file::{CurveFit, PumpFile, RollerVolumeTable};
 use pump_bench::report::ErrorKind;
 use pump_bench::units;
-use pump_bench::units::TubeSize;
+use pump_bench::units::{ROLLERS, TubeSize, count};
 use pump_model::{Geometry, ModelError};
 
 use super::own_motor::OwnMotorOptions;
@@ -49,6 +49,7 @@ pub(crate) struct NewArgs {
     contact: Option<f64>,
     /// Number of rollers
     #[arg(long, value_name = "N", required_unless_present = "head")]
+    #[arg(value_parser = count("number of rollers", ROLLERS))]
     pub(super) rollers: Option<u32>,
     /// Volume of a revolution of a bought head in place of a drawing, as 0.5mL
     #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]

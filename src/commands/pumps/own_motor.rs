@@ -4,6 +4,7 @@ use std::io::{self, BufRead, IsTerminal};
 
 use clap::Args;
 use pump_bench::catalogue::{MotorSteps, StatedMotor};
+use pump_bench::units::{FULL_STEPS_PER_REV, MICROSTEPS, STEPS_PER_REV, count};
 
 use crate::failure::Failure;
 use crate::terminal::say;
@@ -17,12 +18,15 @@ const USUAL_FULL_STEPS: u32 = 200;
 pub(super) struct OwnMotorOptions {
     /// Steps per revolution of the motor, microsteps included, as 3200
     #[arg(long, value_name = "N", conflicts_with_all = ["full_steps", "microsteps"])]
+    #[arg(value_parser = count("number of steps per revolution", STEPS_PER_REV))]
     steps_per_rev: Option<u32>,
     /// Full steps per revolution of the motor, with --microsteps [default: 200]
     #[arg(long, value_name = "N", requires = "microsteps")]
+    #[arg(value_parser = count("number of full steps per revolution", FULL_STEPS_PER_REV))]
     full_steps: Option<u32>,
     /// Microsteps per full step, as the motor's driver is set, as 16
     #[arg(long, value_name = "N")]
+    #[arg(value_parser = count("number of microsteps", MICROSTEPS))]
     microsteps: Option<u32>,
     /// Revolutions of the motor per revolution of the pump head [default: 1]
     #[arg(long, value_name = "RATIO")]
@@ -60,9 +64,9 @@ fn asked() -> Result<Option<MotorSteps>, Failure> {
         read.map_err(|error| Failure::refused(format!("the answer cannot be read: {error}")))?;
         match line.trim() {
             "" => return Ok(None),
-            answer => match answer.parse() {
+            answer => match count("number of steps per revolution", STEPS_PER_REV)(answer) {
                 Ok(steps) => return Ok(Some(MotorSteps::PerRevolution(steps))),
-                Err(_) => say(&format!("`{answer}` is no whole number of steps\n")),
+                Err(error) => say(&format!("{error}\n")),
             },
         }
     }

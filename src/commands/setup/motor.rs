@@ -1,6 +1,8 @@
 //! The questions about the motor: its steps per revolution of the pump head.
 
+use pump_bench::catalogue::unusual_full_steps;
 use pump_bench::setup::{Answers, Topic, USUAL_FULL_STEPS};
+use pump_bench::units::{FULL_STEPS_PER_REV, MICROSTEPS, count};
 
 use super::asker::{Asked, Question};
 use super::course::{Course, heading, tell_person};
@@ -32,13 +34,6 @@ fn is_unconfirmed(course: &Course) -> Asked<bool> {
     Ok(course.pump_file()?.0.motor.confirmed == Some(false))
 }
 
-fn whole(answer: &str) -> Result<u32, String> {
-    match answer.parse() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err(format!("`{answer}` is no whole number above 0")),
-    }
-}
-
 fn ask_full_steps(course: &mut Course) -> Asked<()> {
     let usual = USUAL_FULL_STEPS.to_string();
     let question = Question {
@@ -47,7 +42,21 @@ fn ask_full_steps(course: &mut Course) -> Asked<()> {
         usual: course.suggested(|last| last.full_steps.map(|steps| steps.to_string()), Some(&usual)),
         help: "360 over the angle on the motor's label: 1.8 deg is 200, 0.9 deg is 400",
     };
-    course.settle(Topic::FullSteps, &question, whole, |answers, steps| answers.full_steps = Some(steps))
+    let suggested = question.usual.as_ref().map(|usual| usual.answer.clone());
+    let mut doubted = None;
+    // An unusual number is taken once it is said again, and as a suggestion that somebody has said before.
+    let read = |answer: &str| {
+        let steps = count("number of full steps per revolution", FULL_STEPS_PER_REV)(answer);
+        let steps = steps.map_err(|error| error.to_string())?;
+        match unusual_full_steps(steps) {
+            Some(why) if doubted != Some(steps) && suggested.as_deref() != Some(answer) => {
+                doubted = Some(steps);
+                Err(format!("{why}; write {steps} again if the motor has them"))
+            }
+            _ => Ok(steps),
+        }
+    };
+    course.settle(Topic::FullSteps, &question, read, |answers, steps| answers.full_steps = Some(steps))
 }
 
 fn ask_microsteps(course: &mut Course) -> Asked<()> {
@@ -62,7 +71,9 @@ fn ask_microsteps(course: &mut Course) -> Asked<()> {
         help: "the switches or jumpers of the motor's driver set them, as 16; if you are not sure say 16: the first \
                revolution shows it",
     };
-    course.settle(Topic::Microsteps, &question, whole, |answers, steps| answers.microsteps = Some(steps))
+    let read =
+        |answer: &str| count("number of microsteps", MICROSTEPS)(answer).map_err(|error| error.to_string());
+    course.settle(Topic::Microsteps, &question, read, |answers, steps| answers.microsteps = Some(steps))
 }
 
 fn ask_gear(course: &mut Course) -> Asked<()> {

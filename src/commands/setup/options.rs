@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 use pump_bench::pump_file::{Axis, DriverName, OutletEnd};
 use pump_bench::setup::{Answers, HeadAnswer};
-use pump_bench::units::{self, Pressure, StatedReading, TubeSize, stated_reading};
+use pump_bench::units::{
+    self, FULL_STEPS_PER_REV, MICROSTEPS, Pressure, ROLLERS, STEPS_PER_REV, StatedReading, TubeSize, count,
+    stated_reading,
+};
 use pump_model::units::{degrees, rpm};
 
 use crate::failure::Failure;
@@ -32,6 +35,7 @@ pub(super) struct AnswerOptions {
     bore: Option<f64>,
     /// Number of rollers
     #[arg(long, value_name = "N", help_heading = "Head")]
+    #[arg(value_parser = count("number of rollers", ROLLERS))]
     rollers: Option<u32>,
     /// Pump file to begin with, in place of a head
     #[arg(long, value_name = "FILE", help_heading = "Head")]
@@ -54,12 +58,15 @@ pub(super) struct AnswerOptions {
     contact: Option<f64>,
     /// Steps per revolution of the motor, microsteps included, as 3200
     #[arg(long, value_name = "N", help_heading = "Motor", conflicts_with_all = ["full_steps", "microsteps"])]
+    #[arg(value_parser = count("number of steps per revolution", STEPS_PER_REV))]
     steps_per_rev: Option<u32>,
     /// Full steps per revolution of the motor [default: 200]
     #[arg(long, value_name = "N", help_heading = "Motor")]
+    #[arg(value_parser = count("number of full steps per revolution", FULL_STEPS_PER_REV))]
     full_steps: Option<u32>,
     /// Microsteps per full step, as the motor's driver is set, as 16
     #[arg(long, value_name = "N", help_heading = "Motor")]
+    #[arg(value_parser = count("number of microsteps", MICROSTEPS))]
     microsteps: Option<u32>,
     /// Revolutions of the motor per revolution of the pump head [default: 1]
     #[arg(long, value_name = "RATIO", help_heading = "Motor")]

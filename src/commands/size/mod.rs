@@ -5,7 +5,7 @@ use pump_bench::config::PumpPlace;
 use pump_bench::heads::{bought_head, nearest_heads};
 use pump_bench::report::{ErrorKind, sizing_json, sizing_text, sizing_title};
 use pump_bench::sizing::{Duty, Sizing, SizingError, curve_svg};
-use pump_bench::units::{self, HoseSize, Pressure};
+use pump_bench::units::{self, HoseSize, Pressure, ROLLERS, count};
 
 use crate::advice;
 use crate::commands::pumps::site::SiteOptions;
@@ -44,6 +44,7 @@ pub(crate) struct SizeArgs {
     head: Option<String>,
     /// Number of rollers of that head, where its document states none
     #[arg(long, value_name = "N", requires = "head", help_heading = "Pump")]
+    #[arg(value_parser = count("number of rollers", ROLLERS))]
     rollers: Option<u32>,
     #[command(flatten)]
     config: ConfigOption,

@@ -263,7 +263,10 @@ fn a_dose_that_fails_ends_the_batch_with_its_own_code_and_says_how_many_were_don
 fn what_a_batch_cannot_obey_is_refused_by_name() {
     let user = User::new();
     for (arguments, expected) in [
-        (&["1mL", "--repeat", "0"][..], "'0' for '--repeat <N>': allowed: whole numbers from 1 to 1000000"),
+        (
+            &["1mL", "--repeat", "0"][..],
+            "'0' for '--repeat <N>': number of doses is 0; allowed: whole numbers from 1 to 1000000",
+        ),
         (&["1mL", "--repeat", "1000001"], "'1000001' for '--repeat <N>'"),
         (&["1mL", "--repeat", "2.5"], "'2.5' for '--repeat <N>'"),
         (&["1mL", "--every", "3s"], "say how many with --repeat"),

@@ -43,6 +43,37 @@ fn traps_of_the_command_line_are_answered_as_what_they_are() {
 }
 
 #[test]
+fn counts_that_are_no_whole_number_are_refused_with_their_range() {
+    let user = User::new();
+    let new = ["pumps", "new", "--ml-per-rev", "0.5mL"];
+    for (words, option, value, said) in [
+        (&new[..], "--rollers", "2.5", "number of rollers is 2.5; allowed: whole numbers from 1 to 1000"),
+        (&new, "--microsteps", "16.5", "number of microsteps is 16.5; allowed: whole numbers from 1 to"),
+        (&new, "--full-steps", "200.0", "number of full steps per revolution is 200.0; allowed: whole"),
+        (&new, "--steps-per-rev", "3.2e3", "number of steps per revolution is 3.2e3; allowed: whole"),
+        (&["size", "--flow", "2L/h"], "--rollers", "x", "number of rollers is x; allowed: whole"),
+        (&["setup", "acid"], "--microsteps", "1/16", "number of microsteps is 1/16; allowed: whole"),
+        (&["calibrate", "run"], "--runs", "0", "number of runs is 0; allowed: whole numbers from 1 to 100"),
+        (
+            &["calibrate", "run"],
+            "--pitches",
+            "1.5",
+            "number of pitches is 1.5; allowed: whole numbers from 1",
+        ),
+        (
+            &["calibrate", "verify"],
+            "--runs",
+            "1",
+            "number of doses is 1; allowed: whole numbers from 2 to 1000",
+        ),
+        (&["5mL"], "--repeat", "2.5", "number of doses is 2.5; allowed: whole numbers from 1 to 1000000"),
+    ] {
+        let refused = user.is_refused(&[words, &[option, value]].concat());
+        assert!(refused.contains(said) && refused.contains(option), "{refused}");
+    }
+}
+
+#[test]
 fn bad_quantities_are_refused_by_name() {
     let user = User::new();
     for (arguments, expected) in [

@@ -1,5 +1,7 @@
 //! The warnings of a pump that is possible and unusual: mostly a slip of a unit, of a digit or of a count.
 
+use std::ops::RangeInclusive;
+
 use pump_model::Port;
 
 use super::microsteps::{is_usual, usual_in_words};
@@ -18,9 +20,13 @@ const MOST_ROLLERS: u32 = 12;
 /// McIntyre et al., whose gap of 3 mm takes two walls of 2 mm.
 const MOST_SQUEEZE: f64 = 0.5;
 
+/// Full steps per revolution that stepper motors have: those of 18 deg, as permanent magnet motors make, to those of
+/// 0.9 deg of hybrid motors.
+const FULL_STEPS: RangeInclusive<u32> = 20..=400;
+
 /// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap or press the tube
-/// flat, a volume of a revolution for its bore, a number of rollers, a height for its tube on either side, and
-/// microsteps for a motor's driver.
+/// flat, a volume of a revolution for its bore, a number of rollers, a height for its tube on either side, full steps
+/// of a motor, and microsteps for its driver.
 ///
 /// ```
 /// let mut file = pump_bench::built_in("three-roller").unwrap();
@@ -32,7 +38,12 @@ const MOST_SQUEEZE: f64 = 0.5;
 /// ```
 pub fn unusual(file: &PumpFile) -> Vec<Notice> {
     let of_head = [overlap(file), of_squeeze(file), of_volume(file), of_one_roller(file), of_rollers(file)];
-    let found = of_head.into_iter().chain([of_suction(file), of_height(file), of_microsteps(file)]);
+    let found = of_head.into_iter().chain([
+        of_suction(file),
+        of_height(file),
+        of_full_steps(file),
+        of_microsteps(file),
+    ]);
     found.flatten().map(Notice::from).collect()
 }
 
@@ -127,6 +138,30 @@ fn of_height(file: &PumpFile) -> Option<String> {
     })
 }
 
+/// Returns why a number of full steps per revolution is hardly that of a stepper motor, or `None` if it may be.
+///
+/// ```
+/// use pump_bench::catalogue::unusual_full_steps;
+/// assert!(unusual_full_steps(200).is_none());
+/// assert!(unusual_full_steps(3200).unwrap().contains("with their microsteps"));
+/// ```
+pub fn unusual_full_steps(full_steps: u32) -> Option<String> {
+    (!FULL_STEPS.contains(&full_steps)).then(|| {
+        format!(
+            "{full_steps} full steps per revolution are unusual: stepper motors have {} to {}, mostly 200 (1.8 deg) or \
+             400 (0.9 deg); the steps of a revolution with their microsteps, or with a gearbox, are another number",
+            FULL_STEPS.start(),
+            FULL_STEPS.end()
+        )
+    })
+}
+
+/// Warns of full steps that hardly any motor has.
+fn of_full_steps(file: &PumpFile) -> Option<String> {
+    let is_said = file.motor.confirmed != Some(false);
+    unusual_full_steps(file.motor.full_steps_per_rev).filter(|_| is_said)
+}
+
 /// Warns of microsteps that no usual driver has, where the steps are a multiple of the full steps.
 fn of_microsteps(file: &PumpFile) -> Option<String> {
     let motor = &file.motor;
@@ -179,6 +214,12 @@ mod tests {
         one(&|file| file.inlet.reservoir = Reservoir::Lift(9400.0), "sucks with 91.9 kPa below");
         one(&|file| file.outlet.line.reservoir = Reservoir::Pressure(600.0), "rated at 482 kPa");
         one(&|file| file.motor.steps_per_rev = 3000, "are 15 microsteps of 200 full steps");
+        for full_steps in [4, 3200] {
+            let motor = |file: &mut PumpFile| {
+                (file.motor.steps_per_rev, file.motor.full_steps_per_rev) = (16 * full_steps, full_steps);
+            };
+            one(&motor, &format!("{full_steps} full steps per revolution are unusual"));
+        }
     }
 
     #[test]
@@ -188,6 +229,12 @@ mod tests {
         }
         // A 28BYJ-48 with its gearbox: 2048 full steps, which are no multiple of 200.
         assert_eq!(warned(|file| file.motor.steps_per_rev = 2048).len(), 0);
+        for full_steps in [20, 24, 48, 96, 200, 400] {
+            let motor = |file: &mut PumpFile| {
+                (file.motor.steps_per_rev, file.motor.full_steps_per_rev) = (16 * full_steps, full_steps);
+            };
+            assert_eq!(warned(motor).len(), 0, "{full_steps}");
+        }
         for rollers in 2..=12 {
             assert_eq!(warned(|file| file.rollers.count = rollers).len(), 0, "{rollers}");
         }

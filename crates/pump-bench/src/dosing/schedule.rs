@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::words::words;
 
 /// Most doses of a batch.
-pub const MAX_DOSES: u64 = 1_000_000;
+pub const MAX_DOSES: u32 = 1_000_000;
 
 /// Shortest and longest time from the start of a dose to the start of the next, in s.
 const EVERY_S: [f64; 2] = [1e-3, 366.0 * 86_400.0];
@@ -117,7 +117,7 @@ impl Schedule {
     ///
     /// [`ScheduleError::OutOfRange`] if the number of doses or the interval is outside its range.
     pub fn new(count: u64, every_s: Option<f64>, missed: Missed) -> Result<Self, ScheduleError> {
-        if !(1..=MAX_DOSES).contains(&count) {
+        if !(1..=u64::from(MAX_DOSES)).contains(&count) {
             let (parameter, value) = (ScheduleParameter::Doses, count as f64);
             return Err(ScheduleError::OutOfRange { parameter, value, allowed: DOSES_ALLOWED });
         }
@@ -236,14 +236,14 @@ mod tests {
     fn what_cannot_be_kept_is_refused_and_the_longest_batch_has_a_last_time() {
         assert_eq!(DOSES_ALLOWED.to_string(), format!("1 to {MAX_DOSES}"));
         assert_eq!(EVERY_ALLOWED.to_string(), format!("{} to {}", EVERY_S[0], EVERY_S[1]));
-        for count in [0, MAX_DOSES + 1] {
+        for count in [0, u64::from(MAX_DOSES) + 1] {
             let error = Schedule::new(count, None, Missed::Skip).unwrap_err().to_string();
             assert!(error.contains("number of doses") && error.contains("1 to 1000000"), "{error}");
         }
         for every_s in [0.0, -1.0, 1e-9, 1e300, f64::NAN, f64::INFINITY] {
             assert!(Schedule::new(1, Some(every_s), Missed::Skip).is_err(), "{every_s}");
         }
-        let longest = Schedule::new(MAX_DOSES, Some(366.0 * 86_400.0), Missed::Skip).unwrap();
-        assert_eq!(longest.due(MAX_DOSES).as_secs(), 999_999 * 366 * 86_400);
+        let longest = Schedule::new(MAX_DOSES.into(), Some(366.0 * 86_400.0), Missed::Skip).unwrap();
+        assert_eq!(longest.due(MAX_DOSES.into()).as_secs(), 999_999 * 366 * 86_400);
     }
 }

@@ -5,6 +5,7 @@ use pump_model::units::rad_s;
 use serde::{Deserialize, Serialize};
 
 use super::range::{WrongValue, allow, within, within_if_given};
+use crate::units::{FULL_STEPS_PER_REV, STEPS_PER_REV};
 
 /// The table `[motor]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -76,9 +77,9 @@ impl MotorTable {
 
     /// Refuses the first value outside its range. Speed and acceleration are left to the planner.
     pub(super) fn check(&self) -> Result<(), WrongValue> {
-        within("[motor] steps_per_rev", self.steps_per_rev, 4..=100_000_000)?;
+        within("[motor] steps_per_rev", self.steps_per_rev, STEPS_PER_REV)?;
         within("[motor] gear", self.gear, 1e-3..=1e4)?;
-        within("[motor] full_steps_per_rev", self.full_steps_per_rev, 4..=100_000)?;
+        within("[motor] full_steps_per_rev", self.full_steps_per_rev, FULL_STEPS_PER_REV)?;
         if let Some(points) = &self.torque_curve_rpm_n_m {
             let shown: Vec<String> = points.iter().map(|(rpm, n_m)| format!("[{rpm}, {n_m}]")).collect();
             allow(

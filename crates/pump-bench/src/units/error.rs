@@ -119,6 +119,18 @@ pub enum QuantityError {
         /// Largest tolerance that is allowed, in deg.
         most_deg: String,
     },
+    /// The text is no whole number within a range.
+    #[error("{name} is {text}; allowed: whole numbers from {least} to {most}")]
+    Count {
+        /// Name of the number, as `number of rollers`.
+        name: &'static str,
+        /// Text that was read.
+        text: String,
+        /// Least number that is allowed.
+        least: u32,
+        /// Largest number that is allowed.
+        most: u32,
+    },
     /// The quantity is zero, where zero means nothing.
     #[error("`{text}` is zero; {} must be more than that", .kind.with_article())]
     Zero {

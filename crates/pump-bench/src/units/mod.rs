@@ -3,6 +3,7 @@
 //! Text is parsed once, at the edge. Inside there are numbers whose names carry the unit.
 
 mod amount;
+mod count;
 mod error;
 mod hose_size;
 mod kind;
@@ -17,6 +18,7 @@ mod tests;
 mod tube_size;
 
 pub use amount::{Amount, amount, dose_amount};
+pub use count::{FULL_STEPS_PER_REV, MICROSTEPS, ROLLERS, STEPS_PER_REV, count};
 pub use error::QuantityError;
 pub use hose_size::{HoseSize, hose_size};
 pub use kind::Kind;

@@ -51,6 +51,7 @@ impl Explain for QuantityError {
                 facts.value(text).allowed("bore x outer diameter and the length, as 6x10mm,1m")
             }
             Self::OutOfRange { text, allowed } => facts.value(text).allowed(*allowed),
+            Self::Count { text, least, most, .. } => facts.value(text).allowed(format!("{least} to {most}")),
             Self::NoTolerance { text } => facts.value(text).allowed("a tolerance, as in 30deg+-1deg"),
             Self::Tolerance { text, most_deg, .. } => {
                 facts.value(text).allowed(format!("0 to {most_deg} deg"))
