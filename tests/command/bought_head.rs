@@ -223,15 +223,30 @@ fn a_dose_that_sucks_deeper_than_tubes_are_known_to_stand_is_warned_of_at_its_ra
 }
 
 #[test]
-fn a_head_that_was_changed_in_a_copy_of_the_built_in_file_is_warned_of_by_check_and_dose() {
+fn a_head_that_was_changed_in_a_copy_of_the_built_in_file_has_the_uncertainty_of_a_pump_that_nobody_weighed()
+{
     let user = User::new();
     let shown = user.types(&["pumps", "show", "three-roller"]).out;
-    let text = shown.replace("id = \"three-roller\"", "id = \"mine\"").replace("count = 3", "count = 4");
-    fs::write(user.path("mine.toml"), text).unwrap();
+    let copy = shown.replace("id = \"three-roller\"", "id = \"mine\"");
     let said = "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs";
-    let check = user.types(&["pumps", "check", "mine.toml"]);
-    assert!(check.out.contains(&format!("  warning   {said}")), "{}{}", check.out, check.err);
-    let dose = user.json(&["25mL", "--pump", "mine.toml", "--dry-run"]);
-    assert!(dose["warnings"].to_string().contains(said), "{dose}");
+    let dosed = |text: &str, fact: &str| {
+        fs::write(user.path("mine.toml"), text).unwrap();
+        let check = user.types(&["pumps", "check", "mine.toml"]);
+        assert!(check.out.contains(&format!("  warning   {said}{fact}")), "{}{}", check.out, check.err);
+        let dose = user.json(&["25mL", "--pump", "mine.toml", "--dry-run"]);
+        assert!(dose["warnings"].to_string().contains(&format!("{said}{fact}")), "{dose}");
+        (check.out, dose["expanded_uncertainty_ml"].as_f64().unwrap())
+    };
+    // 2 x 2.4 % of 25 mL, and less for the scatter and the drop.
+    let (_, renamed_ml) = dosed(&copy, ", not of this one");
+    assert!((1.2..1.6).contains(&renamed_ml), "{renamed_ml}");
+    // 2 x sqrt(13² + 8.7²) % of 25 mL are 7.8 mL.
+    let (check, changed_ml) =
+        dosed(&copy.replace("count = 3", "count = 4"), ", and its head is another; 13 %");
+    assert!((7.7..8.0).contains(&changed_ml), "{changed_ml}");
+    assert!(
+        check.contains("13 % of the volume, 8.7 % of it at a speed") && !check.contains("2.4 % of"),
+        "{check}"
+    );
     assert!(!user.types(&["pumps", "check", "three-roller"]).out.contains(said));
 }

@@ -13,7 +13,7 @@ use pump_model::units::TURN_RAD;
 use super::safety::RunBounds;
 use super::session::Patience;
 use crate::calibration::{Calibrations, Stored};
-use crate::catalogue::as_a_copy;
+use crate::catalogue::{as_a_copy, with_own_uncertainty};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
@@ -57,6 +57,7 @@ impl Bench {
     /// [`DoseError::PumpFile`] or [`DoseError::Plan`] if the pump file or its model cannot be used.
     pub fn new(file: PumpFile, driver: Option<DriverName>, state_dir: &Path) -> Result<Self, DoseError> {
         file.check(&file.pump.id)?;
+        let file = with_own_uncertainty(file);
         let model = file.model().map_err(PlanError::from)?;
         let driver = driver.unwrap_or(file.driver());
         let named = file.drive.clone().filter(|drive| drive.driver == driver);

@@ -165,6 +165,7 @@ fn uncertainty() -> UncertaintyTable {
         // rectangular.
         roller_volume_ml: Some(0.026),
         assumed: false,
+        replaces_papers: false,
     }
 }
 

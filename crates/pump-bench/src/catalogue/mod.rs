@@ -17,7 +17,7 @@ mod unusual;
 pub use bought_pump::BoughtPump;
 pub use built_in::{BUILT_IN, built_in, pump_named};
 pub use catalogued_pump::CataloguedPump;
-pub(crate) use copied_pump::as_a_copy;
+pub(crate) use copied_pump::{as_a_copy, with_own_uncertainty};
 pub use drawn_pump::DrawnPump;
 pub(crate) use drawn_pump::is_of_drawing;
 pub(crate) use microsteps::{DECIMAL, POWERS};

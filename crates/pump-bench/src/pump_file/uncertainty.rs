@@ -30,6 +30,10 @@ pub struct UncertaintyTable {
     /// True if the pump file states no uncertainty, so that the one of a pump that nobody weighed stands in.
     #[serde(skip)]
     pub(crate) assumed: bool,
+    /// True if the pump file states the uncertainty of McIntyre et al. for another head than theirs, so that the one
+    /// of a pump that nobody weighed stands in.
+    #[serde(skip)]
+    pub(crate) replaces_papers: bool,
 }
 
 impl UncertaintyTable {
@@ -48,6 +52,7 @@ impl UncertaintyTable {
             repeatability_at_ml: None,
             roller_volume_ml: None,
             assumed: true,
+            replaces_papers: false,
         }
     }
 

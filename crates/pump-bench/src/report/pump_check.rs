@@ -7,7 +7,7 @@ use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
 use crate::calibration::Stored;
-use crate::catalogue::unusual;
+use crate::catalogue::{unusual, with_own_uncertainty};
 use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::{copied_uncertainty, drop_ml};
 use crate::heads::bought_head;
@@ -21,6 +21,7 @@ use crate::pump_file::{LineSource, LineTable, OutletEnd, PumpFile, Reservoir, Ro
 ///
 /// A pump that cannot be modelled, or a law of its displacement that does not hold for it.
 pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, DisplacementError> {
+    let file = &with_own_uncertainty(file.clone());
     let by_speed = file.speed_dependent_pump()?;
     let pump = *by_speed.base();
     let lines = [

@@ -4,7 +4,7 @@ use pump_model::Port;
 use pump_model::SteadyState;
 use pump_model::units::rpm;
 
-use crate::catalogue::{CataloguedPump, overlap_warning, suction_warning};
+use crate::catalogue::{CataloguedPump, overlap_warning, suction_warning, with_own_uncertainty};
 use crate::heads::BoughtHead;
 use crate::notice::Notice;
 use crate::numbers::significant;
@@ -166,7 +166,7 @@ impl Sizing {
     /// # Errors
     /// Returns the [`SizingError`] of a duty that this pump does not serve.
     pub fn of_pump(file: PumpFile, duty: &Duty) -> Result<Self, SizingError> {
-        let file = duty.file(file)?;
+        let file = duty.file(with_own_uncertainty(file))?;
         Self::of(file, duty, None)
     }
 

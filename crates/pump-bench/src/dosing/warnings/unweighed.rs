@@ -91,6 +91,8 @@ pub(in crate::dosing) fn unweighed_pump(file: &PumpFile, applied: Option<&Applie
         "only the volume per revolution is known, and nobody has weighed what this pump delivers"
     } else if file.is_estimated() {
         "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
+    } else if let Some(notice) = replaced_uncertainty(file) {
+        return Some(notice);
     } else if file.uncertainty.speed_percent.is_some() {
         "nobody has weighed what this pump delivers"
     } else {
@@ -99,8 +101,21 @@ pub(in crate::dosing) fn unweighed_pump(file: &PumpFile, applied: Option<&Applie
     Some(weigh_first(fact))
 }
 
-/// Warns of a pump file that states the built-in pump's uncertainty under another name.
+/// Warns of a pump file that states the built-in pump's uncertainty for another head, so that another one counts.
+fn replaced_uncertainty(file: &PumpFile) -> Option<Notice> {
+    let own = &file.uncertainty;
+    let (model, speed) = (own.model_percent, own.speed_percent.filter(|_| own.replaces_papers)?);
+    Some(weigh_first(&format!(
+        "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, and its head is another; \
+         {model} % of the volume and {speed} % at a speed count in place of it, as of a pump that nobody weighed"
+    )))
+}
+
+/// Warns of a pump file that states the built-in pump's uncertainty under another name, or for another head.
 pub(crate) fn copied_uncertainty(file: &PumpFile) -> Option<Notice> {
+    if let Some(notice) = replaced_uncertainty(file) {
+        return Some(notice);
+    }
     let stated = &file.uncertainty;
     let paper = built_in("three-roller").filter(|_| built_in(&file.pump.id).is_none())?;
     let is_copy = stated.speed_percent.is_none() && stated.model_percent == paper.uncertainty.model_percent;

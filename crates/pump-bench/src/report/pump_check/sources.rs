@@ -64,7 +64,7 @@ fn values(file: &PumpFile, used: Option<&Calibration>) -> [(&'static str, Source
     let is_drawn = matches!(file.roller_volume, Some(RollerVolumeTable::Drawing));
     let geometry = file.model().ok().map(|model| *model.geometry()).filter(|_| is_drawn);
     let uncertainties = match geometry {
-        _ if file.uncertainty.is_assumed() => Source::Assumed,
+        _ if file.uncertainty.is_assumed() || file.uncertainty.replaces_papers => Source::Assumed,
         Some(geometry) if is_of_drawing(&file.uncertainty, &geometry) => Source::Estimated,
         _ => Source::Given,
     };
