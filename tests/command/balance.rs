@@ -28,6 +28,8 @@ enum Speech {
     NeverStill,
     /// It sends lines that answer no question, without end.
     Flood,
+    /// It answers with bytes that end no line, as another speed of the line makes of an answer.
+    Noise,
 }
 
 /// A balance at a pseudo-terminal. It shows the volume that the record of the pump counts, times [`KAPPA`].
@@ -93,7 +95,9 @@ fn answer(question: &[u8], speech: Speech, mass_g: f64, is_still: bool) -> Strin
             format!("+{mass_g:>10.2} {}\r\n", if is_still { "g  " } else { "   " })
         }
         (Speech::Garbage, _) => "S S  \u{fffd}\u{7}12,3,4 oz\r\n".to_owned(),
-        (Speech::Silent | Speech::Flood, _) => String::new(),
+        (Speech::Noise, _) => "\u{1}\u{2}~x".to_owned(),
+        // A balance of SBI knows no other question, and says nothing.
+        (Speech::Silent | Speech::Flood | Speech::Sbi, _) => String::new(),
         _ => "ES\r\n".to_owned(),
     }
 }
@@ -168,6 +172,27 @@ fn a_balance_that_cannot_be_read_moves_nothing() {
     assert!(said.contains("within 2 s") && said.contains("I4 A"), "{said}");
     let journal = fs::read_to_string(journal(&user)).unwrap_or_default();
     assert!(!journal.contains("intent"), "{journal}");
+}
+
+#[test]
+fn a_balance_that_does_not_speak_the_protocol_is_told_within_seconds() {
+    let run = ["calibrate", "run", "--speeds", "10rpm", "--runs", "1", "--scale-port"];
+    let check = "--scale-protocol and --scale-line";
+    for (speech, parts) in [
+        (Speech::Sbi, ["asked in mt-sics and said `+", "which is sbi; name the balance's own protocol"]),
+        (Speech::Silent, ["said nothing within 5 s when it was asked in mt-sics", check]),
+        (Speech::Flood, ["within 5 s it sent only `I4 A", check]),
+        (Speech::Noise, ["within 5 s it sent only `\\x01\\x02~x`", check]),
+    ] {
+        let user = User::new();
+        let balance = SimulatedBalance::start(journal(&user), speech);
+        let begins = Instant::now();
+        let said = user.is_refused(&[&run[..], &[&balance.path]].concat());
+        let took = begins.elapsed();
+        assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+        // A busy computer adds to the 5 s, and not up to the 60 s for which a balance may move.
+        assert!(took < Duration::from_secs(30), "{took:?}");
+    }
 }
 
 #[test]

@@ -50,6 +50,19 @@ pub enum BalanceError {
         /// Name of the protocol.
         protocol: &'static str,
     },
+    /// The balance at a serial port sent nothing that its protocol has.
+    #[error(
+        "the balance was asked in {protocol}, and within {} s it sent only `{said}`, which {protocol} does not have",
+        .within.as_secs()
+    )]
+    Unintelligible {
+        /// Time that was waited.
+        within: Duration,
+        /// Name of the protocol.
+        protocol: &'static str,
+        /// Last words or bytes of the balance.
+        said: String,
+    },
     /// The balance answers in another protocol than it was asked in.
     #[error("the balance was asked in {asked} and said `{said}`, which is {seen}")]
     OtherProtocol {

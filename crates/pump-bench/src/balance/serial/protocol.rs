@@ -47,6 +47,12 @@ impl Protocol {
         }
     }
 
+    /// Returns true if a balance of this protocol answers each question at once. One of SBI may be set to print a mass
+    /// only once it stands still, and is silent until then.
+    pub(super) fn answers_at_once(self) -> bool {
+        self == Self::MtSics
+    }
+
     /// Reads a line of the balance. `unit` is that of the last mass that stood still: SBI leaves the unit out while the
     /// balance moves.
     pub(super) fn answer(self, line: &str, unit: &str) -> Result<Answer, BalanceError> {
@@ -58,7 +64,7 @@ impl Protocol {
 }
 
 /// Returns the error of a balance that speaks `seen` where it was asked in `asked`.
-fn other_protocol(asked: Protocol, seen: Protocol, line: &str) -> BalanceError {
+pub(super) fn other_protocol(asked: Protocol, seen: Protocol, line: &str) -> BalanceError {
     BalanceError::OtherProtocol { asked: asked.as_str(), seen: seen.as_str(), said: shown_line(line) }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serialport::{DataBits, Parity, SerialPort};
 
 use super::line::{Framing, SerialLine};
-use super::protocol::{Answer, Protocol};
+use super::protocol::{Answer, Protocol, other_protocol};
 use crate::balance::words::shown_line;
 use crate::balance::{Balance, BalanceError, BalanceReading};
 use crate::drives::StopRequest;
@@ -17,6 +17,9 @@ const BETWEEN: Duration = Duration::from_millis(100);
 
 /// Longest wait for the answer to a question before the balance is asked again.
 const ANSWER: Duration = Duration::from_millis(1000);
+
+/// Longest wait for the first answer that the protocol knows, where it answers at once.
+const FIRST_ANSWER: Duration = Duration::from_secs(5);
 
 /// Longest wait for bytes.
 const LOOK: Duration = Duration::from_millis(50);
@@ -112,8 +115,12 @@ impl SerialBalance {
         is_wanted: impl Fn(Answer) -> Option<BalanceReading>,
     ) -> Result<BalanceReading, BalanceError> {
         let mut waited = Duration::ZERO;
-        let mut last: Option<String> = None;
-        while waited < longest {
+        let (mut last, mut strange): (Option<String>, Option<String>) = (None, None);
+        let first = longest.min(FIRST_ANSWER);
+        let patience = |is_known: bool, is_strange: bool, protocol: Protocol| {
+            if !is_known && (is_strange || protocol.answers_at_once()) { first } else { longest }
+        };
+        while waited < patience(last.is_some(), strange.is_some(), self.protocol) {
             self.ask()?;
             let asked = waited;
             let mut looked = Instant::now();
@@ -131,7 +138,8 @@ impl SerialBalance {
                     continue;
                 }
                 let answer = self.protocol.answer(&line, &self.unit)?;
-                last = Some(shown_line(&line));
+                let said = if answer == Answer::Other { &mut strange } else { &mut last };
+                *said = Some(shown_line(&line));
                 if matches!(answer, Answer::Still(_)) {
                     self.unit = unit_of(&line).to_owned();
                 }
@@ -141,13 +149,43 @@ impl SerialBalance {
                     (None, _) => break,
                 }
             }
+            if !self.begun.is_empty() {
+                strange = Some(shown_line(&self.begun.escape_ascii().to_string()));
+            }
             std::thread::sleep(between);
             waited += between;
         }
-        Err(match last {
-            Some(last) => BalanceError::NotStill { within: longest, last },
-            None => BalanceError::Unanswered { within: longest, protocol: self.protocol.as_str() },
-        })
+        let within = patience(last.is_some(), strange.is_some(), self.protocol);
+        let protocol = self.protocol.as_str();
+        if let Some(last) = last {
+            return Err(BalanceError::NotStill { within, last });
+        }
+        if let Some(said) = strange {
+            return Err(BalanceError::Unintelligible { within, protocol, said });
+        }
+        if waited >= FIRST_ANSWER && self.protocol == Protocol::MtSics {
+            self.refuse_sbi(stop)?;
+        }
+        Err(BalanceError::Unanswered { within, protocol })
+    }
+
+    /// Refuses a balance that is silent when it is asked in MT-SICS, and answers a question of SBI.
+    fn refuse_sbi(&mut self, stop: &StopRequest) -> Result<(), BalanceError> {
+        let asked = std::mem::replace(&mut self.protocol, Protocol::Sbi);
+        let question = self.ask();
+        self.protocol = asked;
+        question?;
+        let begins = Instant::now();
+        while begins.elapsed() < ANSWER {
+            if stop.is_made() {
+                return Err(BalanceError::Stopped);
+            }
+            let Some(line) = self.line()? else { continue };
+            if let Ok(Answer::Still(_) | Answer::Moving(Some(_))) = Protocol::Sbi.answer(&line, &self.unit) {
+                return Err(other_protocol(asked, Protocol::Sbi, &line));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -86,7 +86,10 @@ impl Readings {
             }
             // A wait counts for no more than it was to last: a busy computer is no silent balance.
             Err(
-                BalanceError::Silent { .. } | BalanceError::Unanswered { .. } | BalanceError::NotStill { .. },
+                BalanceError::Silent { .. }
+                | BalanceError::Unanswered { .. }
+                | BalanceError::Unintelligible { .. }
+                | BalanceError::NotStill { .. },
             ) => {
                 seen.silent += listened + BETWEEN;
                 true

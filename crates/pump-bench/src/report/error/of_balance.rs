@@ -17,7 +17,9 @@ impl Explain for BalanceError {
             Self::Unreadable { said } | Self::NoUnit { said } => {
                 facts.value(said).allowed("a number with kg, g or mg")
             }
-            Self::OutOfRange { said, .. } | Self::Refused { said } => facts.value(said),
+            Self::OutOfRange { said, .. } | Self::Refused { said } | Self::Unintelligible { said, .. } => {
+                facts.value(said)
+            }
             Self::NotStill { last, .. } => facts.value(last),
             Self::Silent { .. } => facts,
             Self::Stopped => ErrorFacts::of(ErrorKind::Stopped),

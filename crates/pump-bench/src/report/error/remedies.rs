@@ -109,7 +109,7 @@ impl BalanceError {
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
         match self {
             Self::OtherProtocol { .. } => vec![Remedy::OtherProtocol],
-            Self::Unanswered { .. } => vec![Remedy::CheckBalance],
+            Self::Unanswered { .. } | Self::Unintelligible { .. } => vec![Remedy::CheckBalance],
             Self::AtBoard { .. } => vec![Remedy::OtherScalePort],
             _ => Vec::new(),
         }
