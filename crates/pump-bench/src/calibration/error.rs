@@ -180,6 +180,25 @@ pub enum CalibrationError {
         /// Model volume, in mL.
         model_ml: f64,
     },
+    /// The reading of the last dose cannot be right.
+    #[error(
+        "the reading is {} mL of {fluid}, {} times the {} mL that the last dose was to deliver; allowed: half to twice \
+         of it, {} to {} mL; check its unit, the tare, that the vessel held this dose alone, and the fluid; a motor \
+         with other steps per revolution than the pump file's makes such a difference too",
+        significant(*measured_ml, 5),
+        significant(measured_ml / planned_ml, 3),
+        significant(*planned_ml, 5),
+        significant(0.5 * planned_ml, 4),
+        significant(2.0 * planned_ml, 4)
+    )]
+    ImplausibleReading {
+        /// Volume of the reading, in mL.
+        measured_ml: f64,
+        /// Volume of the dose by the model, in mL.
+        planned_ml: f64,
+        /// Name of the fluid whose density made a volume of the mass.
+        fluid: String,
+    },
     /// The density of the fluid is not known at this temperature.
     #[error(
         "{fluid} was weighed at {temperature_degc} °C, but its density is known at {known_degc} °C; put \

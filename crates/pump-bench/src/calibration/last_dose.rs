@@ -240,7 +240,8 @@ impl WeighedDose {
         };
         let expected = weighing.expected.with_angle_ml(angle_ml).with_density(density);
         // A mistake in a unit is told before anything else.
-        run.volumes_ml(&pump, &Weighing::of(file), 1)?;
+        let likely = run.volumes_ml(&pump, &Weighing::of(file), 1);
+        likely.map_err(|error| error.of_last_dose(&file.fluid.name))?;
         let runs = run.clone().beside(active, weighing.earlier, &file.fluid.name)?;
         let replaced = active.filter(|_| weighing.earlier != Earlier::Left).and_then(|active| {
             let earlier = active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run));
@@ -270,6 +271,16 @@ impl WeighedDose {
 }
 
 impl CalibrationError {
+    /// Returns the error of the one dose that was weighed, in place of that of a run.
+    fn of_last_dose(self, fluid: &str) -> Self {
+        match self {
+            Self::Implausible { measured_ml, model_ml: planned_ml, .. } => {
+                Self::ImplausibleReading { measured_ml, planned_ml, fluid: fluid.to_owned() }
+            }
+            error => error,
+        }
+    }
+
     /// Returns the error with the volumes of whole pitches by the calibration that doses use.
     fn by_calibration(self, in_use: Option<&Stored>, last: Option<LastDose>, pump: &Pump) -> Self {
         let mut error = self;

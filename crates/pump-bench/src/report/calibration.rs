@@ -233,17 +233,25 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
 /// prior is right, two doses scatter so by chance in one of 16,000 cases.
 const SLIP: f64 = 4.0;
 
-/// Says that a few weighed doses scatter by so much that one of their readings is hardly right.
+/// Scatter of a few weighed doses over the one that their prior states from which on it is told. If the prior is right,
+/// two doses scatter so by chance in one of 22 cases.
+const WIDE: f64 = 2.0;
+
+/// Says that a few weighed doses scatter by more than was expected, or by so much that one of their readings is hardly
+/// right.
 fn slip(found: &Displacement) -> Option<String> {
     let (scatter, prior) = (found.scatter.standard()?, found.prior?);
-    (prior.rests_on_few() && scatter > SLIP * prior.standard).then(|| {
-        format!(
-            "the weighed doses scatter by {} %, and {} % were expected: one of them is hardly right, by its reading, a \
-             tare, a drop or air in the line; weigh anew before you rely on it",
-            two_digits(100.0 * scatter),
-            two_digits(100.0 * prior.standard)
-        )
-    })
+    let meaning = match scatter / prior.standard {
+        _ if !prior.rests_on_few() => return None,
+        times if times > SLIP => {
+            "one of them is hardly right, by its reading, a tare, a drop or air in the line; weigh anew before you rely \
+             on it"
+        }
+        times if times > WIDE => "one more dose shows if a reading slipped, or if this pump scatters more",
+        _ => return None,
+    };
+    let [scatter, expected] = [scatter, prior.standard].map(|part| two_digits(100.0 * part));
+    Some(format!("the weighed doses scatter by {scatter} %, and {expected} % were expected: {meaning}"))
 }
 
 /// Says that weighed doses which show the volume less well than the model are not used, and what would use them.

@@ -193,6 +193,7 @@ impl CalibrationError {
             | Self::TooFew { .. }
             | Self::UnknownAngle { .. }
             | Self::Implausible { .. }
+            | Self::ImplausibleReading { .. }
             | Self::UnlikelyReading { .. }
             | Self::FluidTemperature { .. }
             | Self::NoSpeed { .. }
