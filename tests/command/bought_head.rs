@@ -250,3 +250,17 @@ fn a_head_that_was_changed_in_a_copy_of_the_built_in_file_has_the_uncertainty_of
     );
     assert!(!user.types(&["pumps", "check", "three-roller"]).out.contains(said));
 }
+
+#[test]
+fn a_bought_head_is_not_drawn_and_the_refusal_says_why() {
+    let user = User::new();
+    for (words, option) in [
+        (&["--ml-per-rev", "0.5mL", "--rollers", "4"][..], "--ml-per-rev"),
+        (&["--head", "masterflex-ls-16", "--rollers", "4"], "--head"),
+    ] {
+        let refused = user.is_refused(&[&["pumps", "new"], words, &["--plot", "head.svg"]].concat());
+        let said =
+            format!("--plot draws the dimensions of a head, and {option} gives none; leave --plot out");
+        assert!(refused.contains(&said) && !user.path("head.svg").exists(), "{refused}");
+    }
+}

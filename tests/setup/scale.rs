@@ -276,5 +276,8 @@ fn an_option_asks_for_one_more_dose_of_a_pump_that_is_set_up() {
     assert!(again.code == 0 && again.out.contains("3 runs at"), "{}{}", again.out, again.err);
     assert_eq!((doses(&desk), std::fs::read_to_string(&path).unwrap()), (3 * first, edited));
     let both = desk.types(&["setup", "acid", "--again", "--weight", "4.93g"]);
-    assert!(both.code == 2 && both.err.contains("cannot be used with"), "{}", both.err);
+    let said =
+        "--weight is that of the dose in the vessel, and --again leaves that dose and makes another one";
+    assert!(both.code == 2 && both.err.contains(said), "{}", both.err);
+    assert_eq!(doses(&desk), 3 * first);
 }

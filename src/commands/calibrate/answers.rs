@@ -46,15 +46,17 @@ impl Answers {
         Self { lines }
     }
 
-    /// Asks for what the scale shows until the answer can be used: a mass or a volume, `redo` or `quit`.
+    /// Asks for what the scale shows until the answer can be used: a mass or a volume, `redo` or `quit`. `example` has
+    /// readings as they are typed.
     pub(super) fn reading(
         &self,
         question: &str,
+        example: &str,
         session: &mut Session<'_>,
         interrupt: &Interrupt,
     ) -> Result<Answer, Failure> {
         loop {
-            say(&format!("{question} (as 42.51g or 42.6mL; redo, quit): "));
+            say(&format!("{question} (as {example}; redo, quit): "));
             match self.line(session, interrupt)?.trim() {
                 "redo" => return Ok(Answer::Redo),
                 "quit" => return Ok(Answer::Quit),
@@ -96,6 +98,16 @@ impl Answers {
 /// The failure of a question that nobody can answer any more.
 fn no_answer(session: &Session<'_>, message: &str) -> Failure {
     Failure::failed(ErrorKind::Input, message).of_session(session)
+}
+
+/// Readings as they are typed, near those of an expected volume in mL: a mass, if the density is known, or a volume.
+pub(super) fn example(weighing: &Weighing<'_>, expected_ml: f64) -> String {
+    let digits = |value: f64, more: usize| format!("{value:.more$e}").parse::<f64>().unwrap_or(value);
+    let volume = format!("{}mL", digits(expected_ml, 2));
+    match weighing.reading_g(expected_ml) {
+        Some(mass_g) => format!("{}g or {volume}", digits(mass_g, 3)),
+        None => volume,
+    }
 }
 
 /// Volume of a reading, mL.

@@ -10,7 +10,7 @@ use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
 use pump_model::units::{degrees, rad_s};
 
-use super::answers::Answer;
+use super::answers::{Answer, example};
 use super::course::{GuidedCourse, short};
 use super::scale::Scale;
 use crate::advice;
@@ -244,8 +244,9 @@ impl Guide<'_, '_> {
             }
             let plan = &prepared.plan;
             let known = plan.start().is_known(self.bench.model().pitch_rad());
+            let example = example(&Weighing::of(self.bench.file()), plan.planned_ml());
             loop {
-                let answer = self.scale.reading(title, &mut self.session, &self.interrupt)?;
+                let answer = self.scale.reading(title, &example, &mut self.session, &self.interrupt)?;
                 let (reading, digit) = match answer {
                     Answer::Read(reading, digit) => (reading, digit),
                     Answer::Redo => break,

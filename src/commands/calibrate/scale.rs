@@ -45,15 +45,17 @@ impl Scale {
         Ok(())
     }
 
-    /// Returns what arrived in the vessel since [`Self::before`].
+    /// Returns what arrived in the vessel since [`Self::before`]. `example` has readings as a
+    /// person types them.
     pub(super) fn reading(
         &mut self,
         question: &str,
+        example: &str,
         session: &mut Session<'_>,
         interrupt: &Interrupt,
     ) -> Result<Answer, Failure> {
         match self {
-            Self::Person(answers) => answers.reading(question, session, interrupt),
+            Self::Person(answers) => answers.reading(question, example, session, interrupt),
             Self::Balance { balance, before, longest, digit_g } => {
                 let after = read_still(balance.as_mut(), *longest)?;
                 *digit_g = digit_g.max(after.step_g);

@@ -8,7 +8,7 @@ use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount, count};
 use pump_bench::{Bench, DoseRequest, Session};
 
-use super::answers::{Answer, volume_ml};
+use super::answers::{Answer, example, volume_ml};
 use super::reading::{in_table, read};
 use super::scale::Scale;
 use crate::commands::delivery::deliver;
@@ -158,7 +158,7 @@ impl VerifyArgs {
                     "stopped by the user in a dose; `dose resume` makes the rest, `dose accept` leaves it",
                 ));
             }
-            match scale.reading(&title, session, &interrupt)? {
+            match scale.reading(&title, &example(&weighing, nominal_ml), session, &interrupt)? {
                 Answer::Read(reading, _) => {
                     // The carry that a dose repays or leaves is no error of the pump.
                     let carried_ml = prepared.plan.planned_ml() - nominal_ml;

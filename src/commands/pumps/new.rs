@@ -53,13 +53,13 @@ pub(crate) struct NewArgs {
     pub(super) rollers: Option<u32>,
     /// Volume of a revolution of a bought head in place of a drawing, as 0.5mL
     #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
-    #[arg(conflicts_with_all = ["head", "hose", "roller_volume_points", "plot"])]
+    #[arg(conflicts_with_all = ["head", "hose", "roller_volume_points"])]
     pub(super) ml_per_rev: Option<f64>,
     /// Diameter of the tube's bore beside --ml-per-rev, as 1.6mm
     #[arg(long, value_name = "LENGTH", value_parser = units::length_mm, requires = "ml_per_rev")]
     pub(super) bore: Option<f64>,
     /// Bought head of the catalogue in place of a drawing, as masterflex-ls-16 (`dose pumps list --catalogue`)
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["hose", "roller_volume_points", "plot"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["hose", "roller_volume_points"])]
     pub(super) head: Option<String>,
     /// Name of the pump in records [default: after FILE's name, or my-pump]
     #[arg(long)]
@@ -125,8 +125,26 @@ impl NewArgs {
         Ok(())
     }
 
+    /// Refuses to draw a bought head, of which no dimension is known.
+    fn refuse_plot_of_bought(&self) -> Result<(), Failure> {
+        let bought = match (&self.head, self.ml_per_rev) {
+            (Some(_), _) => "--head",
+            (None, Some(_)) => "--ml-per-rev",
+            (None, None) => return Ok(()),
+        };
+        if self.plot.is_none() {
+            return Ok(());
+        }
+        let refused = format!(
+            "--plot draws the dimensions of a head, and {bought} gives none; leave --plot out, or give the drawing: \
+             --tube, --backplate, --roller, --offset, --contact"
+        );
+        Err(Failure::refused(refused).value(bought).allowed("a head by its drawing"))
+    }
+
     /// Writes the file, or refuses a pump that cannot work.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        self.refuse_plot_of_bought()?;
         let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
         let state_dir = self.record.folder(&self.config.config()?);

@@ -58,7 +58,7 @@ pub(crate) struct SetupArgs {
     #[arg(long)]
     yes: bool,
     /// Dose once more: one more dose to weigh, or another in place of one that nobody has weighed
-    #[arg(long, conflicts_with_all = ["weight", "no_motion"])]
+    #[arg(long, conflicts_with = "no_motion")]
     again: bool,
     /// Write the pump file, and move nothing
     #[arg(long)]
@@ -178,6 +178,7 @@ impl SetupArgs {
         }
         let mut answers = course.answers.clone();
         self.refuse_like(&answers)?;
+        self.refuse_weight_of_dose_to_come()?;
         self.answers.write_to(&mut answers)?;
         if let Some(last) = course.last.as_ref().filter(|_| self.like.is_some()) {
             answers.take_missing(last);
@@ -256,6 +257,18 @@ impl SetupArgs {
              of its own",
             answers.name
         )))
+    }
+
+    /// Refuses a weight beside another dose: it may be that of the one in the vessel, which --again leaves.
+    fn refuse_weight_of_dose_to_come(&self) -> Result<(), Failure> {
+        if !self.again || self.answers.weight.is_none() {
+            return Ok(());
+        }
+        let refused = Failure::refused(
+            "--weight is that of the dose in the vessel, and --again leaves that dose and makes another one; say \
+             --weight alone to keep it, or --again alone and the weight after the dose",
+        );
+        Err(refused.value("--again beside --weight").allowed("one of them"))
     }
 
     /// Refuses the weight of a dose that a real pump has not made yet. On a simulated one it is a made-up reading.

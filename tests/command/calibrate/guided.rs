@@ -130,9 +130,10 @@ fn a_reading_that_cannot_be_recorded_is_repeated_to_the_person() {
             text.push(char::from(byte[0]));
         }
     };
-    until("trial run (as 42.51g or 42.6mL; redo, quit): ", &mut text);
+    // A pitch of 7.106 mL of water at 25 °C, of which a gram has 1.0038 mL.
+    until("trial run (as 7.08g or 7.11mL; redo, quit): ", &mut text);
     typed.write_all(b"7.1mL\n").unwrap();
-    until("run 1 of 2, 60 r/min (as 42.51g or 42.6mL; redo, quit): ", &mut text);
+    until("run 1 of 2, 60 r/min (as 7.08g or 7.11mL; redo, quit): ", &mut text);
     // A folder stands in the place of the log: nothing can be appended.
     let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
     fs::remove_file(&log).unwrap();

@@ -27,13 +27,13 @@ fn lost_and_found(stands: &PumpState, count: Option<i64>) -> Option<(Unfinished,
 /// Returns the note that a device was moved by another program, or that its direction was turned round: it then counts
 /// the steps on record with the other sign.
 fn moved_elsewhere(before: i64, now: i64) -> Notice {
-    let cause = match now.checked_neg() == Some(before) {
-        true => "its direction was turned round",
-        false => "something else has moved it",
+    let text = match now.checked_neg() == Some(before) {
+        true => "the motor's direction was turned round, so nobody knows where the rollers stand".to_owned(),
+        false => format!(
+            "the device counts {now} steps, and {before} are on record: something else has moved it; the rollers' \
+             angle is unknown"
+        ),
     };
-    let text = format!(
-        "the device counts {now} steps, and {before} are on record: {cause}; the rollers' angle is unknown"
-    );
     Notice::from(text).with_remedy(Remedy::FindAngle)
 }
 

@@ -83,7 +83,7 @@ impl<'a> Weighing<'a> {
 
     /// Returns the reading, in g, of a balance in this air for a volume in mL of fluid at the pump file's
     /// temperature. Returns `None` if the density of the fluid is not known.
-    pub(crate) fn reading_g(&self, volume_ml: f64) -> Option<f64> {
+    pub fn reading_g(&self, volume_ml: f64) -> Option<f64> {
         Some(volume_ml / self.volume_ml(1.0, self.fluid.temperature_degc).ok()?)
     }
 

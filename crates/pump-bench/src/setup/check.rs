@@ -9,13 +9,10 @@ use crate::config::Config;
 use crate::drives::grbl_speeds::{LEAST_STEPS_S, MOST_STEPS_S};
 use crate::heads::possible_ml;
 use crate::pump_file::{AmbientTable, DriverName, most_lift_mm};
+use crate::sizing::LONGEST_PITCH_S;
 
 /// Temperature of the water that is lifted, in °C.
 const WATER_DEGC: f64 = 25.0;
-
-/// Longest time of a pitch at the usual rate, in s: a setup moves no longer at once, and its weighed dose is a pitch at
-/// least.
-const LONGEST_PITCH_S: f64 = 3600.0;
 
 impl Answers {
     /// Refuses the first answer that cannot be, by itself or beside the others. An answer that is missing contradicts

@@ -25,5 +25,6 @@ pub use error::{Shortfall, SizingError, WouldDo};
 pub use largest_pressure::{LargestPressure, PressureSource};
 pub use line::{FlowLaw, SizedLine};
 pub use pulsation::Pulsation;
+pub(crate) use sizing::LONGEST_PITCH_S;
 pub use sizing::{SizedHead, Sizing};
 pub use suction::Suction;

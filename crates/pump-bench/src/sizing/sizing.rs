@@ -27,6 +27,9 @@ use super::suction::{Suction, suction};
 const TRIED: usize = 12;
 const NAMED: usize = 3;
 
+/// Longest time of a pitch, in s, at which a flow is one. Beyond it the liquid comes in lumps that are an hour apart.
+pub(crate) const LONGEST_PITCH_S: f64 = 3600.0;
+
 /// Friction in the pump's own tube that is noted, in kPa.
 const NOTED_KPA: f64 = 1.0;
 
@@ -260,7 +263,21 @@ fn warnings(at: &Operating, suction: &Suction, steady: &SteadyState, pulsation: 
         ))
     });
     let of_pump = file.resistance_warning().into_iter().chain(overlap).chain(sucks).chain(own);
-    of_pump.chain(hose).chain(swings(at, pulsation)).collect()
+    of_pump.chain(hose).chain(slow(at)).chain(swings(at, pulsation)).collect()
+}
+
+/// Warns of a head that is far too large for the flow: it turns so slowly that the flow comes in lumps.
+fn slow(at: &Operating) -> Option<Notice> {
+    let pitch_s = at.pump.pitch_rad() / at.speed_rad_s;
+    (pitch_s > LONGEST_PITCH_S).then(|| {
+        Notice::from(format!(
+            "the head turns at {} r/min, and a pitch takes {} h: it is far too large for this flow, which comes in \
+             lumps of {} mL; look at the unit of the flow, or take a head with less volume per revolution",
+            significant(rpm(at.speed_rad_s), 2),
+            significant(pitch_s / 3600.0, 2),
+            significant(at.pump.revolution_ml() * at.pump.pitch_rad() / std::f64::consts::TAU, 2)
+        ))
+    })
 }
 
 /// Warns of a line that swings with the rollers' pulses, so that the flow at its end pulsates more than at the rollers.

@@ -55,6 +55,23 @@ fn friction_lift_and_margin_are_those_by_hand() {
 }
 
 #[test]
+fn a_head_that_takes_an_hour_for_a_pitch_is_told_to_be_too_large() {
+    let head = bought_head("masterflex-ls-16").unwrap();
+    let warned = |flow_ml_s: f64| {
+        let lines = duty("1.6x4.8mm,1m", "1.6x4.8mm,1m");
+        let sizing = Sizing::of_head(head, 4, &Duty { flow_ml_s, ..lines }).unwrap();
+        let said = sizing.warnings.iter().map(|warning| warning.text().to_owned());
+        said.filter(|text| text.contains("far too large for this flow")).collect::<Vec<_>>()
+    };
+    // A pitch has 0.8 mL/4: in 1 h at 0.2 mL/h, in 10 h at 0.02 mL/h, where 0.8 mL take 40 h.
+    let hour_ml_s = 0.2 / 3600.0;
+    assert!(warned(1.01 * hour_ml_s).is_empty());
+    let said = warned(0.1 * hour_ml_s);
+    assert!(said[0].contains("at 0.00042 r/min, and a pitch takes 10 h"), "{said:?}");
+    assert!(said[0].contains("lumps of 0.2 mL") && said.len() == 1, "{said:?}");
+}
+
+#[test]
 fn a_thick_fluid_chooses_a_head_whose_own_tube_lets_it_in() {
     let thick = duty("6x10mm,1m", "6x10mm,3m").with_fluid(Some("glycerol 99%".to_owned()), Some(25.0));
     let sizing = Sizing::of_catalogue(&thick).unwrap();
