@@ -167,7 +167,7 @@ fn a_turn_that_falls_short_corrects_the_steps() {
     // A number that no motor has is asked for again, and the turn that was seen is not forgotten.
     let range = "allowed: 4 to 100000000\n";
     for told in [
-        "`many` is no whole number of steps",
+        "number of steps per revolution is many; allowed: whole numbers from 4 to 100000000",
         &format!("[motor] steps_per_rev is 1; {range}"),
         &format!("[motor] steps_per_rev is 200000000; {range}"),
     ] {

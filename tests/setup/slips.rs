@@ -266,7 +266,11 @@ fn a_count_of_rollers_that_no_head_has_is_refused_without_a_word_of_a_file() {
     for head in [&["--ml-per-rev", "0.5mL"][..], &["--head", "masterflex-ls-16"]] {
         let refused = desk.types(&[&["setup", "acid", "--rollers", "0"], head, &SIM].concat());
         assert_eq!(refused.code, 2, "{}", refused.err);
-        assert!(refused.err.contains("number of rollers is 0; allowed: 1 to 1000"), "{}", refused.err);
+        assert!(
+            refused.err.contains("number of rollers is 0; allowed: whole numbers from 1 to 1000"),
+            "{}",
+            refused.err
+        );
         assert!(!refused.err.contains("file"), "{}", refused.err);
     }
 }

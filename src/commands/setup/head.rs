@@ -155,7 +155,7 @@ fn rollers_question(usual: Option<Usual>) -> Question<'static> {
 }
 
 fn count(answer: &str) -> Result<u32, String> {
-    answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"))
+    units::count("number of rollers", units::ROLLERS)(answer).map_err(|error| error.to_string())
 }
 
 /// Asks for the rollers and the dimensions of a drawing until they contradict one another no more: any of them may be

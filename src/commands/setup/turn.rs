@@ -7,6 +7,7 @@ use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::DriverName;
 use pump_bench::report::Explain;
 use pump_bench::setup::Answers;
+use pump_bench::units::{STEPS_PER_REV, count};
 use pump_model::units::rad_s;
 
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
@@ -263,7 +264,8 @@ fn see_turn(course: &mut Course, turned_said: &mut Option<f64>) -> Asked<()> {
     };
     let before = course.answers.clone();
     let answers = course.asker.ask(&question, |answer| {
-        let steps: u32 = answer.parse().map_err(|_| format!("`{answer}` is no whole number of steps"))?;
+        let steps = count("number of steps per revolution", STEPS_PER_REV)(answer)
+            .map_err(|error| error.to_string())?;
         let mut answers = before.clone();
         if steps == corrected.steps_per_rev {
             answers.correct_steps(corrected);

@@ -244,8 +244,8 @@ fn slip(found: &Displacement) -> Option<String> {
     let meaning = match scatter / prior.standard {
         _ if !prior.rests_on_few() => return None,
         times if times > SLIP => {
-            "one of them is hardly right, by its reading, a tare, a drop or air in the line; weigh anew before you rely \
-             on it"
+            "one of them is hardly right, by its reading, a tare, a drop or air in the line; weigh anew before you \
+             rely on it"
         }
         times if times > WIDE => "one more dose shows if a reading slipped, or if this pump scatters more",
         _ => return None,

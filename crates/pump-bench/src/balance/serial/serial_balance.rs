@@ -149,7 +149,8 @@ impl SerialBalance {
                     (None, _) => break,
                 }
             }
-            if !self.begun.is_empty() {
+            // A whole line tells more than a part of one.
+            if strange.is_none() && !self.begun.is_empty() {
                 strange = Some(shown_line(&self.begun.escape_ascii().to_string()));
             }
             std::thread::sleep(between);
