@@ -165,13 +165,10 @@ fn a_turn_that_falls_short_corrects_the_steps() {
     });
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     // A number that no motor has is asked for again, and the turn that was seen is not forgotten.
-    let range = "allowed: 4 to 100000000\n";
-    for told in [
-        "number of steps per revolution is many; allowed: whole numbers from 4 to 100000000",
-        &format!("[motor] steps_per_rev is 1; {range}"),
-        &format!("[motor] steps_per_rev is 200000000; {range}"),
-    ] {
-        assert!(ended.err.contains(told), "{told}: {}", ended.err);
+    for said in ["many", "1", "200000000"] {
+        let told =
+            format!("number of steps per revolution is {said}; allowed: whole numbers from 4 to 100000000\n");
+        assert!(ended.err.contains(&told), "{told}: {}", ended.err);
     }
     assert!(ended.err.contains("about 12800 steps, that is 64 microsteps, and not 3200"), "{}", ended.err);
     let turns = ended.asked.iter().filter(|question| question.starts_with("Did the line")).count();

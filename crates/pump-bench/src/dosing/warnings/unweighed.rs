@@ -107,7 +107,8 @@ fn replaced_uncertainty(file: &PumpFile) -> Option<Notice> {
     let (model, speed) = (own.model_percent, own.speed_percent.filter(|_| own.replaces_papers)?);
     Some(weigh_first(&format!(
         "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, and its head is \
-         another; {model} % of the volume and {speed} % at a speed count in place of it, as of a pump that nobody weighed"
+         another; {model} % of the volume and {speed} % at a speed count in place of it, as of a pump that nobody \
+         weighed"
     )))
 }
 
