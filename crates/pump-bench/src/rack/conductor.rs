@@ -11,7 +11,7 @@ use super::player::{Answer, Order, Played, Player};
 use super::progress::RackProgress;
 use super::rack::Rack;
 use super::report::{RackEnd, RackFault, RackPumpReport, RackReport};
-use super::timetable::{LineSpeeds, Timetable, Timing, appointments};
+use super::timetable::{LineSpeeds, Timetable, Timing, appointments, check_boards};
 use crate::drives::Drive;
 use crate::pump_file::Pace;
 
@@ -77,6 +77,7 @@ impl Rack {
             }
             self.gather(heard, stop, timings, slowed.len())
         })?;
+        check_boards(self, &timetable, &timings)?;
         for (pump, order) in orders.iter().enumerate() {
             let _ = order.send(Order::Check(self.series(pump, &timetable, &timings[pump])));
         }
