@@ -6,6 +6,8 @@ use pump_model::Pump;
 use super::abilities::Abilities;
 use super::drive::Drive;
 use super::error::DriveError;
+#[cfg(all(feature = "grbl", feature = "node"))]
+use super::find;
 #[cfg(feature = "grbl")]
 use super::grbl;
 use super::identity::Identity;
@@ -40,9 +42,12 @@ pub(crate) fn open<'a>(
     model: &'a Pump,
     opening: &Opening,
 ) -> Result<Box<dyn Drive + 'a>, DriveError> {
-    Ok(match table.driver {
-        DriverName::Sim => Box::new(sim::Sim::new(model)?),
-        DriverName::Grbl => grbl::open(table, file, opening)?,
-        DriverName::Node => node::open(table, file, opening)?,
-    })
+    let opened: Result<Box<dyn Drive>, _> = match table.driver {
+        DriverName::Sim => return Ok(Box::new(sim::Sim::new(model)?)),
+        DriverName::Grbl => grbl::open(table, file, opening),
+        DriverName::Node => node::open(table, file, opening),
+    };
+    #[cfg(all(feature = "grbl", feature = "node"))]
+    let opened = opened.map_err(|error| find::told_apart(error, table, &opening.stop));
+    Ok(opened?)
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::thread;
+use std::time::Duration;
 
 use super::board::Board;
 use super::connect;
@@ -12,11 +13,22 @@ use crate::pump_file::{DriveTable, DriverName};
 /// Board that answers at a port: its state, as `Idle`, and the number of axes that it reports, 0 for none.
 pub(in crate::drives) type Answering = (String, u8);
 
-/// Asks the port of `table` for a grbl board, for some seconds at most.
-fn ask(table: &DriveTable, stop: &StopRequest) -> Result<Answering, DriveError> {
+/// Longest wait for the first answer of a board that was opened as another one just before, and has started.
+const STARTED: Duration = Duration::from_secs(2);
+
+/// Asks the port of `table` for a grbl board that has started, as after a drive of another protocol has asked it.
+pub(in crate::drives) fn ask_started(
+    table: &DriveTable,
+    stop: &StopRequest,
+) -> Result<Answering, DriveError> {
+    ask(table, STARTED, stop)
+}
+
+/// Asks the port of `table` for a grbl board, for as long as `limit`.
+fn ask(table: &DriveTable, limit: Duration, stop: &StopRequest) -> Result<Answering, DriveError> {
     let wire = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
     let mut board = Board::new(Box::new(wire), table.axis.number(), stop.clone());
-    connect::find(&mut board, table)?;
+    connect::find(&mut board, table, limit)?;
     let state = board.state(|| ())?.word();
     Ok((state, u8::try_from(board.axes()).unwrap_or(u8::MAX)))
 }
@@ -41,7 +53,7 @@ pub(in crate::drives) fn ask_boards(
     thread::scope(|scope| {
         let asked = ports.iter().map(|port| {
             let table = DriveTable::of(DriverName::Grbl).with_port(port);
-            (port, scope.spawn(move || ask(&table, stop)))
+            (port, scope.spawn(move || ask(&table, connect::ANSWER_LIMIT, stop)))
         });
         let asked: Vec<_> = asked.collect();
         let answers = asked.into_iter().map(|(port, thread)| {
