@@ -3,12 +3,16 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::thread;
+use std::time::Duration;
 
 use super::error::DriveError;
-use super::grbl::{GrblError, ask_boards, ask_started};
+use super::grbl::{self, GrblError, ask_boards};
 use super::stop_request::StopRequest;
 use super::{NodeError, node};
 use crate::pump_file::{Axis, DriveTable, DriverName};
+
+/// Longest wait for a grbl board that a node's driver has asked before: it has started by then.
+const STARTED: Duration = Duration::from_secs(2);
 
 /// Board that was found at a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,8 +104,8 @@ pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Resul
     })
 }
 
-/// Returns the error of a board that is not there as its driver asks it, or that of the other kind of board that answers
-/// at its port. Nothing moves.
+/// Returns the error of a board that is not there as its driver asks it, or that of the other kind of board that
+/// answers at its port. Nothing moves.
 pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopRequest) -> DriveError {
     let DriveError::Device(source) = &error else { return error };
     let Some(port) = &table.port else { return error };
@@ -112,7 +116,7 @@ pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopReque
         DriverName::Grbl if is_no_grbl => ask_node(port, stop),
         DriverName::Node if is_no_node => {
             let table = DriveTable::of(DriverName::Grbl).with_port(port);
-            ask_started(&table, stop).map(|(state, axes)| FoundBoard::Grbl { state, axes })
+            grbl::ask(&table, STARTED, stop).map(|(state, axes)| FoundBoard::Grbl { state, axes })
         }
         _ => return error,
     };

@@ -13,6 +13,8 @@ use super::grbl;
 use super::identity::Identity;
 #[cfg(feature = "node")]
 use super::node;
+#[cfg(not(all(feature = "grbl", feature = "node")))]
+use super::not_built as find;
 #[cfg(not(feature = "grbl"))]
 use super::not_built as grbl;
 #[cfg(not(feature = "node"))]
@@ -47,7 +49,5 @@ pub(crate) fn open<'a>(
         DriverName::Grbl => grbl::open(table, file, opening),
         DriverName::Node => node::open(table, file, opening),
     };
-    #[cfg(all(feature = "grbl", feature = "node"))]
-    let opened = opened.map_err(|error| find::told_apart(error, table, &opening.stop));
-    Ok(opened?)
+    opened.map_err(|error| find::told_apart(error, table, &opening.stop))
 }

@@ -27,7 +27,8 @@ pub(crate) struct PassedTime {
 pub(crate) fn clock_behind(behind_s: u64) -> String {
     let behind = duration(behind_s as f64);
     format!(
-        "the clock is {behind} behind the latest time on record: it was set back, which frees no volume of the last 24 h"
+        "the clock is {behind} behind the latest time on record: it was set back, which frees no volume of the last \
+         24 h"
     )
 }
 

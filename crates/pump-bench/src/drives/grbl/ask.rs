@@ -13,19 +13,12 @@ use crate::pump_file::{DriveTable, DriverName};
 /// Board that answers at a port: its state, as `Idle`, and the number of axes that it reports, 0 for none.
 pub(in crate::drives) type Answering = (String, u8);
 
-/// Longest wait for the first answer of a board that was opened as another one just before, and has started.
-const STARTED: Duration = Duration::from_secs(2);
-
-/// Asks the port of `table` for a grbl board that has started, as after a drive of another protocol has asked it.
-pub(in crate::drives) fn ask_started(
+/// Asks the port of `table` for a grbl board, for as long as `limit`.
+pub(in crate::drives) fn ask(
     table: &DriveTable,
+    limit: Duration,
     stop: &StopRequest,
 ) -> Result<Answering, DriveError> {
-    ask(table, STARTED, stop)
-}
-
-/// Asks the port of `table` for a grbl board, for as long as `limit`.
-fn ask(table: &DriveTable, limit: Duration, stop: &StopRequest) -> Result<Answering, DriveError> {
     let wire = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
     let mut board = Board::new(Box::new(wire), table.axis.number(), stop.clone());
     connect::find(&mut board, table, limit)?;
