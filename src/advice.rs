@@ -92,7 +92,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              alone, and pulsates"
         }
         Remedy::SayExactAngle => {
-            "`dose home --sensor` finds the angle, and `dose home --set <ANGLE> --tolerance 0deg` says it"
+            "`dose home --set <ANGLE> --tolerance 0deg` says the angle; with a sensor, which index_angle_deg in \
+             [drive] names, `dose home --sensor` finds it"
         }
         Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
         Remedy::HomeBySensorOrMark => "say `dose home`",

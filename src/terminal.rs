@@ -136,15 +136,29 @@ pub(crate) fn announced<'a, T>(
     warnings: &[Notice],
     motion: impl FnOnce(&mut Session<'a>) -> T,
 ) -> Result<T, Failure> {
+    announcing(session, json, warnings, motion).map(|(ended, _)| ended)
+}
+
+/// Makes a motion as [`announced`] does. Returns beside its end whether the warnings were told: a motion that was
+/// refused has told none, and no motion of a simulated motor does.
+pub(crate) fn announcing<'a, T>(
+    session: &mut Session<'a>,
+    json: bool,
+    warnings: &[Notice],
+    motion: impl FnOnce(&mut Session<'a>) -> T,
+) -> Result<(T, bool), Failure> {
     let bench = session.bench();
     if bench.is_simulated() {
-        return Ok(motion(session));
+        return Ok((motion(session), false));
     }
     let untold = Arc::new(Mutex::new(None));
     let (failed, warnings) = (Arc::clone(&untold), warnings.to_vec());
+    let told = Arc::new(AtomicBool::new(false));
+    let tells = Arc::clone(&told);
     session.before_motion(move || match announce(bench, json) {
         Ok(()) => {
             warn(&warnings);
+            tells.store(true, Ordering::Relaxed);
             ControlFlow::Continue(())
         }
         Err(failure) => {
@@ -156,7 +170,7 @@ pub(crate) fn announced<'a, T>(
     // A motion that was refused has told nothing, and no later one of the session tells of it.
     session.before_motion(|| ControlFlow::Continue(()));
     let failed = untold.lock().unwrap_or_else(PoisonError::into_inner).take();
-    failed.map_or(Ok(ended), Err)
+    failed.map_or(Ok((ended, told.load(Ordering::Relaxed))), Err)
 }
 
 /// Announces that a motor moves, before it does: on standard output, or on standard error if a program reads that.

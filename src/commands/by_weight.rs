@@ -12,7 +12,7 @@ use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
 use crate::progress::MotionBar;
 use crate::progress::supervised::{self, Reached};
-use crate::terminal::{announced, noted, waiting, warn};
+use crate::terminal::{announcing, noted, waiting, warn};
 use crate::warned::Warned;
 
 /// The message after a signal.
@@ -89,7 +89,7 @@ fn make(
     let bar = LazyCell::new(|| MotionBar::new(&bench.file().pump.id, steps, whole_ml, None, json));
     let (mut before, mut last) = (0, 0);
     supervised::begun(|| DoseReport::new(bench, &prepared.whole, None));
-    let made = announced(&mut session, json, &prepared.whole.warnings, |session| {
+    let (made, was_told) = announcing(&mut session, json, &prepared.whole.warnings, |session| {
         session.run_from_tare(&prepared, reading, scale.as_mut(), |made| {
             // Each stretch counts its own steps.
             if made < last {
@@ -102,9 +102,13 @@ fn make(
             });
             interrupt.flow()
         })
-    });
+    })?;
     bar.end();
-    let delivered = of_session(&mut session, made?)?;
+    if made.is_err() && !was_told {
+        // No report follows that tells them.
+        warn(&prepared.whole.warnings);
+    }
+    let delivered = of_session(&mut session, made)?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }

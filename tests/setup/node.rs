@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use crate::course::{doses_within_its_interval, sees};
 use crate::person::Desk;
+use crate::simulated::Simulated;
+use crate::simulated::options::Options;
 use crate::simulated_node::SimulatedNode;
 use crate::truth::TruePump;
 
@@ -127,4 +129,49 @@ fn an_axis_that_no_node_has_is_refused_where_it_is_asked() {
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert!(ended.err.contains("a node has the axes X, Y, Z and A, and not B"), "{}", ended.err);
     assert_eq!(pump.board.truth().steps, [0; 4]);
+}
+
+#[test]
+fn a_script_that_names_the_driver_of_another_board_is_refused_and_writes_no_file() {
+    let desk = Desk::new();
+    let (node, grbl) = (SimulatedNode::start(7).unwrap(), Simulated::start(Options::default()).unwrap());
+    for (port, named, driver) in [(node.path(), "grbl", "node"), (grbl.path(), "node", "grbl")] {
+        let port = port.display().to_string();
+        let words = ["setup", "acid", "--port", &port, "--axis", "X", "--turned", "1", "--yes"];
+        let options = OPTIONS.iter().filter(|word| !["--no-motion", "--yes"].contains(*word));
+        let options: Vec<&str> = options.map(|word| if *word == "node" { named } else { *word }).collect();
+        let refused = desk.types(&[&words[..], &options].concat());
+        let told = format!("is at {port}, and --driver is {named}; say --driver {driver}");
+        assert!(refused.code == 2 && refused.err.contains(&told), "{}", refused.err);
+        assert_eq!(desk.configured("pumps/acid.toml"), None);
+    }
+    assert_eq!((node.truth().steps, grbl.rest().steps), ([0; 4], 0));
+}
+
+#[test]
+fn a_dose_by_the_driver_of_another_board_is_told_which_board_is_there() {
+    let desk = Desk::new();
+    let (node, grbl) = (SimulatedNode::start(7).unwrap(), Simulated::start(Options::default()).unwrap());
+    for (port, named, found, driver) in [
+        (node.path(), "grbl", "a node 0000000000000007, firmware ", "node"),
+        (grbl.path(), "node", "a grbl board, Idle", "grbl"),
+    ] {
+        let port = port.display().to_string();
+        let words = ["1mL", "--pump", "three-roller", "--confirm-pump", "--driver", named, "--port", &port];
+        let refused = desk.types(&words);
+        let (found, instead) = (
+            format!("the board at {port} is {found}"),
+            format!("; name the driver `{driver}` for it, and not `{named}`"),
+        );
+        let is_told = refused.err.contains(&found) && refused.err.contains(&instead);
+        assert!(refused.code == 2 && is_told, "{}", refused.err);
+    }
+    assert_eq!((node.truth().steps, grbl.rest().steps), ([0; 4], 0));
+}
+
+#[test]
+fn an_axis_that_there_is_nowhere_is_refused_with_those_of_a_node_too() {
+    let desk = Desk::new();
+    let refused = desk.types(&["setup", "acid", "--driver", "node", "--axis", "Q"]);
+    assert!(refused.code == 2 && refused.err.contains("a node has X, Y, Z and A alone"), "{}", refused.err);
 }

@@ -332,3 +332,26 @@ fn a_record_of_an_early_version_counts_in_full_as_of_now() {
     later.clear_safety("a day has passed").unwrap();
     dose(&mut later, 100.0).unwrap();
 }
+
+#[test]
+fn a_clock_that_was_set_back_is_told_once_and_where_the_pump_refuses() {
+    let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
+    let bench = bench(&folder, Some(30.0), None);
+    let mut session = session(&bench, &clock);
+    dose(&mut session, 20.0).unwrap();
+    clock.set(START - 3 * 86_400);
+    let behind = "the clock is 3 days behind the latest time on record";
+    let mut told = 0;
+    for _ in 0..2 {
+        let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
+        let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
+        let notes = [prepared.warnings, delivered.warnings, session.notes()].concat();
+        told += notes.iter().filter(|note| note.text().contains(behind)).count();
+    }
+    assert_eq!(told, 1);
+    // The dose that has the pump stand says it, and so does every one after it.
+    for _ in 0..2 {
+        let refused = dose(&mut session, 10.0).unwrap_err().to_string();
+        assert_eq!(refused.matches(behind).count(), 1, "{refused}");
+    }
+}

@@ -19,7 +19,7 @@ use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
 use crate::progress::supervised::{self, Reached};
-use crate::terminal::{announced, noted, print_json, tell, warn};
+use crate::terminal::{announcing, noted, print_json, tell, warn};
 use crate::warned::Warned;
 
 pub(in crate::commands) use before_dose::{Untold, before_dose, find_angle, find_angle_of_rest};
@@ -76,9 +76,9 @@ pub(super) fn run_one(
     let prepared = session.prepare(request);
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
+    write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
     prepared.warnings.extend(before.take());
     prepared.warnings.extend(options.start_angle.assumed(bench).map(Notice::from));
-    write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
     let delivered = deliver(bench, &mut session, &prepared, &interrupt, json, &mut Warned::default())?;
     report(bench, &prepared, Some(delivered), &said)
 }
@@ -95,7 +95,7 @@ pub(super) fn deliver(
 ) -> Result<DeliveryEnd, Failure> {
     // The report of a simulated motor tells them.
     let before = if warns_first(bench) { warned.untold(&prepared.warnings) } else { Vec::new() };
-    let delivered = announced(session, json, &before, |session| {
+    let (delivered, was_told) = announcing(session, json, &before, |session| {
         supervised::begun(|| DoseReport::new(bench, prepared, None));
         let bar = LazyCell::new(|| MotionBar::of(&bench.file().pump.id, prepared, json));
         let delivered = session.run(prepared, |made| {
@@ -107,8 +107,13 @@ pub(super) fn deliver(
         });
         bar.end();
         delivered
-    });
-    let delivered = noted(session, delivered?)?;
+    })?;
+    if delivered.is_err() && !was_told {
+        // No report follows that tells them.
+        let untold = if warns_first(bench) { before } else { warned.untold(&prepared.warnings) };
+        warn(&untold);
+    }
+    let delivered = noted(session, delivered)?;
     if warns_first(bench) {
         warn(&warned.untold(&delivered.warnings));
     }

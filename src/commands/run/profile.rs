@@ -20,7 +20,7 @@ use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::progress::MotionBar;
 use crate::progress::supervised::{self, Reached};
-use crate::terminal::{announced, noted, warn};
+use crate::terminal::{announcing, noted, warn};
 use crate::warned::Warned;
 
 /// The message after a signal.
@@ -62,10 +62,14 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     let prepared = session.prepare_profile(request, &profile);
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
-    prepared.whole.warnings.extend(before.take().into_iter().chain(assumed()));
     write_outputs(&bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
-    let delivered = deliver(&mut session, &prepared, &interrupt, json);
-    let delivered = noted(&mut session, delivered?)?;
+    prepared.whole.warnings.extend(before.take().into_iter().chain(assumed()));
+    let (delivered, was_told) = deliver(&mut session, &prepared, &interrupt, json)?;
+    if delivered.is_err() && !was_told {
+        // No report follows that tells them.
+        warn(&prepared.whole.warnings);
+    }
+    let delivered = noted(&mut session, delivered)?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }
@@ -82,17 +86,17 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     }
 }
 
-/// Makes the flow, with its progress.
+/// Makes the flow, with its progress. Returns beside its end whether the warnings were told.
 fn deliver(
     session: &mut Session<'_>,
     prepared: &PreparedProfile,
     interrupt: &Interrupt,
     json: bool,
-) -> Result<Result<Delivered, DoseError>, Failure> {
+) -> Result<(Result<Delivered, DoseError>, bool), Failure> {
     let bench = session.bench();
     let motion = prepared.motion();
     let (steps, whole_s) = (motion.steps().unsigned_abs(), motion.duration_s());
-    announced(session, json, &prepared.whole.warnings, |session| {
+    announcing(session, json, &prepared.whole.warnings, |session| {
         supervised::begun(|| DoseReport::by_profile(bench, prepared, None));
         let pump = &bench.file().pump.id;
         let bar = LazyCell::new(|| MotionBar::new(pump, steps, prepared.planned_ml(), Some(whole_s), json));

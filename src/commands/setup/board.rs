@@ -204,8 +204,22 @@ pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
     let port = port.clone();
     let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
     let Some((_, Ok(board))) = found else { return Ok(()) };
+    other_driver(course, &board)?;
     course.board = Some(board);
     lack_of_axis(course)
+}
+
+/// Takes the driver of the board that answers in place of the one that was named. A script is refused.
+fn other_driver(course: &mut Course, board: &FoundBoard) -> Asked<()> {
+    let (driver, port) = (board.driver(), course.answers.port.clone().unwrap_or_default());
+    match course.answers.driver {
+        Some(named) if named != driver && course.asker.is_silent() => {
+            let port = port.display();
+            let refused = format!("{board} is at {port}, and --driver is {named}; say --driver {driver}");
+            Err(Failure::refused(refused).value(named).allowed(driver).into())
+        }
+        _ => take_driver(course, board),
+    }
 }
 
 /// Drops an axis that the board does not report, so that a person is asked for another. A script is refused.

@@ -152,7 +152,8 @@ fn is_reverse(text: &str) -> Result<IsReverse, String> {
 
 /// Reads the letter of an axis.
 pub(super) fn axis(text: &str) -> Result<Axis, String> {
-    text.to_uppercase().parse().map_err(|error| format!("{error}"))
+    let unknown = |error| format!("{error}; a node has X, Y, Z and A alone");
+    text.to_uppercase().parse().map_err(unknown)
 }
 
 /// Reads how far the head turned, in turns.

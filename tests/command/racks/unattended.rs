@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::{MIX, desk};
+use crate::unattended::clock::with_room;
 use crate::user::{Answer, User, number};
 
 /// Rack of these pumps that takes a minute and a half.
@@ -126,4 +127,36 @@ fn the_command_of_a_failure_hears_the_rack_and_the_pump_that_failed() {
     let tell = "echo \"$DOSE_FAIL_RACK $DOSE_FAIL_PUMP $DOSE_FAIL_CODE\" > told";
     assert_eq!(user.types(&["run", "./mix.toml", "--pace", "fast", "--on-fail", tell]).code, 5);
     assert_eq!(fs::read_to_string(user.path("told")).unwrap(), "mix base 5\n");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_command_of_a_rack_that_a_fault_ends_hears_the_bounds_of_its_total_and_of_the_pump_that_failed() {
+    let user = desk(&MIX.replace("\"6mL\"", "\"300mL\""));
+    // The records of both pumps are there, and there is no room for what a long run adds.
+    assert_eq!(user.types(&["run", "mix.toml", "--dry-run"]).code, 0);
+    let tell = "cat > reason.json; env | grep ^DOSE_FAIL_ > reason.env";
+    let words = ["run", "mix.toml", "--pace", "fast", "--format", "json", "--on-fail", tell];
+    let ended = with_room(&user, 4000, &words);
+    let err = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(1), "{err}");
+    let report: Value = serde_json::from_slice(&ended.stdout).unwrap();
+    assert_eq!(report["end"], "fault", "{report}");
+    let told = fs::read_to_string(user.path("reason.env")).unwrap();
+    let value = |key: &str| {
+        let line = told.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix('='));
+        line.unwrap_or_else(|| panic!("{key}: {told}")).to_owned()
+    };
+    assert_eq!((value("DOSE_FAIL_RACK").as_str(), value("DOSE_FAIL_CODE").as_str()), ("mix", "1"));
+    assert_eq!(value("DOSE_FAIL_PUMP"), report["fault"].as_str().unwrap());
+    let bounds = ["LEAST", "MOST"].map(|key| value(&format!("DOSE_FAIL_{key}_ML")).parse::<f64>().unwrap());
+    let stated = ["delivered_least_ml", "delivered_most_ml"].map(|key| number(&report["total"], key));
+    assert!(bounds[1] >= bounds[0] && bounds[0] > 0.0, "{told}");
+    for (bound, stated) in bounds.into_iter().zip(stated) {
+        assert!((bound - stated).abs() < 1e-6, "{told}{report}");
+    }
+    let reason: Value = serde_json::from_str(&fs::read_to_string(user.path("reason.json")).unwrap()).unwrap();
+    assert_eq!((&reason["schema"], &reason["moved"]), (&"error/1".into(), &true.into()), "{reason}");
+    let message = reason["message"].as_str().unwrap();
+    assert!(message.contains("every other pump was stopped"), "{message}");
 }

@@ -117,7 +117,7 @@ fn a_batch_keeps_its_times_while_the_clock_jumps_and_says_what_it_saw() {
 
 /// Runs the command with files of at most so many bytes. The shell ignores the signal, so that a write beyond the limit
 /// fails as on a full disk.
-fn with_room(user: &User, bytes: u64, words: &[&str]) -> Output {
+pub(crate) fn with_room(user: &User, bytes: u64, words: &[&str]) -> Output {
     let command = user.command(words);
     let mut limited = Command::new("bash");
     let script = "trap '' XFSZ; prlimit --fsize=$0 --pid $$; exec \"$@\"";

@@ -1,7 +1,7 @@
 //! Nights without anyone: limits, interrupted doses and failures that a program hears of.
 
 #[cfg(unix)]
-mod clock;
+pub(crate) mod clock;
 mod limits;
 #[cfg(unix)]
 mod on_fail;

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::unattended::clock::with_room;
 use crate::user::{User, number};
 
 const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
@@ -123,4 +124,20 @@ fn a_rest_without_a_person_obeys_home_once_the_angle_was_disturbed() {
     assert_eq!(made.status.code(), Some(0), "{made:?}");
     let report: Value = serde_json::from_slice(&made.stdout).unwrap();
     assert!(report["warnings"].to_string().contains("[safety] home = \\\"accept\\\""), "{report}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_dose_that_a_full_disk_ends_says_that_the_interrupted_one_was_accepted() {
+    for words in [&["300mL"][..], &["300mL", "--format", "json"]] {
+        let user = User::new();
+        killed(&user);
+        let journal = user.record().unwrap().len() as u64;
+        let words = [words, &["--unfinished", "accept"]].concat();
+        let ended = with_room(&user, journal + 4000, &words);
+        let err = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{err}");
+        let told = "warning: an interrupted dose of 3000 mL was accepted as it is (--unfinished accept)";
+        assert_eq!(err.matches(told).count(), 1, "{err}");
+    }
 }

@@ -57,7 +57,7 @@ impl Bench {
     #[must_use]
     pub fn ended_early(&self, delivered: &Delivered) -> Option<DoseError> {
         match (delivered.stand, delivered.ran_out) {
-            (Some(stand), _) => Some(self.refusal(stand, true)),
+            (Some(stand), _) => Some(self.refusal(stand, true, 0)),
             (None, Some(bound)) => Some(DoseError::RanOut { bound, delivered_ml: delivered.volume_ml }),
             (None, None) => None,
         }

@@ -47,6 +47,8 @@ pub struct Session<'a> {
     pub(super) before_motion: Option<BeforeMotion<'a>>,
     /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<Notice>,
+    /// True once a note has said that the clock is behind the record.
+    pub(super) told_of_clock: bool,
     /// True if the angle may be found while a dose is unfinished.
     pub(super) may_home_unfinished: bool,
     /// True if this session has turned the motor.
@@ -118,6 +120,7 @@ impl<'a> Session<'a> {
             place: None,
             before_motion: None,
             notes: note.into_iter().collect(),
+            told_of_clock: false,
             may_home_unfinished: bench.may_home_unfinished(),
             moved: false,
             log,

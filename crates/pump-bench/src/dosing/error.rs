@@ -24,7 +24,7 @@ use crate::pump_file::{HomePolicy, PumpFileError};
 use crate::record::FolderError;
 use crate::record::JournalError;
 use crate::record::Stamp;
-use crate::safety::Stand;
+use crate::safety::{Stand, clock_behind};
 
 use super::flow_profile::{FlowWayOut, ProfileError};
 use super::request::RunBound;
@@ -103,10 +103,11 @@ pub enum DoseError {
     /// A safety limit is reached, or the pump was ordered to stand. It stands until a person clears it. Nothing has
     /// moved.
     #[error(
-        "pump {pump} {} {}{}: {stand}",
+        "pump {pump} {} {}{}: {stand}{}",
         if *is_recorded { "stands" } else { "would stand" },
         stand.place(),
-        if *is_new { String::new() } else { format!(" since {}", Stamp::new(stand.unix_s, 0)) }
+        if *is_new { String::new() } else { format!(" since {}", Stamp::new(stand.unix_s, 0)) },
+        if *clock_behind_s == 0 { String::new() } else { format!("; {}", clock_behind(*clock_behind_s)) }
     )]
     Stands {
         /// Id of the pump.
@@ -117,6 +118,8 @@ pub enum DoseError {
         is_new: bool,
         /// True if the stand is on record. A dry run records none.
         is_recorded: bool,
+        /// Time by which the clock is behind the latest on record, at a limit of 24 h, in s. 0 if it is not.
+        clock_behind_s: u64,
     },
     /// The stand of the pump cannot be cleared.
     #[error("pump {pump} is not cleared: {why}")]

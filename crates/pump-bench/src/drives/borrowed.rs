@@ -1,8 +1,9 @@
 //! A borrowed drive: whoever lends it to a session has it back afterwards.
 
-use pump_ctl::plan::{FlowMotion, Plan};
+use pump_ctl::plan::{FlowMotion, Plan, PlannedMotion};
 
 use super::abilities::Abilities;
+use super::board_share::BoardShare;
 use super::common_begin::BeginPlace;
 use super::drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Watch};
 use super::error::{DriveError, DriveFault};
@@ -56,6 +57,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
         T::check(self, plan)
+    }
+
+    fn board_share(&self, motion: PlannedMotion<'_>) -> Result<Option<BoardShare>, DriveError> {
+        T::board_share(self, motion)
     }
 
     fn displaces(&mut self, correction: Correction) {

@@ -5,9 +5,10 @@ use std::ops::ControlFlow;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use pump_ctl::plan::{FlowMotion, Plan};
+use pump_ctl::plan::{FlowMotion, Plan, PlannedMotion};
 
 use super::abilities::Abilities;
+use super::board_share::BoardShare;
 use super::common_begin::BeginPlace;
 use super::error::{DriveError, DriveFault};
 use crate::displacement::Correction;
@@ -233,6 +234,16 @@ pub trait Drive: Debug + Send {
     /// [`DriveError`] if the device cannot run the plan, or has moved or been reset since.
     fn check(&mut self, _plan: &Plan) -> Result<(), DriveError> {
         Ok(())
+    }
+
+    /// Returns the part of its board that a motion takes, so that motions which run at once are added up before the
+    /// first one moves. `None` if the device makes it whatever the other axes do.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the board cannot make the motion even while no other axis moves.
+    fn board_share(&self, _motion: PlannedMotion<'_>) -> Result<Option<BoardShare>, DriveError> {
+        Ok(None)
     }
 
     /// Forgets the plan that was checked last, because it is not run. A device that several pumps share has kept a

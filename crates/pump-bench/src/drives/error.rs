@@ -101,6 +101,18 @@ pub enum DriveError {
         /// Name of the drive.
         id: String,
     },
+    /// A board at the port needs another drive.
+    #[error("the board at {} is {found}; name the driver `{driver}` for it, and not `{named}`", .port.display())]
+    OtherDriver {
+        /// Path of the port.
+        port: PathBuf,
+        /// Words for the board.
+        found: String,
+        /// Drive of the board.
+        driver: &'static str,
+        /// Drive that was named.
+        named: &'static str,
+    },
     /// The program is built without the drive.
     #[error(
         "this program is built without the {driver} driver; build pump-bench with its feature `{driver}`"

@@ -3,12 +3,16 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::thread;
+use std::time::Duration;
 
 use super::error::DriveError;
-use super::grbl::ask_boards;
+use super::grbl::{self, GrblError, ask_boards};
 use super::stop_request::StopRequest;
 use super::{NodeError, node};
 use crate::pump_file::{Axis, DriveTable, DriverName};
+
+/// Longest wait for a grbl board that a node's driver has asked before: it has started by then.
+const STARTED: Duration = Duration::from_secs(2);
 
 /// Board that was found at a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -98,6 +102,34 @@ pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Resul
         });
         answers.collect()
     })
+}
+
+/// Returns the error of a board that is not there as its driver asks it, or that of the other kind of board that
+/// answers at its port. Nothing moves.
+pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopRequest) -> DriveError {
+    let DriveError::Device(source) = &error else { return error };
+    let Some(port) = &table.port else { return error };
+    let is_no_grbl = matches!(source.downcast_ref(), Some(GrblError::NoGrbl { .. }));
+    let is_no_node =
+        matches!(source.downcast_ref(), Some(NodeError::Silent { .. } | NodeError::Foreign { .. }));
+    let found = match table.driver {
+        DriverName::Grbl if is_no_grbl => ask_node(port, stop),
+        DriverName::Node if is_no_node => {
+            let table = DriveTable::of(DriverName::Grbl).with_port(port);
+            grbl::ask(&table, STARTED, stop).map(|(state, axes)| FoundBoard::Grbl { state, axes })
+        }
+        _ => return error,
+    };
+    match found {
+        Ok(found) => DriveError::OtherDriver {
+            port: port.clone(),
+            found: found.to_string(),
+            driver: found.driver().as_str(),
+            named: table.driver.as_str(),
+        },
+        Err(DriveError::Interrupted) => DriveError::Interrupted,
+        Err(_) => error,
+    }
 }
 
 fn ask_node(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {

@@ -1,6 +1,7 @@
 //! The drives that turn a motor.
 
 mod abilities;
+mod board_share;
 mod borrowed;
 mod common_begin;
 mod drive;
@@ -27,6 +28,7 @@ mod stop_request;
 pub mod wire;
 
 pub use abilities::{Abilities, Together};
+pub use board_share::BoardShare;
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
 pub use error::{DriveError, DriveFault};

@@ -3,6 +3,7 @@
 use super::drive::Drive;
 use super::error::DriveError;
 use super::opening::Opening;
+use super::stop_request::StopRequest;
 use crate::pump_file::{DriveTable, PumpFile};
 
 /// Refuses the board.
@@ -12,4 +13,9 @@ pub(super) fn open(
     _opening: &Opening,
 ) -> Result<Box<dyn Drive>, DriveError> {
     Err(DriveError::NotBuilt { driver: table.driver.as_str() })
+}
+
+/// Returns the error as it is: a program with one kind of board, or none, asks for no other.
+pub(super) fn told_apart(error: DriveError, _table: &DriveTable, _stop: &StopRequest) -> DriveError {
+    error
 }

@@ -6,11 +6,15 @@ use pump_model::Pump;
 use super::abilities::Abilities;
 use super::drive::Drive;
 use super::error::DriveError;
+#[cfg(all(feature = "grbl", feature = "node"))]
+use super::find;
 #[cfg(feature = "grbl")]
 use super::grbl;
 use super::identity::Identity;
 #[cfg(feature = "node")]
 use super::node;
+#[cfg(not(all(feature = "grbl", feature = "node")))]
+use super::not_built as find;
 #[cfg(not(feature = "grbl"))]
 use super::not_built as grbl;
 #[cfg(not(feature = "node"))]
@@ -40,9 +44,10 @@ pub(crate) fn open<'a>(
     model: &'a Pump,
     opening: &Opening,
 ) -> Result<Box<dyn Drive + 'a>, DriveError> {
-    Ok(match table.driver {
-        DriverName::Sim => Box::new(sim::Sim::new(model)?),
-        DriverName::Grbl => grbl::open(table, file, opening)?,
-        DriverName::Node => node::open(table, file, opening)?,
-    })
+    let opened: Result<Box<dyn Drive>, _> = match table.driver {
+        DriverName::Sim => return Ok(Box::new(sim::Sim::new(model)?)),
+        DriverName::Grbl => grbl::open(table, file, opening),
+        DriverName::Node => node::open(table, file, opening),
+    };
+    opened.map_err(|error| find::told_apart(error, table, &opening.stop))
 }

@@ -19,6 +19,9 @@ const AHEAD_S: f64 = 0.01;
 pub(super) enum Stop {
     /// Somebody asked for it.
     Asked,
+    /// The pump of this number refuses its part, and nothing has moved. Pumps before it in the rack go on to say
+    /// whether they refuse theirs.
+    Refused(usize),
     /// The pump of this number failed.
     Fault(usize),
 }
@@ -38,9 +41,13 @@ impl SharedStop {
         Self { asked, pumps, made: Arc::default() }
     }
 
-    /// Stops all pumps. The first cause stays.
+    /// Stops all pumps. The first cause stays, and the first pump of those that refuse.
     pub(super) fn make(&self, cause: Stop) {
-        self.lock().get_or_insert(cause);
+        let mut made = self.lock();
+        *made = Some(match (*made, cause) {
+            (Some(Stop::Refused(first)), Stop::Refused(pump)) => Stop::Refused(first.min(pump)),
+            (made, cause) => made.unwrap_or(cause),
+        });
     }
 
     /// Returns the cause of the stop, once there is one.
@@ -52,19 +59,30 @@ impl SharedStop {
         *made
     }
 
-    /// Returns the request to stop that ends the waits for devices.
-    pub(super) fn request(&self) -> StopRequest {
+    /// Returns the request to stop that ends the waits of a pump for its record and its device.
+    pub(super) fn request(&self, pump: usize) -> StopRequest {
         let (stop, told, failed) = (self.clone(), self.clone(), self.clone());
-        StopRequest::new(move || stop.cause().is_some())
+        StopRequest::new(move || stop.is_heard_by(pump))
             .saying(move || told.said())
-            .by_others(move || matches!(failed.cause(), Some(Stop::Fault(_))))
+            .by_others(move || matches!(failed.cause(), Some(Stop::Fault(_) | Stop::Refused(_))))
+    }
+
+    /// Returns true if the waits of a pump are to end. A refusal ends those of the pumps after it alone, so the same
+    /// pump is named in every run: the first in the order of the rack.
+    fn is_heard_by(&self, pump: usize) -> bool {
+        match self.cause() {
+            Some(Stop::Refused(first)) => pump > first || self.asked.is_made(),
+            cause => cause.is_some(),
+        }
     }
 
     /// Returns who or what stopped all pumps, as the log of each keeps it.
     fn said(&self) -> Option<String> {
         match self.cause()? {
             Stop::Asked => self.asked.cause(),
-            Stop::Fault(pump) => Some(format!("a fault of pump {} of the rack", self.pumps.get(pump)?)),
+            Stop::Fault(pump) | Stop::Refused(pump) => {
+                Some(format!("a fault of pump {} of the rack", self.pumps.get(pump)?))
+            }
         }
     }
 

@@ -11,7 +11,7 @@ use super::player::{Answer, Order, Played, Player};
 use super::progress::RackProgress;
 use super::rack::Rack;
 use super::report::{RackEnd, RackFault, RackPumpReport, RackReport};
-use super::timetable::{LineSpeeds, Timetable, Timing, appointments};
+use super::timetable::{LineSpeeds, Timetable, Timing, appointments, check_boards};
 use crate::drives::Drive;
 use crate::pump_file::Pace;
 
@@ -77,6 +77,7 @@ impl Rack {
             }
             self.gather(heard, stop, timings, slowed.len())
         })?;
+        check_boards(self, &timetable, &timings)?;
         for (pump, order) in orders.iter().enumerate() {
             let _ = order.send(Order::Check(self.series(pump, &timetable, &timings[pump])));
         }
@@ -92,7 +93,8 @@ impl Rack {
         Ok(timetable)
     }
 
-    /// Waits for the answers of so many pumps, and takes in their timings. A refusal ends the waits of the others.
+    /// Waits for the answers of so many pumps, and takes in their timings. A refusal ends the waits of the pumps after
+    /// it.
     fn gather(
         &self,
         heard: &Receiver<(usize, Answer)>,
@@ -107,7 +109,7 @@ impl Rack {
                 Ok(told) => timings[pump] = told,
                 Err((_, error)) if error.is_stop() => {}
                 Err(error) => {
-                    stop.make(Stop::Fault(pump));
+                    stop.make(Stop::Refused(pump));
                     refused.push((pump, self.refused(pump, error)));
                 }
             }
@@ -151,7 +153,7 @@ impl Rack {
         };
         let first = stop.cause().and_then(|cause| match cause {
             Stop::Fault(pump) => faults.iter().position(|fault| fault.pump == self.members()[pump].name),
-            Stop::Asked => None,
+            Stop::Asked | Stop::Refused(_) => None,
         });
         let fault = if faults.is_empty() { None } else { Some(faults.swap_remove(first.unwrap_or(0))) };
         RackReport::of(self, end, fault, timetable.ends_s, rows)

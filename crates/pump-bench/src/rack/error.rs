@@ -112,6 +112,23 @@ pub enum RackError {
         /// End of that step, with the time in which the line settles, in s.
         done_s: f64,
     },
+    /// Pumps that run at once need more than their board has.
+    #[error(
+        "pumps of the rack that run at once need {needed} {unit}, and the board at {} has {all} for all its axes: {}; \
+         run them more slowly, with fewer microsteps, or one after another", .port.display(), .pumps.join(", ")
+    )]
+    BoardFull {
+        /// Port of the board.
+        port: PathBuf,
+        /// Each pump with its step and its part, in words.
+        pumps: Vec<String>,
+        /// Sum of what the pumps need.
+        needed: u64,
+        /// Most that the board has for all its axes.
+        all: u32,
+        /// Unit of both.
+        unit: &'static str,
+    },
     /// A pump refuses its part of the rack.
     #[error("pump `{pump}` of the rack{}", .step.map_or(String::new(), |step| format!(", step {step}")))]
     Dose {
@@ -179,6 +196,9 @@ impl Explain for RackError {
             }
             Self::Overlap { at_s, done_s, .. } => {
                 facts.value(format!("{at_s} s")).allowed(format!("{done_s:.3} s or later"))
+            }
+            Self::BoardFull { needed, all, unit, .. } => {
+                facts.value(format!("{needed} {unit}")).allowed(format!("at most {all} {unit}"))
             }
             Self::Dose { source, .. } => source.facts(),
             Self::Several { first, .. } => first.facts(),

@@ -8,16 +8,13 @@ use super::progress::RackProgress;
 use super::rack::Rack;
 use super::rehearsal::{report, timings};
 use super::report::RackDose;
-use super::timetable::{Appointment, Timing};
+use super::timetable::{Appointment, GIVEN_S, Timing};
 use crate::bench::{Bench, SeriesMotion, SeriesRequest, Session, TimedVolume};
 use crate::dosing::DoseError;
 use crate::drives::Drive;
 use crate::notice::Notice;
 use crate::numbers::significant;
 use crate::pump_file::Pace;
-
-/// Time before its begin at which a motion is given to a real drive, in s.
-const GIVEN_S: f64 = 0.3;
 
 /// Lateness of a begin that is told, in s.
 const LATE_S: f64 = 0.1;
@@ -81,17 +78,16 @@ impl Player<'_> {
             Ok(())
         };
         let mut requests = self.rack.requests(self.pump);
-        let Some(mut prepared) = homed.map_or_else(
-            |refused| self.answer(Err(refused)),
-            |()| self.answer(session.prepare_series(&requests)),
-        ) else {
+        let Some(mut prepared) = homed
+            .map_or_else(|refused| self.answer(Err(refused)), |()| self.planned(&mut session, &requests))
+        else {
             return Played::default();
         };
         let mut played = Played::default();
         while let Ok(order) = self.orders.recv() {
             match order {
                 Order::Plan(at_speeds) => {
-                    let Some(planned) = self.answer(session.prepare_series(&at_speeds)) else {
+                    let Some(planned) = self.planned(&mut session, &at_speeds) else {
                         return played;
                     };
                     (prepared, requests) = (planned, at_speeds);
@@ -115,10 +111,26 @@ impl Player<'_> {
         played
     }
 
+    /// Plans the parts of the pump, and tells their timings with what they take of the board, or the refusal. Returns
+    /// the plan.
+    fn planned(&self, session: &mut Session<'_>, requests: &[SeriesRequest]) -> Option<Vec<SeriesMotion>> {
+        let planned = session.prepare_series(requests);
+        self.answer(planned.and_then(|prepared| {
+            let mut timings = timings(&prepared);
+            for (place, (timing, motion)) in timings.iter_mut().zip(&prepared).enumerate() {
+                timing.share = session.board_share(motion).map_err(|refused| (place, refused))?;
+            }
+            Ok((timings, prepared))
+        }))
+    }
+
     /// Tells the timings of a plan, or its refusal. Returns the plan.
-    fn answer(&self, planned: Result<Vec<SeriesMotion>, (usize, DoseError)>) -> Option<Vec<SeriesMotion>> {
+    fn answer(
+        &self,
+        planned: Result<(Vec<Timing>, Vec<SeriesMotion>), (usize, DoseError)>,
+    ) -> Option<Vec<SeriesMotion>> {
         let (told, prepared) = match planned {
-            Ok(prepared) => (Ok(timings(&prepared)), Some(prepared)),
+            Ok((timings, prepared)) => (Ok(timings), Some(prepared)),
             Err(refused) => (Err(refused), None),
         };
         let _ = self.answers.send((self.pump, told));

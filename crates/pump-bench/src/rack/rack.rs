@@ -81,6 +81,7 @@ impl Rack {
 
     /// Returns the benches of a run. Their waits hear the stop of all.
     pub(super) fn benches(&self, stop: &SharedStop) -> Vec<Bench> {
-        self.members.iter().map(|member| member.bench.clone().stopping_on(stop.request())).collect()
+        let members = self.members.iter().enumerate();
+        members.map(|(pump, member)| member.bench.clone().stopping_on(stop.request(pump))).collect()
     }
 }

@@ -113,6 +113,7 @@ pub(super) fn timings(motions: &[SeriesMotion]) -> Vec<Timing> {
             planned_ml: motion.planned_ml(),
             turn_rad: motion.turn_rad(),
             at_peak_s: motion.turn_rad() / motion.peak_rad_s(),
+            share: None,
         }
     };
     motions.iter().map(of).collect()

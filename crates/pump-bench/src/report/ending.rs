@@ -113,6 +113,7 @@ impl DriveError {
             | Self::Name { .. }
             | Self::Other { .. }
             | Self::NotGiven { .. }
+            | Self::OtherDriver { .. }
             | Self::NotBuilt { .. }
             | Self::Sim(_) => Ending::Refused,
         }

@@ -12,5 +12,6 @@ mod unfinished;
 pub(crate) use account::SafetyAccount;
 pub use day::DAY_S;
 pub use limits::SafetyLimits;
+pub(crate) use passed_time::clock_behind;
 pub use stand::{SafetyLimit, Stand, StandReason};
 pub use unfinished::UnfinishedPolicy;

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::numbers::duration;
+
 /// Time that has surely passed since the first wall time on record, in s, never more than has passed unless the clock
 /// was set forward.
 ///
@@ -19,6 +21,15 @@ pub(crate) struct PassedTime {
     pub(super) latest_s: u64,
     /// Time that had passed when the latest wall time was seen, in s.
     at_latest_s: u64,
+}
+
+/// Returns words for a clock that is so far behind the record, in s.
+pub(crate) fn clock_behind(behind_s: u64) -> String {
+    let behind = duration(behind_s as f64);
+    format!(
+        "the clock is {behind} behind the latest time on record: it was set back, which frees no volume of the last \
+         24 h"
+    )
 }
 
 impl PassedTime {

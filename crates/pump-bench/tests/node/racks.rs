@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use pump_bench::drives::{Drive, Node, NodeBoard, Opening, StopRequest};
-use pump_bench::pump_file::Axis;
+use pump_bench::pump_file::{Axis, DriveTable};
 use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackReport};
 use pump_bench::{Bench, PumpFile, Session, built_in};
 use pump_ctl::plan::Phase;
@@ -77,6 +77,11 @@ fn run(
 
 /// Returns two pumps of the file, at the axes X and Y of a board, whose angles are known.
 fn pumps(pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<Node>) {
+    pumps_by(&Rig::table(), pump, world, state)
+}
+
+/// Returns pumps as [`pumps`] does, at a line as `line` has it.
+fn pumps_by(line: &DriveTable, pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<Node>) {
     let board = NodeBoard::over(Box::new(world.clone()));
     let mut drives: Vec<Node> = Vec::new();
     let mut benches: Vec<Bench> = Vec::new();
@@ -89,7 +94,7 @@ fn pumps(pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<
         let settings_record = Some(folder.join("board-settings.json"));
         let opening =
             Opening { settings_record, boards: Some(state.join("node.boards")), ..Opening::default() };
-        let table = Rig::table().with_axis(axis);
+        let table = line.clone().with_axis(axis);
         let mut drive = board.axis(&table, &file.motor, &opening).unwrap();
         let bench = Bench::new(file, None, state).unwrap();
         let bench = bench.driven_by(&drive).unwrap().at_port(table.port).confirming_pump(true);
@@ -219,23 +224,64 @@ fn a_later_step_of_more_steps_a_second_than_the_board_makes_is_refused_before_th
     assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
 }
 
+/// Head of a rack of two equal pumps.
+const TWO: &str = "schema = 'rack/1'\n[pumps]\nacid = 'acid'\nbase = 'base'\n";
+
 #[test]
-fn axes_that_together_exceed_the_board_do_not_begin_and_leave_no_dose_unfinished() {
+fn axes_that_together_exceed_the_board_are_refused_with_the_sum_before_anything_is_on_record() {
     static STOPPED: AtomicBool = AtomicBool::new(false);
-    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
     let (file, ml_s) = fine_pump(40_000.0);
-    let rack = format!(
-        "schema = 'rack/1'\n[pumps]\nacid = 'acid'\nbase = 'base'\n\
-         [[step]]\nratio = {{ acid = 1, base = 1 }}\nvolume = '0.4mL'\nrate = '{}mL/s'\n",
+    let together = format!(
+        "{TWO}[[step]]\nratio = {{ acid = 1, base = 1 }}\nvolume = '0.4mL'\nrate = '{}mL/s'\n",
         2.0 * ml_s
     );
-    let (benches, mut drives) = pumps(file, &world, state.path());
-    let report = ran(&rack, benches.clone(), &mut drives, &STOPPED, &|| {}).unwrap();
-    assert_eq!(report.end, RackEnd::Fault, "{}", report.json());
-    let reasons: Vec<&str> = report.pumps.iter().filter_map(|pump| pump.error.as_deref()).collect();
-    assert!(reasons.iter().any(|told| told.contains("the other axes leave")), "{reasons:?}");
-    assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
-    for bench in benches {
-        assert!(bench.stands().unwrap().unfinished.is_none(), "{}", bench.file().pump.id);
+    let alone = |at: &str, pump: &str| {
+        format!("[[step]]\n{at}\npump = '{pump}'\nvolume = '0.4mL'\nrate = '{ml_s}mL/s'\n")
+    };
+    // Each step is given to the board before it begins, so it needs its part of the board from then on.
+    let meeting = [TWO, &alone("at = '0s'", "acid"), &alone("at = '0.1s'", "base")].concat();
+    for (rack, base) in [(together, "`base` in step 1 41667"), (meeting, "`base` in step 2 41667")] {
+        let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+        let (benches, mut drives) = pumps(file.clone(), &world, state.path());
+        let journals = || {
+            let of = |pump: &str| state.path().join(pump).join("node/journal.jsonl");
+            ["acid", "base"].map(|pump| std::fs::read(of(pump)).unwrap())
+        };
+        let before = journals();
+        let refused = ran(&rack, benches.clone(), &mut drives, &STOPPED, &|| {}).unwrap_err();
+        let told = refused.to_string();
+        assert!(told.contains("need 83334 steps/s, and the board at"), "{told}");
+        assert!(told.contains("has 66000 for all its axes: `acid` in step 1 41667"), "{told}");
+        assert!(told.contains(base) && told.ends_with("or one after another"), "{told}");
+        assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
+        assert_eq!(journals(), before);
     }
+}
+
+#[test]
+fn axes_that_together_exceed_the_board_run_one_after_another() {
+    static STOPPED: AtomicBool = AtomicBool::new(false);
+    let (file, ml_s) = fine_pump(40_000.0);
+    let step = |pump: &str| format!("[[step]]\npump = '{pump}'\nvolume = '0.4mL'\nrate = '{ml_s}mL/s'\n");
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let (benches, mut drives) = pumps(file, &world, state.path());
+    let rack = [TWO, &step("acid"), &step("base")].concat();
+    let report = ran(&rack, benches, &mut drives, &STOPPED, &|| {}).unwrap();
+    assert!(report.completed, "{}", report.json());
+}
+
+#[test]
+fn axes_that_together_exceed_the_line_are_refused_before_anything_moves() {
+    static STOPPED: AtomicBool = AtomicBool::new(false);
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let slow = Rig::table().with_baud(2_400);
+    let pump = built_in("three-roller").unwrap();
+    let (benches, mut drives) = pumps_by(&slow, pump, &world, state.path());
+    let rack = format!(
+        "{TWO}[[step]]\nratio = {{ acid = 1, base = 1 }}\nvolume = '30mL'\nrate = '3.6mL/s'\nsmooth = true\n"
+    );
+    let refused = ran(&rack, benches, &mut drives, &STOPPED, &|| {}).unwrap_err();
+    let told = pump_bench::report::with_sources(&refused);
+    assert!(told.contains(" bytes/s of the line, and the board at"), "{told}");
+    assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
 }

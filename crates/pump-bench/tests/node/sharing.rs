@@ -64,15 +64,33 @@ fn two_pumps_of_one_board_keep_each_others_state() {
 fn a_board_that_another_program_has_through_another_port_is_refused_with_one_message() {
     let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
     let (acid, base) = (opening(state.path(), "acid"), opening(state.path(), "base"));
-    let holding = open(&world, &Rig::table(), &acid).unwrap();
+    drop(open(&world, &Rig::table(), &acid).unwrap());
+    let lock = state.path().join("node.boards/00000000000b0a2d.lock");
+    // Process 1 is no process of this test.
+    std::fs::write(&lock, "process 1 at /dev/ttyACM0\n").unwrap();
+    let holding = std::fs::File::open(&lock).unwrap();
+    holding.lock().unwrap();
     let other = Rig::table().with_axis(Axis::Y).with_port("/dev/ttyUSB9");
     let refused = open(&world, &other, &base).unwrap_err();
-    let holder = format!("process {}", std::process::id());
     let device = PathBuf::from("board 00000000000b0a2d at /dev/ttyUSB9");
     assert!(
-        matches!(&refused, DriveError::Busy { device: at, holder: by } if *at == device && *by == holder),
+        matches!(&refused, DriveError::Busy { device: at, holder } if *at == device
+            && holder == "process 1 at /dev/ttyACM0"),
         "{refused:?}"
     );
+    drop(holding);
+    drop(open(&world, &other, &base).unwrap());
+}
+
+#[test]
+fn two_ports_of_one_process_whose_boards_tell_one_number_are_both_named() {
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let (acid, base) = (opening(state.path(), "acid"), opening(state.path(), "base"));
+    let holding = open(&world, &Rig::table(), &acid).unwrap();
+    let other = Rig::table().with_axis(Axis::Y).with_port("/dev/ttyUSB9");
+    let refused = pump_bench::report::with_sources(&open(&world, &other, &base).unwrap_err());
+    let ports = "the boards at /dev/ttyACM0 and /dev/ttyUSB9 tell one number, 00000000000b0a2d";
+    assert!(refused.contains(ports) && !refused.contains("in use"), "{refused}");
     drop(holding);
     drop(open(&world, &other, &base).unwrap());
 }

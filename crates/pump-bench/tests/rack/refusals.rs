@@ -5,7 +5,7 @@ use pump_bench::rack::{Rack, RackEnd, RackError, RackFile};
 use pump_bench::report::{Ending, Explain, with_sources};
 use pump_bench::{Bench, PumpFile, built_in};
 
-use crate::rig::{Desk, HEAD};
+use crate::rig::{Desk, HEAD, PUMPS};
 
 const RATIO: &str = "[[step]]\nratio = { acid = 1, base = 1 }\nvolume = \"4mL\"\nrate = \"4mL/s\"\n";
 
@@ -50,6 +50,26 @@ fn a_pump_that_another_command_holds_is_waited_for_by_nobody_and_named() {
     assert!(with_sources(&error).contains("pump `base` of the rack: pump `two-roller` is in use by process"));
     drop(session);
     assert!(desk.rack(RATIO).unwrap().run(|_| {}).unwrap().completed);
+}
+
+#[test]
+fn the_first_pump_of_the_rack_that_refuses_is_named_however_long_its_answer_takes() {
+    let desk = Desk::new();
+    let file = RackFile::parse(&format!("{HEAD}{}", RATIO.replace("4mL/s", "4L/s")), "mix.toml".as_ref());
+    let named = |name| desk.bench(name).waiting(std::time::Duration::from_secs(60), |_| {});
+    let rack = Rack::new(file.unwrap(), PUMPS.map(|(name, _)| named(name)).into()).unwrap();
+    let rack = rack.paced(pump_bench::pump_file::Pace::Fast);
+    let bench = desk.bench("acid");
+    let holder = bench.session().unwrap();
+    let error = std::thread::scope(|scope| {
+        let ran = scope.spawn(|| rack.run(|_| {}).unwrap_err());
+        // The pump `base` refuses its part long before.
+        std::thread::sleep(std::time::Duration::from_millis(700));
+        drop(holder);
+        ran.join().unwrap()
+    });
+    assert_eq!(error.pump(), Some("acid"), "{}", with_sources(&error));
+    assert!(desk.is_untouched());
 }
 
 #[test]

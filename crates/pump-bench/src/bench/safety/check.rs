@@ -5,9 +5,8 @@ use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::dosing::DoseError;
 use crate::notice::Notice;
-use crate::numbers::duration;
 use crate::record::{Clock, PumpState, SystemClock, Why};
-use crate::safety::{SafetyAccount, SafetyLimit, SafetyLimits, Stand};
+use crate::safety::{SafetyAccount, SafetyLimit, SafetyLimits, Stand, clock_behind};
 
 /// Volume by which doses may exceed a limit, in mean motor steps: a dose ends within one of what was asked for.
 const WITHIN_STEPS: f64 = 2.0;
@@ -67,14 +66,17 @@ impl Bench {
     fn would_all_be_safe(&self, state: Option<&PumpState>, series: &[TimedVolume]) -> Result<(), DoseError> {
         let (now_s, account) = (system_now_s(), self.safety_account(state, system_now_s()));
         if let Some(stand) = account.stand {
-            return Err(self.refusal(stand, false));
+            return Err(self.refusal(stand, false, account.behind_s(now_s)));
         }
         let volumes = series.iter().map(|part| (part.at_s, part.volume_ml));
         let stand = self.stand_of_all(&account, now_s, volumes);
-        let pump = self.file().pump.id.clone();
-        stand
-            .map(Box::new)
-            .map_or(Ok(()), |stand| Err(DoseError::Stands { pump, stand, is_new: true, is_recorded: false }))
+        let Some(stand) = stand else { return Ok(()) };
+        Err(match self.refusal(stand, true, account.behind_s(now_s)) {
+            DoseError::Stands { pump, stand, is_new, clock_behind_s, .. } => {
+                DoseError::Stands { pump, stand, is_new, is_recorded: false, clock_behind_s }
+            }
+            refused => refused,
+        })
     }
 
     /// Returns the stand of a pump of which one of a series of volumes would exceed a limit. It tells the volume of the
@@ -106,11 +108,12 @@ impl Bench {
         Stand { allowed_ml: allowed_ml.unwrap_or(stand.allowed_ml), ..stand }
     }
 
-    /// Returns the error of a pump that stands.
+    /// Returns the error of a pump that stands, while the clock is this far behind the record, in s.
     #[must_use]
-    pub fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
+    pub fn refusal(&self, stand: Stand, is_new: bool, behind_s: u64) -> DoseError {
+        let clock_behind_s = if stand.limit == SafetyLimit::Day { behind_s } else { 0 };
         let (pump, stand) = (self.file().pump.id.clone(), Box::new(stand));
-        DoseError::Stands { pump, stand, is_new, is_recorded: true }
+        DoseError::Stands { pump, stand, is_new, is_recorded: true, clock_behind_s }
     }
 }
 
@@ -126,8 +129,10 @@ impl Session<'_> {
     ///
     /// [`DoseError::Stands`] with the limit.
     pub(in crate::bench) fn check_stand(&self) -> Result<(), DoseError> {
-        let account = self.bench.safety_account(self.state.as_ref(), self.log.clock.now().unix_s);
-        account.stand.map_or(Ok(()), |stand| Err(self.bench.refusal(stand, false)))
+        let now_s = self.log.clock.now().unix_s;
+        let account = self.bench.safety_account(self.state.as_ref(), now_s);
+        let refusal = |stand| self.bench.refusal(stand, false, account.behind_s(now_s));
+        account.stand.map_or(Ok(()), |stand| Err(refusal(stand)))
     }
 
     /// Has the pump stand if a motion of `planned_ml`, negative in reverse, would exceed a safety limit.
@@ -183,7 +188,7 @@ impl Session<'_> {
             return Ok(());
         };
         self.record_stand(account, stand);
-        Err(self.bench.refusal(stand, true))
+        Err(self.bench.refusal(stand, true, account.behind_s(now_s)))
     }
 
     /// Has the pump stand after a run until it was stopped that this safety limit ended.
@@ -204,19 +209,12 @@ impl Session<'_> {
         }
     }
 
-    /// Notes that the clock is behind the record, if a limit of the day follows it.
+    /// Notes that the clock is behind the record, once a session, if a limit of the day follows it.
     fn tell_of_clock(&mut self, account: &SafetyAccount, now_s: u64) {
         let behind_s = account.behind_s(now_s);
-        if behind_s == 0 || self.bench.file().safety.max_ml_per_day.is_none() {
-            return;
-        }
-        let text = format!(
-            "the clock is {} behind the latest time on record: it was set back, which frees no volume of the last \
-             24 h",
-            duration(behind_s as f64)
-        );
-        if !self.notes.iter().any(|note| note.text() == text) {
-            self.notes.push(Notice::from(text));
+        let is_followed = behind_s > 0 && self.bench.file().safety.max_ml_per_day.is_some();
+        if is_followed && !std::mem::replace(&mut self.told_of_clock, true) {
+            self.notes.push(Notice::from(clock_behind(behind_s)));
         }
     }
 }

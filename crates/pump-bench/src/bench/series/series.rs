@@ -9,6 +9,7 @@ use crate::bench::by_profile::PreparedProfile;
 use crate::bench::delivery::Delivered;
 use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, FlowProfile, Prepared};
+use crate::drives::BoardShare;
 use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{Intent, PumpState, Purpose};
@@ -110,6 +111,16 @@ impl SeriesMotion {
 }
 
 impl Session<'_> {
+    /// Returns the part of its board that a motion takes. `None` for a device that makes it whatever other axes do.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] if the board cannot make the motion.
+    pub(crate) fn board_share(&self, motion: &SeriesMotion) -> Result<Option<BoardShare>, DoseError> {
+        let Some(device) = &self.device else { return Ok(None) };
+        motion.with_motion(|motion| device.drive.board_share(motion)).map_err(DoseError::Connection)
+    }
+
     /// Plans a series of motions, each from where the one before would leave the pump, within the limits of the
     /// device. Moves nothing. The notes of the device stay in the session. The safety limits are
     /// [`Session::keep_series_safe`]'s.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::thread;
+use std::time::Duration;
 
 use super::board::Board;
 use super::connect;
@@ -12,11 +13,15 @@ use crate::pump_file::{DriveTable, DriverName};
 /// Board that answers at a port: its state, as `Idle`, and the number of axes that it reports, 0 for none.
 pub(in crate::drives) type Answering = (String, u8);
 
-/// Asks the port of `table` for a grbl board, for some seconds at most.
-fn ask(table: &DriveTable, stop: &StopRequest) -> Result<Answering, DriveError> {
+/// Asks the port of `table` for a grbl board, for as long as `limit`.
+pub(in crate::drives) fn ask(
+    table: &DriveTable,
+    limit: Duration,
+    stop: &StopRequest,
+) -> Result<Answering, DriveError> {
     let wire = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
     let mut board = Board::new(Box::new(wire), table.axis.number(), stop.clone());
-    connect::find(&mut board, table)?;
+    connect::find(&mut board, table, limit)?;
     let state = board.state(|| ())?.word();
     Ok((state, u8::try_from(board.axes()).unwrap_or(u8::MAX)))
 }
@@ -41,7 +46,7 @@ pub(in crate::drives) fn ask_boards(
     thread::scope(|scope| {
         let asked = ports.iter().map(|port| {
             let table = DriveTable::of(DriverName::Grbl).with_port(port);
-            (port, scope.spawn(move || ask(&table, stop)))
+            (port, scope.spawn(move || ask(&table, connect::ANSWER_LIMIT, stop)))
         });
         let asked: Vec<_> = asked.collect();
         let answers = asked.into_iter().map(|(port, thread)| {

@@ -115,7 +115,8 @@ impl Grbl {
         let mut board = axis_board.lock()?;
         // A reset since the port was opened came after the record was written, unless an earlier drive of this pump
         // has told of it.
-        let mut reset = connect::find(&mut board, table)? | (board.resets() > axis_board.told_resets());
+        let mut reset = connect::find(&mut board, table, connect::ANSWER_LIMIT)?
+            | (board.resets() > axis_board.told_resets());
         connect::rest(&mut board, &mut reset)?;
         board.needs_axis()?;
         let SelfDescription { flavour, text } = settings::described(&mut board)?;

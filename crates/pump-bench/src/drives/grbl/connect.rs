@@ -8,7 +8,7 @@ use super::reply::{BoardState, Reply};
 use crate::pump_file::DriveTable;
 
 /// Longest wait for a first answer. Bootloaders take two seconds, boards with a network some more.
-const ANSWER_LIMIT: Duration = Duration::from_secs(8);
+pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(8);
 
 /// Time between questions until the first answer.
 const KNOCK: Duration = Duration::from_millis(200);
@@ -29,12 +29,12 @@ const HOLD_LIMIT: Duration = Duration::from_secs(2);
 /// Byte that resets grbl, without its counter.
 pub(super) const RESET: u8 = 0x18;
 
-/// Waits until a board answers. Returns true if the board was reset meanwhile.
-pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblError> {
+/// Waits for as long as `limit` until a board answers. Returns true if the board was reset meanwhile.
+pub(super) fn find(board: &mut Board, table: &DriveTable, limit: Duration) -> Result<bool, GrblError> {
     let started = board.now();
     let mut reset = false;
     let mut noise = String::new();
-    while board.now() - started < ANSWER_LIMIT {
+    while board.now() - started < limit {
         board.ask()?;
         let until = board.now() + KNOCK;
         loop {
@@ -60,7 +60,7 @@ pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblEr
     let port = table.port.clone().unwrap_or_default();
     let heard: String = noise.chars().take(60).collect();
     let heard = if heard.is_empty() { heard } else { format!(" (it said {heard:?})") };
-    Err(GrblError::NoGrbl { port, baud: table.rate_baud(), waited_s: ANSWER_LIMIT.as_secs_f64(), heard })
+    Err(GrblError::NoGrbl { port, baud: table.rate_baud(), waited_s: limit.as_secs_f64(), heard })
 }
 
 /// Waits until the board says nothing but status reports. Returns true if a banner was among its lines.

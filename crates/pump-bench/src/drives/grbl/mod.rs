@@ -17,9 +17,9 @@ mod scale;
 mod search;
 mod settings;
 
-#[cfg(feature = "node")]
-pub(super) use ask::ask_boards;
 pub use ask::ask_ports;
+#[cfg(feature = "node")]
+pub(super) use ask::{ask, ask_boards};
 pub use axis::Grbl;
 pub(super) use axis::open;
 pub use error::GrblError;

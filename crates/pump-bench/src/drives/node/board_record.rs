@@ -52,12 +52,19 @@ impl BoardRecord {
                         0 => format!("the board at {}", port.display()),
                         board => format!("board {board:016x} at {}", port.display()),
                     };
-                    return Err(NodeError::Busy { device: device.into(), holder: named_holder(&mut file) });
+                    let holder = named_holder(&mut file);
+                    return Err(match held_here(&holder).filter(|other| *other != port) {
+                        Some(other) => {
+                            let (port, other) = (port.to_owned(), other.to_owned());
+                            NodeError::OneNumber { board: self.board, port, other }
+                        }
+                        None => NodeError::Busy { device: device.into(), holder },
+                    });
                 }
                 Err(TryLockError::Error(error)) => return Err(failed(error)),
             }
         }
-        let holder = format!("process {}\n", std::process::id());
+        let holder = format!("{}{}\n", here(), port.display());
         let write =
             file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder.as_bytes()));
         write.map_err(failed)?;
@@ -78,6 +85,16 @@ fn named_holder(file: &mut File) -> String {
     let mut holder = String::new();
     let read = file.read_to_string(&mut holder).is_ok() && !holder.trim().is_empty();
     if read { holder.trim().to_owned() } else { "another process".to_owned() }
+}
+
+/// Returns the words for this process as a holder, before the port at which it has the board.
+fn here() -> String {
+    format!("process {} at ", std::process::id())
+}
+
+/// Returns the port at which this process has the board, if it is the holder.
+fn held_here(holder: &str) -> Option<&Path> {
+    holder.strip_prefix(&here()).map(Path::new)
 }
 
 /// Record of a board that this process holds until it drops this.

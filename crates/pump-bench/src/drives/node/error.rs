@@ -96,6 +96,20 @@ pub enum NodeError {
         /// Holder of the board, as far as the system tells.
         holder: String,
     },
+    /// This process has a board of the same number at another port.
+    #[error(
+        "the boards at {} and {} tell one number, {board:016x}: one board has two ports, or two boards have one \
+         number; name one port for all pumps of a board, and use boards of different numbers", .other.display(),
+        .port.display()
+    )]
+    OneNumber {
+        /// Number that both tell.
+        board: u64,
+        /// Port of the board that was met last.
+        port: PathBuf,
+        /// Port of the board that this process has.
+        other: PathBuf,
+    },
     /// The board lacks the axis.
     #[error("the board has {axes} axes, and [drive] axis is {axis:?}; its axes 0 to 3 are X, Y, Z and A")]
     NoAxis {

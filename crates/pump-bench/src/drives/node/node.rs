@@ -17,8 +17,8 @@ use crate::drives::drive::wait_of;
 use crate::drives::stepped::Lead;
 use crate::drives::wire::Wire;
 use crate::drives::{
-    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch,
-    Opening, Watch,
+    Abilities, BeginPlace, BoardShare, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate,
+    IndexSearch, Opening, Watch,
 };
 use crate::notice::Notice;
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -293,6 +293,14 @@ impl Drive for Node {
 
     fn check_flow(&mut self, flow: &FlowMotion<'_>) -> Result<(), DriveError> {
         self.check_motion(flow.into())
+    }
+
+    fn board_share(&self, motion: PlannedMotion<'_>) -> Result<Option<BoardShare>, DriveError> {
+        let At::Met { board, brake } = &self.at else { return Ok(None) };
+        let config = self.terms.config(true, brake);
+        let room = Room::new(self.terms.baud, &board.identity, &config, std::iter::empty());
+        let task = Task::new(motion, brake, &board.identity, room)?;
+        Ok(Some(task.share(&board.identity, room)))
     }
 
     fn run_flow(&mut self, flow: &FlowMotion<'_>, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {

@@ -1,12 +1,17 @@
 //! The timetable of a rack: the begin of each step, and the check that no pump is asked for two at once.
 
 use super::lines::{Lines, Part};
+use crate::drives::BoardShare;
 use crate::rack::error::RackError;
 use crate::rack::member::Member;
 use crate::rack::step::{Begin, RackStep};
 
-/// Time between two steps of a pump in which the second one is planned and announced, in s.
-const PLANNING_S: f64 = 0.25;
+/// Time between two steps in which the second one is planned and announced, in s. A board has room for it, since it is
+/// longer than [`GIVEN_S`].
+const PLANNING_S: f64 = 0.35;
+
+/// Time before its begin at which a motion is given to a real drive, in s.
+pub(in crate::rack) const GIVEN_S: f64 = 0.3;
 
 /// Times of one pump's part of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +26,8 @@ pub(in crate::rack) struct Timing {
     pub(in crate::rack) turn_rad: f64,
     /// Time of all steps at the fastest speed of the plan, in s. A line takes that of its slowest axis.
     pub(in crate::rack) at_peak_s: f64,
+    /// Part of its board that the motion takes. `None` if it takes none, or no board was asked.
+    pub(in crate::rack) share: Option<BoardShare>,
 }
 
 impl Timing {

@@ -159,6 +159,7 @@ impl Explain for DriveError {
             | Self::Name { .. }
             | Self::Other { .. }
             | Self::NotGiven { .. }
+            | Self::OtherDriver { .. }
             | Self::NotBuilt { .. }
             | Self::Sim(_) => ErrorFacts::of(ErrorKind::Drive),
         }

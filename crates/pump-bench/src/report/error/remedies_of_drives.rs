@@ -22,6 +22,7 @@ impl DriveError {
             | Self::Name { .. }
             | Self::Other { .. }
             | Self::NotGiven { .. }
+            | Self::OtherDriver { .. }
             | Self::NotBuilt { .. }
             | Self::Sim(_) => Vec::new(),
         }

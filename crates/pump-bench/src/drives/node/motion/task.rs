@@ -7,6 +7,7 @@ use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
 use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
 use pump_link::timing::rate_hz;
 
+use crate::drives::BoardShare;
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::Lane;
 
@@ -111,6 +112,16 @@ impl Task {
         let way = brake.descent(fastest, plan.direction()).map(|segment| u64::from(segment.steps()));
         let (sharers, brake_steps) = (room.sharers, way.sum());
         Ok(Self { shortest_interval, sharers, brake_steps, needs_bytes_s, needs_steps_s })
+    }
+
+    /// Returns the part of `board`, and of the line in `room`, that the task takes.
+    pub(in crate::drives::node) fn share(&self, board: &Identity, room: Room) -> BoardShare {
+        BoardShare {
+            steps_s: self.needs_steps_s,
+            all_steps_s: board.max_step_hz,
+            bytes_s: self.needs_bytes_s,
+            all_bytes_s: room.all_bytes_s,
+        }
     }
 }
 
