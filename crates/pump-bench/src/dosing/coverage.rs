@@ -16,8 +16,13 @@ use crate::dosing::{Budget, Swept, drop_ml};
 use crate::pump_file::{OutletEnd, PumpFile};
 use crate::sampling::Dice;
 
-/// Number of random pumps of a case.
+/// Number of random pumps of a case that is planned once for all of them.
 const PLANTS: u32 = 2000;
+
+/// Number of random pumps of a case that calibrates and plans for each of them; `make long` draws 2000.
+fn calibrated_plants() -> u32 {
+    std::env::var("COVERAGE_PUMPS").map_or(1000, |pumps| pumps.parse().unwrap())
+}
 
 /// A nozzle at the outlet: the place of its end and its bore, in mm.
 #[derive(Clone, Copy)]
@@ -187,7 +192,8 @@ fn covered(case: &Case) -> f64 {
         .with_outlet(&file, drop_ml, back_ml)
         .expanded_ml();
     let mut inside = 0;
-    for _ in 0..PLANTS {
+    let plants = if case.calibrated_rpm.is_empty() { PLANTS } else { calibrated_plants() };
+    for _ in 0..plants {
         let mut plant = Plant::draw(&file, case.speed_rpm, &mut dice);
         plant.scatter_root_ml *= case.scatter;
         let start = match case.from_anywhere {
@@ -219,7 +225,7 @@ fn covered(case: &Case) -> f64 {
             + case.nozzle.loses_ml(back_ml, &mut dice);
         inside += u32::from((delivered_ml - plan.planned_ml()).abs() <= expanded_ml);
     }
-    f64::from(inside) / f64::from(PLANTS)
+    f64::from(inside) / f64::from(plants)
 }
 
 #[test]
