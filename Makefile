@@ -10,13 +10,17 @@ MODEL_FEATURES := integrator construction identification experimental serde defm
 
 .PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
 
+# With the example, the command takes the libraries that `make test` has built.
+COMMAND := cargo build --locked --features serve --bin dose --example simulated_node
+
 test: test-rust test-python
 
+# Tests wait for boards, balances and kills more than they compute, so three at a time share a core.
 test-rust:
-	cargo test --locked --features serve
+	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((3 * $$(getconf _NPROCESSORS_ONLN)))} cargo test --locked --features serve
 
 test-python: $(VENV)/installed
-	cargo build --locked --features serve --example simulated_node
+	$(COMMAND)
 	cd crates/pump-py && $(BIN)/python -m pytest -q
 
 # Installed anew whenever a source of the Python module has changed.
@@ -40,7 +44,7 @@ browser: $(BROWSER)/installed
 	command -v chromium || (apt-get update && apt-get install -y --no-install-recommends chromium fonts-liberation)
 	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
 	cd tests/browser && npm ci --no-audit --no-fund --cache ../../target/npm
-	cargo build --locked --features serve --bin dose
+	$(COMMAND)
 	timeout 480 $(BROWSER)/bin/python -m pytest -q --durations=3 tests/browser
 
 $(BROWSER)/installed: tests/browser/requirements.txt
@@ -66,6 +70,7 @@ long: node-pico
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads
 	SETUP_DRAWS=500 cargo test --locked --test setup drawn_pump
+	COVERAGE_PUMPS=2000 cargo test --locked -p pump-bench --lib coverage
 	PRIOR_PUMPS=2000 cargo test --locked -p pump-bench --lib prior_coverage
 	cargo run --locked -p check-node $(FIRMWARE) slow 60
 	cargo run --locked -p check-node $(FIRMWARE) stops 500
@@ -205,7 +210,7 @@ node-pico:
 node: node-pico
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
-	cargo build --locked --bin dose
+	$(COMMAND)
 	cargo build --locked -p check-node
 	$(MAKE) firmware
 	cargo run --locked -p check-node $(FIRMWARE) uf2 target/pump-node.uf2

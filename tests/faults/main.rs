@@ -22,9 +22,20 @@ mod simulated_node;
 mod simulation;
 mod simulators;
 
-use std::env;
+use std::{env, thread};
 
 use random::Random;
+
+/// Name, usual number, largest number and function of a kind of cut.
+type Kind = (&'static str, u32, u32, fn(u32, &mut Random));
+
+const KINDS: [Kind; 5] = [
+    ("simulation", 40, u32::MAX, simulation::run),
+    ("racks", 12, 200, racks::run),
+    ("profiles", 10, 200, profiles::run),
+    ("boards", 16, u32::MAX, boards::run),
+    ("nodes", 10, 200, nodes::run),
+];
 
 fn main() {
     let arguments: Vec<String> = env::args().collect();
@@ -40,25 +51,18 @@ fn main() {
     let wanted: Option<u32> = env::var("FAULTS_RUNS").ok().map(|runs| runs.parse().unwrap());
     let seed = env::var("FAULTS_SEED").map_or(u64::from(std::process::id()), |seed| seed.parse().unwrap());
     println!("FAULTS_SEED={seed}");
-    let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
-    // `FAULTS_OF=racks` runs that kind alone.
+    // `FAULTS_OF=racks` runs that kind alone. Each kind has random numbers of its own, so it repeats alone.
     let of = env::var("FAULTS_OF").ok();
     let runs = |kind: &str| of.as_deref().is_none_or(|only| only == kind);
-    if runs("simulation") {
-        simulation::run(wanted.unwrap_or(40), &mut random);
-    }
-    if runs("racks") {
-        racks::run(wanted.unwrap_or(12).min(200), &mut random);
-    }
-    if runs("profiles") {
-        profiles::run(wanted.unwrap_or(10).min(200), &mut random);
-    }
-    if runs("boards") {
-        boards::run(wanted.unwrap_or(16), &mut random);
-    }
-    if runs("nodes") {
-        nodes::run(wanted.unwrap_or(10).min(200), &mut random);
-    }
+    // They mostly wait, so they run beside each other.
+    thread::scope(|scope| {
+        for (number, (kind, usual, most, run)) in (1..).zip(KINDS) {
+            if runs(kind) {
+                let mut random = Random((0x9E37_79B9_7F4A_7C15_u64 ^ seed).wrapping_mul(2 * number + 1));
+                scope.spawn(move || run(wanted.unwrap_or(usual).min(most), &mut random));
+            }
+        }
+    });
     if runs("simulators") {
         simulators::run(wanted.unwrap_or(0).min(40));
     }
