@@ -30,6 +30,39 @@ fn a_dose_over_http_is_the_dose_of_the_command() {
 }
 
 #[test]
+fn a_history_that_was_lost_takes_the_doses_over_from_the_logs() {
+    let laboratory = Laboratory::new(&["acid", "base"], "");
+    let mut service = laboratory.serve(&["--pace", "fast"]);
+    let lost = [service.dose("acid", "5mL", &json!({})), service.dose("base", "2.5mL", &json!({}))];
+    for id in &lost {
+        service.ended(id);
+    }
+    service.kill();
+    for ending in ["", "-wal", "-shm"] {
+        let _ = fs::remove_file(laboratory.path(&format!("records/history.sqlite{ending}")));
+    }
+    service = laboratory.serve_again(&service);
+    let (status, orders) = service.get("/api/v1/orders");
+    assert_eq!((status, orders.as_array().unwrap().len()), (200, 2), "{orders}");
+    for (pump, volume) in [("acid", "5 mL"), ("base", "2.5 mL")] {
+        let of_pump = orders.as_array().unwrap().iter().find(|order| order["pump"] == pump).unwrap();
+        assert_eq!((&of_pump["task"], &of_pump["state"]), (&json!("dose"), &json!("done")), "{orders}");
+        assert_eq!((&of_pump["volume"], &of_pump["origin"]), (&json!(volume), &json!("the pump's log")));
+        let told = of_pump["messages"][0].as_str().unwrap();
+        assert!(told.starts_with(if pump == "acid" { "delivered 5.0" } else { "delivered 2.5" }), "{told}");
+        let logged = laboratory.log(pump);
+        let begun = of_pump["begun"].as_str().unwrap();
+        assert_eq!(begun[..19], logged[0]["time"].as_str().unwrap()[..19], "{orders} {logged:?}");
+    }
+    let (_, events) = service.get("/api/v1/notes");
+    assert!(events.to_string().contains("the history is new, and has the 2 doses"), "{events}");
+    // The history is taken over once.
+    service.kill();
+    service = laboratory.serve_again(&service);
+    assert_eq!(service.get("/api/v1/orders").1.as_array().unwrap().len(), 2);
+}
+
+#[test]
 fn a_repeated_key_doses_once_and_over_a_restart() {
     let laboratory = Laboratory::new(&["acid"], "");
     let mut service = laboratory.serve(&["--pace", "fast"]);

@@ -50,6 +50,7 @@ const COLUMNS: &str = "id, pump, asked, origin, state, begun, ended, code, repor
 pub struct History {
     path: PathBuf,
     file: Mutex<Connection>,
+    is_new: bool,
 }
 
 impl History {
@@ -71,7 +72,12 @@ impl History {
         }
         file.execute_batch(TABLES).map_err(failed)?;
         file.pragma_update(None, "user_version", VERSION).map_err(failed)?;
-        Ok(Self { path: path.to_owned(), file: Mutex::new(file) })
+        Ok(Self { path: path.to_owned(), file: Mutex::new(file), is_new: found == 0 })
+    }
+
+    /// Returns true if there was no history before: the service is new, or its history was lost.
+    pub fn is_new(&self) -> bool {
+        self.is_new
     }
 
     /// Returns the path of the file.
@@ -126,6 +132,34 @@ impl History {
                 record.id.as_str()
             ],
         )
+    }
+
+    /// Records orders that ended before this history began, all of them or none.
+    ///
+    /// # Errors
+    ///
+    /// [`HistoryError::File`] if they cannot be recorded.
+    pub fn take_over(&self, records: &[OrderRecord]) -> Result<(), HistoryError> {
+        self.read(|file| {
+            let all = file.unchecked_transaction()?;
+            let mut insert = all.prepare(
+                "INSERT INTO orders (id, pump, asked, origin, state, begun, ended, messages) VALUES (?,?,?,?,?,?,?,?)",
+            )?;
+            for record in records {
+                insert.execute(params![
+                    record.id.as_str(),
+                    record.order.pump,
+                    json(&record.order),
+                    record.origin,
+                    record.state.word(),
+                    record.begun.to_string(),
+                    record.ended.map(|time| time.to_string()),
+                    json(&record.messages)
+                ])?;
+            }
+            drop(insert);
+            all.commit()
+        })
     }
 
     /// Finds the order of a key that was given in the last 24 hours, with the body of its first use.

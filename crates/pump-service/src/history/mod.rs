@@ -1,7 +1,7 @@
 //! The orders with their times, givers and ends: a file of SQLite that users may open.
 //!
 //! Journals and logs of the pumps are the truth about volumes. The history adds the orders, their keys, the events of
-//! the service and the runs of the schedule. A history that was lost is begun anew: nothing of a pump is lost with it.
+//! the service and the runs of the schedule. A history that was lost takes the doses over from the logs of the pumps.
 
 mod error;
 mod history;

@@ -9,6 +9,7 @@ mod pump;
 mod refresh;
 mod service;
 mod still;
+mod taken_over;
 mod view;
 
 pub use self::error::ServiceError;

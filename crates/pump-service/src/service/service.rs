@@ -20,6 +20,7 @@ use super::placing::{Placed, Refusal};
 use super::pump::Pump;
 use super::refresh;
 use super::still::{Still, Stillness};
+use super::taken_over;
 use super::view::PumpView;
 use crate::history::{EventRecord, History, Key, OrderRecord, OrderState};
 use crate::order::{Order, OrderId, Origin, Task};
@@ -68,7 +69,8 @@ struct Inner {
 
 impl Service {
     /// Reads the pumps of the configuration, or the built-in default pump of one that names none. Orders that an
-    /// earlier service did not see the end of are marked as cut off.
+    /// earlier service did not see the end of are marked as cut off. A history that is new takes the doses of the pumps'
+    /// logs over.
     ///
     /// # Errors
     ///
@@ -86,6 +88,9 @@ impl Service {
         let (is_ending, still) = (AtomicBool::new(false), Still::default());
         let service =
             Self(Arc::new(Inner { config, pumps, program, fast, history, live, events, is_ending, still }));
+        if service.history().is_new() {
+            service.take_over()?;
+        }
         for cut in service.history().cut_off(Timestamp::now())? {
             let text = format!(
                 "the service ended before order {} ({}) did; the pump's record has what was delivered",
@@ -95,6 +100,22 @@ impl Service {
             service.note("service", Some(&cut.order.pump), &text);
         }
         Ok(service)
+    }
+
+    /// Records the doses that the pumps have in their logs, where the history has none.
+    fn take_over(&self) -> Result<(), ServiceError> {
+        let orders = self.pumps().map(taken_over::orders).collect::<Result<Vec<_>, _>>()?.concat();
+        if orders.is_empty() {
+            return Ok(());
+        }
+        self.history().take_over(&orders)?;
+        let text = format!(
+            "the history is new, and has the {} doses of the pumps' logs; keys of earlier orders and times of the \
+             schedule are not among them",
+            orders.len()
+        );
+        self.note("service", None, &text);
+        Ok(())
     }
 
     /// Returns the configuration.
