@@ -56,6 +56,18 @@ def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     assert service.get("/api/v1/orders?pump=base")[0]["task"] == "clear"
 
 
+def test_a_pump_that_was_put_to_stand_shows_the_reason(laboratory, service, open_page):
+    page = open_page(service.url)
+    laboratory.run("safety", "stand", "base", "--reason", "leak: water under the rack")
+    expect(state(page, "base")).to_have_text("Put to stand")
+    card = panel(page, "base")
+    expect(card).to_contain_text("leak: water under the rack")
+    card.get_by_role("button", name="Clear…").first.click()
+    box = page.get_by_role("dialog", name="Clear base")
+    expect(box).to_contain_text("base was put to stand")
+    expect(box).to_contain_text("leak: water under the rack")
+
+
 def test_an_unknown_angle_is_shown_as_unknown(laboratory, open_page):
     laboratory.run("home", "--unknown")
     page = open_page(laboratory.serve().url)

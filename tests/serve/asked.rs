@@ -33,7 +33,7 @@ fn a_command_beside_a_service_says_what_it_says_alone() {
 fn an_interrupt_stops_the_motion_that_the_service_makes() {
     let laboratory = Laboratory::new(&["acid"], "");
     let service = laboratory.serve(&[]);
-    let mut command = laboratory.dose(&["20mL", "--rate", "1mL/s", "--pace", "real"]);
+    let mut command = laboratory.dose(&["20mL", "--rate", "1mL/s"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     service.moves("acid");
     signal(child.id(), "INT");

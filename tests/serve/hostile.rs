@@ -115,6 +115,23 @@ fn a_command_of_anybody_else_is_not_carried_out() {
 }
 
 #[test]
+fn a_query_that_cannot_be_read_is_an_error_like_any_other() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    for (path, word) in [
+        ("/api/v1/pumps/acid/log?format=xml", "xml"),
+        ("/api/v1/orders?limit=-1", "limit"),
+        ("/api/v1/orders?colour=red", "colour"),
+        ("/api/v1/notes?limit=many", "limit"),
+    ] {
+        let (status, error) = service.get(path);
+        assert_eq!((status, &error["schema"]), (422, &"error/1".into()), "{path}: {error}");
+        let message = error["message"].as_str().unwrap();
+        assert!(message.starts_with("the query: ") && message.contains(word), "{path}: {message}");
+    }
+}
+
+#[test]
 fn a_body_without_end_and_a_head_without_end_are_refused() {
     let laboratory = Laboratory::new(&["acid"], "");
     let service = laboratory.serve(&["--pace", "fast"]);

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::laboratory::Laboratory;
+use crate::laboratory::{Laboratory, wait_for};
 
 #[test]
 fn a_dose_over_http_is_the_dose_of_the_command() {
@@ -56,6 +56,16 @@ fn a_history_that_was_lost_takes_the_doses_over_from_the_logs() {
     }
     let (_, events) = service.get("/api/v1/notes");
     assert!(events.to_string().contains("the history is new, and has the 2 doses"), "{events}");
+    // A dose that somebody typed elsewhere is the pump's last dose too.
+    assert!(laboratory.run(&["3mL", "--pump", "acid", "--no-service"]).status.success());
+    let last = wait_for("the view of the pump", || {
+        let last = service.get("/api/v1/pumps/acid").1["last"].clone();
+        (last["number"] == 2).then_some(last)
+    });
+    assert_eq!(
+        (&last["schema"], &last["asked"], &last["end"]),
+        (&json!("log/1"), &json!("3 mL"), &json!("done"))
+    );
     // The history is taken over once.
     service.kill();
     service = laboratory.serve_again(&service);

@@ -44,6 +44,25 @@ fn a_dose_comes_by_the_clock_once() {
 }
 
 #[test]
+fn missed_runs_that_are_all_made_up_for_come_one_after_the_other() {
+    let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
+    let times = [6, 7, 8].map(|in_s| format!("\"{}\"", soon(in_s))).join(", ");
+    let text = format!(
+        "schema = \"schedule/1\"\nzone = \"UTC\"\n[[entry]]\nname = \"a\"\npump = \"acid\"\ndose = \"2mL\"\nat = [{times}]\n\
+         missed = \"all\"\nmissed_within = \"1h\"\noptions = {{ rate = \"2mL/s\" }}\n"
+    );
+    fs::write(laboratory.path("schedule.toml"), text).unwrap();
+    let mut service = laboratory.serve(&[]);
+    service.end();
+    assert!(laboratory.log("acid").is_empty(), "the service ended before the first of them");
+    std::thread::sleep(std::time::Duration::from_secs(9));
+    let service = laboratory.serve_again(&service);
+    wait_for("three doses that were missed", || (laboratory.log("acid").len() == 3).then_some(()));
+    let (_, notes) = service.get("/api/v1/notes");
+    assert!(!notes.to_string().contains("not made"), "{notes}");
+}
+
+#[test]
 fn a_schedule_that_is_changed_is_read_anew_and_a_wrong_one_leaves_the_old_in_force() {
     let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
     let file = laboratory.path("schedule.toml");

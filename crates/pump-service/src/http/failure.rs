@@ -1,5 +1,6 @@
 //! Refusals over HTTP: `error/1` with a status.
 
+use axum::extract::rejection::QueryRejection;
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
@@ -53,6 +54,15 @@ impl From<Refusal> for Failure {
             Refusal::History(_) | Refusal::Start(_) | Refusal::Random(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
         Self { status, report: refusal.report() }
+    }
+}
+
+impl From<QueryRejection> for Failure {
+    fn from(rejection: QueryRejection) -> Self {
+        // The parser's own words name the key and what it allows; their first part says that it is a query.
+        let text = rejection.body_text();
+        let why = text.split_once(": ").map_or(text.as_str(), |(_, why)| why);
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, "usage", format!("the query: {why}"))
     }
 }
 

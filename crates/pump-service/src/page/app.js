@@ -139,10 +139,10 @@ let retryTimer = 0;
 let needsLogin = false;
 
 const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Delivering the rest of a dose',
-  accept: 'Accepting', clear: 'Clearing', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
+  accept: 'Accepting', clear: 'Clearing', stand: 'Putting to stand', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
   retract: 'Retracting' };
 /** Tasks that turn no motor. */
-const STANDING = ['accept', 'clear', 'emptied', 'calibrate'];
+const STANDING = ['accept', 'clear', 'stand', 'emptied', 'calibrate'];
 const isDose = (report) => report && report.schema === 'dose/1';
 
 /** The doses of an order with the names of their pumps: those of a rack are within its report. */
@@ -276,7 +276,8 @@ function takeReports(order) {
     if (report.delivered_ml == null || !report.time) continue;
     const pump = pumps.get(name);
     if (!pump || (pump.last && new Date(pump.last.report.time) > new Date(report.time))) continue;
-    pump.last = { report, order: order.id, ended: order.ended, stopped: order.error && order.error.kind === 'stopped' };
+    pump.last = { report, order: order.id, ended: order.ended, stopped: order.error && order.error.kind === 'stopped',
+      resumed: order.task === 'resume' };
   }
 }
 
@@ -607,8 +608,10 @@ class Head {
 
 function standWords(pump) {
   const stand = pump.view.status.safety.stand;
+  const since = date(new Date(stand.since));
+  if (stand.limit === 'ordered') return `${pump.name} was put to stand, ${since}: ${stand.reason}`;
   const limit = stand.limit === 'vessel' ? 'limit of the vessel' : 'limit of 24 h';
-  return `${pump.name} stands at its ${limit} since ${date(new Date(stand.since))}: ${short(stand.used_ml)} mL were ` +
+  return `${pump.name} stands at its ${limit} since ${since}: ${short(stand.used_ml)} mL were ` +
     `pumped, ${stand.planned_ml ? `${short(stand.planned_ml)} mL more were planned, ` : ''}` +
     `${short(stand.allowed_ml)} mL are allowed.`;
 }
@@ -629,7 +632,7 @@ function stateOf(pump) {
   }
   if (!status) return ['fault', 'The record cannot be read'];
   if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
-  if (status.safety.stand) return ['stand', 'Stands at a limit'];
+  if (status.safety.stand) return ['stand', status.safety.stand.limit === 'ordered' ? 'Put to stand' : 'Stands at a limit'];
   if (status.unfinished) return ['open', 'A dose is unfinished'];
   return ['ready', 'Ready'];
 }
@@ -643,6 +646,13 @@ const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes('
 const purposeWord = (purpose) => (purpose === 'calibrate' ? 'calibration run' : purpose === 'retract' ? 'retraction' : purpose);
 
 /** The volume in large numerals: figure, words below it, and the bar. */
+const ENDS = { weighed: ', weighed', stopped: ', stopped', fault: ', failed', 'cut-off': ', cut off' };
+/** The later of the log's last dose and the last report of an order, as the log tells it: the log is read a moment later. */
+function newest(logged, last) {
+  if (!last || (logged && new Date(logged.time) >= new Date(last.report.time))) return logged;
+  const { report, stopped, resumed } = last;
+  return { ...report, end: report.completed ? 'done' : stopped ? 'stopped' : 'fault', resumed };
+}
 function readOf(pump) {
   const { view, motion, last } = pump;
   const unfinished = view.status && view.status.unfinished;
@@ -669,17 +679,17 @@ function readOf(pump) {
     return { figure: isSure ? fixed(most, 2) : `${fixed(least, 2)} to ${fixed(most, 2)}`, below: `${what}; unfinished`,
       words: '', bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
   }
-  if (last) {
-    const { report } = last;
-    const u = report.expanded_uncertainty_ml;
-    const ended = new Date(report.time);
-    const how = report.completed ? '' : last.stopped ? ', stopped' : ', not complete';
-    return { figure: ml(report.delivered_ml, u), words: '',
-      below: `last ${purposeWord(report.purpose)}: ${askedWords(report)} asked, ${plusMinus(report)}${how}; ` +
-        `began ${date(ended)}`,
-      bar: { at: report.delivered_ml, asked: report.requested_ml, of: report.requested_ml, u } };
+  const done = newest(view.last, last);
+  if (done) {
+    const u = done.expanded_uncertainty_ml || 0;
+    const { delivered_least_ml: least, delivered_most_ml: most } = done;
+    const what = done.resumed ? `the rest of ${askedWords(done)}` : `last ${purposeWord(done.purpose)}: ${askedWords(done)} asked`;
+    return { figure: least == null ? ml(done.delivered_ml, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`, words: '',
+      below: `${what}${least == null && u ? `, ${plusMinus(done)}` : ''}${ENDS[done.end] || ''}; began ${date(new Date(done.time))}`,
+      bar: done.resumed || done.purpose === 'run' ? null
+        : { at: done.delivered_ml, asked: done.requested_ml, of: done.requested_ml, u } };
   }
-  return { figure: '–', below: 'the service has made no dose yet', words: '', bar: null };
+  return { figure: '–', below: 'no dose is on record', words: '', bar: null };
 }
 
 const between = (least, most, u) => (least == null ? 'unknown: the pump file does not describe this line'

@@ -5,7 +5,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use crate::history::OrderState;
-use crate::order::{Choice, Options, Order, Origin, Task};
+use crate::order::{Choice, Options, Order, OrderId, Origin, Task};
 use crate::schedule::{Action, Due, Entry, Setting};
 use crate::service::{Refusal, Service};
 
@@ -23,23 +23,24 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// The run of an entry that is due.
-    pub(super) fn of(due: &Due<'_>) -> Self {
+    /// The run of an entry that is due. One that was missed is made up for at `now`.
+    pub(super) fn of(due: &Due<'_>, now: Timestamp) -> Self {
         Self {
             order: order(due.entry),
             origin: Origin::Schedule(due.entry.name().to_owned()),
             words: due.to_string(),
-            waits_until: due.entry.waits_until(due.planned),
+            waits_until: due.entry.waits_until(due.planned.max(now)),
         }
     }
 
-    /// Gives the order, and waits for a pump in use as the entry says. What was not made is told.
-    pub(super) async fn make(self, service: Service, now: fn() -> Timestamp) {
+    /// Gives the order, and waits for a pump in use as the entry says. What was not made is told. Returns the order that
+    /// was begun.
+    async fn make(&self, service: &Service, now: fn() -> Timestamp) -> Option<OrderId> {
         let Self { order, origin, words, waits_until } = self;
         let pump = order.pump.clone();
         let told = |text: &str| service.note("schedule", Some(&pump), &format!("{words}: {text}"));
         loop {
-            let placed = service.place(order.clone(), &origin, None).await;
+            let placed = service.place(order.clone(), origin, None).await;
             let (is_busy, why) = match placed {
                 Ok(placed) if placed.record.state == OrderState::Refused => {
                     let error = placed.record.error.as_ref().and_then(|error| error.get("message"));
@@ -47,16 +48,54 @@ impl Run {
                         error.and_then(|message| message.as_str()).unwrap_or("it was refused").to_owned();
                     (placed.record.code == Some(3), why)
                 }
-                Ok(_) => return told("begun"),
+                Ok(placed) => {
+                    told("begun");
+                    return Some(placed.record.id);
+                }
                 Err(refusal @ Refusal::Busy { .. }) => (true, refusal.to_string()),
                 Err(refusal) => (false, refusal.to_string()),
             };
             if !is_busy || waits_until.is_none_or(|until| now() >= until) {
-                return told(&format!("not made: {why}"));
+                told(&format!("not made: {why}"));
+                return None;
             }
             tokio::time::sleep(APART).await;
         }
     }
+}
+
+/// Makes runs of one pump one after the other, the earliest first. The runs behind one that did not end as it should are
+/// left out and told: a person stopped it, or something is wrong.
+pub(super) async fn in_turn(runs: Vec<Run>, service: Service, now: fn() -> Timestamp) {
+    let mut runs = runs.into_iter().peekable();
+    while let Some(run) = runs.next() {
+        let begun = run.make(&service, now).await;
+        if runs.peek().is_none() {
+            return;
+        }
+        let is_done = match begun {
+            Some(order) => ended(&service, &order).await == Some(OrderState::Done),
+            None => false,
+        };
+        if !is_done {
+            for left in runs {
+                let text = format!("{}: left out, because {} was not made to its end", left.words, run.words);
+                service.note("schedule", Some(&left.order.pump), &text);
+            }
+            return;
+        }
+    }
+}
+
+/// Waits for the end of an order. `None` if the service ends before it, or cannot tell.
+async fn ended(service: &Service, order: &OrderId) -> Option<OrderState> {
+    while !service.is_ending() {
+        match service.order(order).ok()??.state {
+            OrderState::Running => tokio::time::sleep(APART).await,
+            state => return Some(state),
+        }
+    }
+    None
 }
 
 /// The order of an entry.

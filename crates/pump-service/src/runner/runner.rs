@@ -1,5 +1,6 @@
 //! The clock of the schedule.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -9,7 +10,7 @@ use serde_json::{Value, json};
 use thiserror::Error;
 
 use super::loaded::Loaded;
-use super::run::Run;
+use super::run::{Run, in_turn};
 use crate::history::HistoryError;
 use crate::schedule::{Missed, ScheduleError};
 use crate::service::Service;
@@ -94,10 +95,14 @@ impl Runner {
         for missed in &catchup.missed {
             self.tell_missed(missed)?;
         }
+        let mut by_pump: BTreeMap<&str, Vec<Run>> = BTreeMap::new();
         for due in &catchup.run {
             // On record before anything moves: it is never made twice.
             history.plan(due.entry.name(), due.planned)?;
-            tokio::spawn(Run::of(due).make(self.service.clone(), self.now));
+            by_pump.entry(due.entry.action().pump().unwrap_or("")).or_default().push(Run::of(due, now));
+        }
+        for runs in by_pump.into_values() {
+            tokio::spawn(in_turn(runs, self.service.clone(), self.now));
         }
         let mut told = self.told_ahead.lock().unwrap_or_else(PoisonError::into_inner);
         told.retain(|name| catchup.ahead.iter().any(|ahead| ahead.entry.name() == name));

@@ -159,14 +159,15 @@ impl Entry {
         if self.enabled { self.timing.next(&self.zone, self.season, after) } else { None }
     }
 
-    /// Returns the instant until which the run planned at `planned` waits for a pump that moves: the entry's next time,
-    /// or 24 hours later if that comes first. `None` if the run does not wait.
-    pub fn waits_until(&self, planned: Timestamp) -> Option<Timestamp> {
+    /// Returns the instant until which a run that is due since `since` waits for a pump that moves: the entry's next
+    /// time, or 24 hours later if that comes first. `None` if the run does not wait. A run that is made up for is due
+    /// since the program came back.
+    pub fn waits_until(&self, since: Timestamp) -> Option<Timestamp> {
         match self.busy {
             IfBusy::Skip => None,
             IfBusy::Wait => {
-                let longest = planned.checked_add(LONGEST_WAIT).unwrap_or(Timestamp::MAX);
-                Some(self.next(planned).map_or(longest, |(next, _)| next.min(longest)))
+                let longest = since.checked_add(LONGEST_WAIT).unwrap_or(Timestamp::MAX);
+                Some(self.next(since).map_or(longest, |(next, _)| next.min(longest)))
             }
         }
     }

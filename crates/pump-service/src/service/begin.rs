@@ -82,8 +82,11 @@ impl Service {
             let (pump, order) = (order.pump.clone(), other.record.id.clone());
             return Err(Refusal::Busy { pump, order });
         }
-        if order.task.moves() && !is_typed && pump.bench().is_simulated() {
-            words.push(option("pace", self.pace()));
+        let has_pace = words.iter().any(|word| word == "--pace" || word.starts_with("--pace="));
+        if order.task.moves() && !has_pace && pump.bench().is_simulated() {
+            // Behind two dashes it would be no option.
+            let at = words.iter().position(|word| word == "--").unwrap_or(words.len());
+            words.insert(at, option("pace", self.pace()));
         }
         Ok(words)
     }

@@ -6,8 +6,9 @@ use std::time::SystemTime;
 
 use pump_bench::Bench;
 use pump_bench::config::Config;
-use pump_bench::report::Status;
+use pump_bench::report::{Status, log_json};
 use pump_bench::safety::SafetyLimit;
+use serde_json::Value;
 
 use super::error::ServiceError;
 use super::view::PumpView;
@@ -25,6 +26,8 @@ pub struct Pump {
 struct Read {
     status: Option<Status>,
     error: Option<String>,
+    /// Last dose of the log, `log/1`.
+    last: Option<Value>,
     /// Time at which the record was written last.
     written: Option<SystemTime>,
     /// True if another process held the pump.
@@ -66,7 +69,15 @@ impl Pump {
             Ok(status) => (Some(status), None),
             Err(error) => (None, Some(error.to_string())),
         };
+        read.last = self.last_logged();
         true
+    }
+
+    /// Returns the last dose of the log. A log that cannot be read is told by whoever asks for it.
+    fn last_logged(&self) -> Option<Value> {
+        let entry = self.bench.last_logged().ok()??;
+        let line = log_json(&self.bench.file().pump.id, self.bench.drive_id(), &entry, false);
+        serde_json::from_str(&line).ok()
     }
 
     /// Returns true if the record that was read last has the pump stand by an order.
@@ -79,6 +90,6 @@ impl Pump {
     /// Returns what people are shown of the pump while nothing moves.
     pub fn view(&self) -> PumpView {
         let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        PumpView::of(self, read.status.clone(), read.error.clone())
+        PumpView::of(self, read.status.clone(), read.error.clone(), read.last.clone())
     }
 }

@@ -36,6 +36,8 @@ pub struct PumpView {
     pub status: Option<Status>,
     /// Reason why the record cannot be read; null if it can.
     pub error: Option<String>,
+    /// Last dose, prime, purge or run of the log, `log/1`; null without one.
+    pub last: Option<Value>,
     /// Order that is carried out now; null while there is none.
     pub order: Option<OrderId>,
     /// Word of the task that is carried out now.
@@ -48,7 +50,12 @@ pub struct PumpView {
 
 impl PumpView {
     /// The view of a pump that carries out nothing.
-    pub(super) fn of(pump: &Pump, status: Option<Status>, error: Option<String>) -> Self {
+    pub(super) fn of(
+        pump: &Pump,
+        status: Option<Status>,
+        error: Option<String>,
+        last: Option<Value>,
+    ) -> Self {
         let (bench, model) = (pump.bench(), pump.bench().model());
         let pitch_deg = degrees(model.pitch_rad());
         Self {
@@ -64,6 +71,7 @@ impl PumpView {
             default_flow_ml_s: bench.file().pump.default_rate_ml_s,
             status,
             error,
+            last,
             order: None,
             task: None,
             plan: None,

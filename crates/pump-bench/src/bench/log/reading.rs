@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::bench::Bench;
-use crate::record::{LogEntry, LogError, LogLine, pending};
+use crate::record::{LogEntry, LogError, LogLine, Purpose, pending};
 
 /// Doses of a bench, oldest first, read one at a time.
 pub struct LogReading {
@@ -32,6 +32,19 @@ impl Bench {
     pub fn log(&self) -> Result<LogReading, LogError> {
         let lines = Box::new(self.folder().log().lines()?);
         Ok(LogReading { lines, last: 0, bench: self.clone(), rest: None })
+    }
+
+    /// Reads the last dose, prime, purge or run of the log, which may be long. `None` if it has none. Retractions, turns
+    /// to a mark and the runs of a calibration are left out.
+    ///
+    /// # Errors
+    ///
+    /// [`LogError`] if the log cannot be read.
+    pub fn last_logged(&self) -> Result<Option<LogEntry>, LogError> {
+        let is_asked = |entry: &LogEntry| {
+            matches!(entry.purpose, Purpose::Dose | Purpose::Prime | Purpose::Purge | Purpose::Run)
+        };
+        Ok(self.folder().log().last_of(is_asked)?.map(|(_, entry)| entry))
     }
 }
 

@@ -75,21 +75,33 @@ impl Log {
     ///
     /// [`LogError`] if the file cannot be read.
     pub(crate) fn tail(&self) -> Result<LogTail, LogError> {
-        let Some(mut file) = self.readable()? else { return Ok(LogTail::default()) };
+        Ok(self.last_of(|_| true)?.map_or(LogTail::default(), |(tail, _)| tail))
+    }
+
+    /// Reads the last dose that `wanted` takes, and the end of its line.
+    ///
+    /// # Errors
+    ///
+    /// [`LogError`] if the file cannot be read.
+    pub(crate) fn last_of(
+        &self,
+        wanted: impl Fn(&LogEntry) -> bool,
+    ) -> Result<Option<(LogTail, LogEntry)>, LogError> {
+        let Some(mut file) = self.readable()? else { return Ok(None) };
         let failed = |source| self.failed("read", source);
         let length = file.metadata().map_err(failed)?.len();
-        let mut wanted = WINDOW;
+        let mut window = WINDOW;
         loop {
-            let start = length.saturating_sub(wanted);
+            let start = length.saturating_sub(window);
             let mut bytes = Vec::new();
             file.seek(SeekFrom::Start(start)).and_then(|_| file.read_to_end(&mut bytes)).map_err(failed)?;
-            if let Some(tail) = tail_of(&bytes, start) {
-                return Ok(tail);
+            if let Some(last) = last_in(&bytes, start, &wanted) {
+                return Ok(Some(last));
             }
             if start == 0 {
-                return Ok(LogTail::default());
+                return Ok(None);
             }
-            wanted = wanted.saturating_mul(8);
+            window = window.saturating_mul(8);
         }
     }
 
@@ -172,15 +184,16 @@ impl Log {
     }
 }
 
-/// Returns the last whole dose of the bytes at `start` of a file. `None` if they hold none.
-fn tail_of(bytes: &[u8], start: u64) -> Option<LogTail> {
+/// Returns the last whole dose that `wanted` takes of the bytes at `start` of a file. `None` if they hold none.
+fn last_in(bytes: &[u8], start: u64, wanted: impl Fn(&LogEntry) -> bool) -> Option<(LogTail, LogEntry)> {
     let mut end = bytes.len();
     while end > 0 {
         let before = bytes[..end - 1].iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
         if bytes[end - 1] == b'\n'
             && let Ok(entry) = decoded(&bytes[before..end])
+            && wanted(&entry)
         {
-            return Some(LogTail { number: entry.number, length: start + end as u64 });
+            return Some((LogTail { number: entry.number, length: start + end as u64 }, entry));
         }
         end = before;
     }

@@ -1,6 +1,7 @@
 //! The log of a pump, as `dose log` tells it.
 
 use axum::body::Body;
+use axum::extract::rejection::QueryRejection;
 use axum::extract::{Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
@@ -33,8 +34,9 @@ pub(in super::super) struct Part {
 pub(in super::super) async fn log(
     State(shared): State<Shared>,
     Path(name): Path<String>,
-    Query(part): Query<Part>,
+    part: Result<Query<Part>, QueryRejection>,
 ) -> Result<Response, Failure> {
+    let Query(part) = part?;
     let pump = shared.service.pump(&name)?.name().to_owned();
     let format = part.format.unwrap_or(LogFormat::Json);
     let words = log_words(&pump, part.since.as_deref(), part.until.as_deref(), format);

@@ -2,6 +2,7 @@
 
 use axum::Json;
 use axum::body::Bytes;
+use axum::extract::rejection::QueryRejection;
 use axum::extract::{Path, Query, State};
 use axum::http::StatusCode;
 use serde::Deserialize;
@@ -43,8 +44,9 @@ pub(in super::super) struct Part {
     responses((status = 200, description = "A list of `order/1`", body = Vec<Object>)))]
 pub(in super::super) async fn list(
     State(shared): State<Shared>,
-    Query(part): Query<Part>,
+    part: Result<Query<Part>, QueryRejection>,
 ) -> Result<Json<Vec<OrderRecord>>, Failure> {
+    let Query(part) = part?;
     let most = part.limit.unwrap_or(USUAL).min(MOST);
     let history = shared.service.history();
     let orders = history.last_orders(part.pump.as_deref(), most).map_err(Refusal::from)?;
@@ -105,8 +107,9 @@ pub(in super::super) async fn stop(
     responses((status = 200, description = "Notes with time, kind, pump and text", body = Vec<Object>)))]
 pub(in super::super) async fn notes(
     State(shared): State<Shared>,
-    Query(part): Query<Part>,
+    part: Result<Query<Part>, QueryRejection>,
 ) -> Result<Json<Vec<EventRecord>>, Failure> {
+    let Query(part) = part?;
     let most = part.limit.unwrap_or(USUAL).min(MOST);
     Ok(Json(shared.service.history().last_events(most).map_err(Refusal::from)?))
 }
