@@ -20,6 +20,7 @@ def test_a_page_comes_back_after_a_kill_and_resumes_the_dose(laboratory, service
     expect(state(page, "acid")).to_have_text("Ready")
     first, rest = laboratory.log("acid")[-2:]
     assert rest["resumed"]
+    expect(panel(page, "acid").locator(".read .what")).to_contain_text("the rest of 40 mL")
     assert abs(first["delivered_ml"] + rest["delivered_ml"] - 40) < 0.5
     assert again.view("acid")["status"]["unfinished"] is None
 

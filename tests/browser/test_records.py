@@ -56,8 +56,9 @@ def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     assert service.get("/api/v1/orders?pump=base")[0]["task"] == "clear"
 
 
-def test_a_pump_that_was_put_to_stand_shows_the_reason(laboratory, service, open_page):
-    page = open_page(service.url)
+def test_a_pump_that_was_put_to_stand_shows_the_reason(make_laboratory, open_page):
+    laboratory = make_laboratory(pumps=("acid", "base"))
+    page = open_page(laboratory.serve().url)
     laboratory.run("safety", "stand", "base", "--reason", "leak: water under the rack")
     expect(state(page, "base")).to_have_text("Put to stand")
     card = panel(page, "base")
