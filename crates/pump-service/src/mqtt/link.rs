@@ -110,10 +110,7 @@ async fn connection(
         service.note("mqtt", None, &format!("the MQTT broker {} is back", settings.address()));
     }
     let lost = |reason| Over::Lost { reason, lasted: begun.elapsed() };
-    let teller = match Teller::new(service, settings, client.clone()) {
-        Ok(teller) => teller,
-        Err(error) => return lost(error.to_string()),
-    };
+    let teller = Teller::new(service, settings, client.clone());
     let mut hearer = Hearer::new(service, &settings.topics, client, retained);
     let hearing = hear(&mut events, &mut hearer);
     tokio::pin!(hearing);

@@ -6,7 +6,6 @@
 
 mod asked;
 mod discovery;
-mod dosed;
 mod error;
 mod hearer;
 mod kept;

@@ -12,11 +12,10 @@ use tokio::sync::broadcast::error::{RecvError, TryRecvError};
 use tokio::time::Instant;
 
 use super::discovery::documents;
-use super::dosed::Dosed;
 use super::kept::kept;
 use super::settings::{OFFLINE, ONLINE, Settings};
 use super::view::{State, word_of_progress};
-use crate::service::{Event, Refusal, Service};
+use crate::service::{Event, Service};
 
 /// Time from one message of progress of a pump to its next.
 const APART: Duration = Duration::from_millis(500);
@@ -26,7 +25,6 @@ pub(super) struct Teller<'a> {
     service: &'a Service,
     settings: &'a Settings,
     client: AsyncClient,
-    dosed: Dosed,
     /// State of each pump as it was told last, and the word of its motion.
     told: BTreeMap<String, (String, Option<&'static str>)>,
     /// Time of each pump's last progress.
@@ -34,15 +32,10 @@ pub(super) struct Teller<'a> {
 }
 
 impl<'a> Teller<'a> {
-    /// A teller that knows the last doses.
-    pub(super) fn new(
-        service: &'a Service,
-        settings: &'a Settings,
-        client: AsyncClient,
-    ) -> Result<Self, Refusal> {
-        let dosed = Dosed::of(service)?;
+    /// A teller that has told nothing yet.
+    pub(super) fn new(service: &'a Service, settings: &'a Settings, client: AsyncClient) -> Self {
         let (told, progressed) = (BTreeMap::new(), BTreeMap::new());
-        Ok(Self { service, settings, client, dosed, told, progressed })
+        Self { service, settings, client, told, progressed }
     }
 
     /// Tells everything, and then what happens, until `end`. Says goodbye then.
@@ -115,7 +108,7 @@ impl<'a> Teller<'a> {
     async fn state(&mut self, name: &str, motion: Option<&'static str>) -> Result<(), ClientError> {
         let Ok(pump) = self.service.pump(name) else { return Ok(()) };
         let view = self.service.view(pump);
-        let text = State::of(&view, motion, self.dosed.last(name)).text();
+        let text = State::of(&view, motion).text();
         let before = self.told.insert(name.to_owned(), (text.clone(), motion));
         if before.is_some_and(|(before, _)| before == text) {
             return Ok(());
@@ -133,16 +126,7 @@ impl<'a> Teller<'a> {
         match event.name {
             "pump" => self.state(text("name"), None).await,
             "progress" => self.progress(text("name"), &value).await,
-            "order" => {
-                let reports = value.get("reports").and_then(Value::as_array);
-                let service = self.service;
-                let dosed = reports
-                    .into_iter()
-                    .flatten()
-                    .filter_map(|report| self.dosed.take(service, report))
-                    .last();
-                self.state(dosed.unwrap_or(text("pump")), None).await
-            }
+            "order" => self.state(text("pump"), None).await,
             _ => Ok(()),
         }
     }

@@ -3,7 +3,6 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::dosed::Volumes;
 use crate::order::OrderId;
 use crate::service::PumpView;
 
@@ -24,7 +23,7 @@ pub(super) struct State<'a> {
     carry_ml: Option<f64>,
     /// Volume that the tube has pumped, mL.
     tube_ml: Option<f64>,
-    /// Volume of the last dose, mL.
+    /// Volume of the last dose, prime, purge or run on record, mL.
     delivered_ml: Option<f64>,
     /// Volume that it was asked for, mL.
     asked_ml: Option<f64>,
@@ -36,16 +35,17 @@ pub(super) struct State<'a> {
 
 impl<'a> State<'a> {
     /// The state of a pump. `motion` is the word of a line of progress that is not in the view, as that of a rack.
-    pub(super) fn of(view: &'a PumpView, motion: Option<&'static str>, last: Option<Volumes>) -> Self {
+    pub(super) fn of(view: &'a PumpView, motion: Option<&'static str>) -> Self {
         let status = view.status.as_ref();
+        let of_last = |key: &str| view.last.as_ref()?.get(key)?.as_f64();
         Self {
             schema: "mqtt-pump/1",
             state: motion.unwrap_or_else(|| word(view)),
             angle_deg: status.and_then(|status| status.angle_deg),
             carry_ml: status.map(|status| status.carry_ml),
             tube_ml: status.map(|status| status.wear.volume_ml),
-            delivered_ml: last.map(|last| last.delivered_ml),
-            asked_ml: last.map(|last| last.asked_ml),
+            delivered_ml: of_last("delivered_ml"),
+            asked_ml: of_last("requested_ml"),
             order: view.order.as_ref(),
             task: view.task,
             error: view.error.as_deref(),
