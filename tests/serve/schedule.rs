@@ -44,6 +44,26 @@ fn a_dose_comes_by_the_clock_once() {
 }
 
 #[test]
+fn an_entry_that_would_be_refused_at_night_is_told_at_once() {
+    let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
+    let entry = |name: &str, what: &str| format!("[[entry]]\nname = \"{name}\"\n{what}\nat = \"03:00\"\n");
+    let text = "schema = \"schedule/1\"\n".to_owned()
+        + &entry("a", "pump = \"nope\"\ndose = \"2mL\"")
+        + &entry("b", "pump = \"acid\"\ndose = \"5gal\"")
+        + &entry("c", "rack = \"night\"")
+        + &entry("d", "pump = \"acid\"\ndose = \"2mL\"").replace("03:00", "05:00");
+    fs::write(laboratory.path("schedule.toml"), text).unwrap();
+    let service = laboratory.serve(&[]);
+    let (_, notes) = service.get("/api/v1/notes");
+    let told: Vec<&str> = notes.as_array().unwrap().iter().filter_map(|note| note["text"].as_str()).collect();
+    for (entry, why) in [("a", "nope"), ("b", "5gal"), ("c", "no rack `night`")] {
+        let words = format!("{entry}: its runs will be refused: ");
+        assert!(told.iter().any(|text| text.starts_with(&words) && text.contains(why)), "{entry}: {told:?}");
+    }
+    assert!(!told.iter().any(|text| text.starts_with("d: ")), "{told:?}");
+}
+
+#[test]
 fn missed_runs_that_are_all_made_up_for_come_one_after_the_other() {
     let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
     let times = [6, 7, 8].map(|in_s| format!("\"{}\"", soon(in_s))).join(", ");

@@ -1,5 +1,6 @@
 //! The schedule in force: its runs are given as orders when they are due.
 
+mod doubt;
 mod loaded;
 mod run;
 mod runner;

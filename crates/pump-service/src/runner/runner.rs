@@ -9,6 +9,7 @@ use jiff::Timestamp;
 use serde_json::{Value, json};
 use thiserror::Error;
 
+use super::doubt::doubt;
 use super::loaded::Loaded;
 use super::run::{Run, in_turn};
 use crate::history::HistoryError;
@@ -62,7 +63,19 @@ impl Runner {
     /// [`RunnerError`] if the schedule is refused or the history cannot be used.
     pub fn new(path: &Path, service: Service, now: fn() -> Timestamp) -> Result<Self, RunnerError> {
         let loaded = Mutex::new(Loaded::read(path, service.history(), now())?);
-        Ok(Self { path: path.to_owned(), service, now, loaded, told_ahead: Mutex::default() })
+        let runner = Self { path: path.to_owned(), service, now, loaded, told_ahead: Mutex::default() };
+        runner.tell_doubts(&runner.loaded());
+        Ok(runner)
+    }
+
+    /// Tells the entries whose runs would be refused, before the night in which they are due.
+    fn tell_doubts(&self, loaded: &Loaded) {
+        for entry in loaded.schedule.entries().iter().filter(|entry| entry.enabled()) {
+            if let Some(why) = doubt(entry, &self.service) {
+                let text = format!("{}: its runs will be refused: {why}", entry.name());
+                self.service.note("schedule", None, &text);
+            }
+        }
     }
 
     /// Gives the orders as they are due, and reads the file anew when it changes, until the service ends.
@@ -148,6 +161,7 @@ impl Runner {
             Ok(read) => {
                 *loaded = read;
                 self.service.note("schedule", None, "the schedule was read anew and is in force");
+                self.tell_doubts(&loaded);
             }
             Err(error) => {
                 // Told once for each state of the file.
