@@ -245,7 +245,17 @@ fn a_ripple_that_a_smooth_flow_makes_larger_is_said_to_rise() {
     // The paper's head with 1.2 times its roller volume, whose flow reverses.
     let file = shown.replace("[roller_volume]\n", "[roller_volume]\ntotal_ml = 2.5266\n");
     std::fs::write(user.path("reversing.toml"), file).unwrap();
-    let dose = ["20uL", "--pump", "reversing.toml", "--smooth", "--dry-run", "--start-angle", "0deg+-0.1deg"];
+    let dose = [
+        "20uL",
+        "--rate",
+        "40mL/s",
+        "--pump",
+        "reversing.toml",
+        "--smooth",
+        "--dry-run",
+        "--start-angle",
+        "0deg+-0.1deg",
+    ];
     let warnings = user.json(&dose)["warnings"].to_string();
     let said = warnings.split("the ripple at the line's end ").nth(1).unwrap_or_else(|| panic!("{warnings}"));
     let words: Vec<_> = said.split(' ').collect();
