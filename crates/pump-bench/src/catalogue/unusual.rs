@@ -29,8 +29,8 @@ const FULL_STEPS: RangeInclusive<u32> = 20..=400;
 const AIR_KPA: RangeInclusive<f64> = 50.0..=110.0;
 
 /// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap or press the tube
-/// flat, a volume of a revolution for its bore, a number of rollers, the air's pressure, a height for its tube on either
-/// side, full steps of a motor, and microsteps for its driver.
+/// flat, a volume of a revolution for its bore, a number of rollers, the air's pressure, a height for its tube on
+/// either side, full steps of a motor, and microsteps for its driver.
 ///
 /// ```
 /// let mut file = pump_bench::built_in("three-roller").unwrap();

@@ -20,8 +20,8 @@ use crate::notice::{Remedy, Wording};
 use crate::numbers::{short, two_digits};
 use crate::pump_file::PumpFile;
 
-/// One line of JSON of a calibration that was stored, with the warnings of its fit. `before` is the calibration that was
-/// in use until then.
+/// One line of JSON of a calibration that was stored, with the warnings of its fit. `before` is the calibration that
+/// was in use until then.
 ///
 /// # Errors
 ///

@@ -29,8 +29,8 @@ pub(super) fn surer_before(
     let (Some(now), Some(then)) = (part(now)?, part(&before.calibration)?) else { return Ok(None) };
     Ok((now > LESS_SURE * then).then(|| {
         format!(
-            "the mean volume at the default rate is known to {} % (k = 2), and calibration {} knew it to {} %; it stays \
-             on record",
+            "the mean volume at the default rate is known to {} % (k = 2), and calibration {} knew it to {} %; it \
+             stays on record",
             two_digits(200.0 * now),
             before.version,
             two_digits(200.0 * then)
