@@ -26,6 +26,8 @@ enum Speech {
     Garbage,
     Silent,
     NeverStill,
+    /// It knows no question.
+    Refuses,
     /// It sends lines that answer no question, without end.
     Flood,
     /// It answers with bytes that end no line, as another speed of the line makes of an answer.
@@ -172,6 +174,22 @@ fn a_balance_that_cannot_be_read_moves_nothing() {
     assert!(said.contains("within 2 s") && said.contains("I4 A"), "{said}");
     let journal = fs::read_to_string(journal(&user)).unwrap_or_default();
     assert!(!journal.contains("intent"), "{journal}");
+}
+
+#[test]
+fn a_part_of_a_line_that_another_program_left_at_the_balance_spoils_one_question_alone() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    let balance = SimulatedBalance::start(journal(&user), Speech::MtSics);
+    fs::File::options().write(true).open(&balance.path).unwrap().write_all(b"?\x18$I").unwrap();
+    let last = ["calibrate", "last", "--scale-port", &balance.path, "--anyway", "--dry-run"];
+    let said = user.types(&last);
+    assert!(said.code == 0 && said.err.contains("the balance shows"), "{}", said.err);
+    // A balance that refuses each question is told, with what to do.
+    let refuses = SimulatedBalance::start(journal(&user), Speech::Refuses);
+    let said = user.is_refused(&["calibrate", "last", "--scale-port", &refuses.path]);
+    assert!(said.contains("refused the question twice: it said `ES`"), "{said}");
+    assert!(said.contains("--scale-protocol and --scale-line"), "{said}");
 }
 
 #[test]

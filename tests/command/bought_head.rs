@@ -264,3 +264,18 @@ fn a_bought_head_is_not_drawn_and_the_refusal_says_why() {
         assert!(refused.contains(&said) && !user.path("head.svg").exists(), "{refused}");
     }
 }
+
+#[test]
+fn the_example_file_shares_its_record_with_no_pump_that_the_docs_set_up() {
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    let id = user.json(&["5mL", "--pump", bought, "--dry-run"])["pump"].as_str().unwrap().to_owned();
+    for docs in [include_str!("../../docs/setup.md"), include_str!("../../README.md")] {
+        let names: Vec<_> = docs
+            .split("dose setup ")
+            .skip(1)
+            .filter_map(|rest| rest.split([' ', '`', '\n']).next())
+            .collect();
+        assert!(names.contains(&"acid") && !names.contains(&id.as_str()), "{id}: {names:?}");
+    }
+}

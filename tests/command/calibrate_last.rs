@@ -26,6 +26,22 @@ fn the_weight_of_the_last_dose_calibrates_the_next() {
 }
 
 #[test]
+fn a_volume_that_was_read_is_taken_with_its_option_and_without() {
+    let user = User::new();
+    user.json(&["213mL"]);
+    let found = |words: &[&str]| {
+        let found = user.json(&[&["calibrate", "last", "--dry-run"], words].concat());
+        (number(&found["displacement"], "factor"), number(&found["displacement"], "reading"))
+    };
+    assert_eq!(found(&["--volume", "218.1mL"]), found(&["218.1mL"]));
+    let mass = user.is_refused(&["calibrate", "last", "--volume", "217.26g"]);
+    assert!(mass.contains("`217.26g` is a mass; write it without --volume"), "{mass}");
+    assert!(
+        user.is_refused(&["calibrate", "last", "218g", "--volume", "218mL"]).contains("cannot be used with")
+    );
+}
+
+#[test]
 fn a_weighing_that_is_less_sure_than_the_model_waits_for_more() {
     let user = User::new();
     // Half a revolution: its scatter is 6.5 % on the stated prior, and the model's mean is sure to 2.4 %.
@@ -397,5 +413,26 @@ fn a_mistaken_unit_is_told_before_the_fluid() {
     user.json(&["calibrate", "last", "217.26g"]);
     user.json(&["213mL", "--fluid", "glycerol 60%"]);
     let refused = user.is_refused(&["calibrate", "last", "245.5kg"]);
-    assert!(refused.contains("allowed: half to twice of it"), "{refused}");
+    assert!(refused.contains("half to twice the 2"), "{refused}");
+}
+
+#[test]
+fn a_reading_that_cannot_be_is_told_beside_the_volume_that_the_dose_was_planned_for() {
+    let user = User::new();
+    let table = "speed_rpm,revolutions,volume_ml\n10,3,53.6\n10,3,53.7\n60,3,53.5\n60,3,53.6\n";
+    std::fs::write(user.path("runs.csv"), table).unwrap();
+    user.json(&["calibrate", "run", "--from", "runs.csv"]);
+    let planned_ml = number(&user.json(&["10mL"]), "planned_ml");
+    // The calibration in use now is none of the dose's.
+    assert_eq!(user.types(&["calibrate", "use", "none"]).code, 0);
+    let refused = user.is_refused(&["calibrate", "last", "72.5mL", "--anew"]);
+    let said = refused.split(" times the ").nth(1).unwrap();
+    let target_ml: f64 = said.split(' ').next().unwrap().parse().unwrap();
+    assert!(
+        (target_ml - planned_ml).abs() < 1e-3 && refused.contains("is 72.5 mL of water, 7.25"),
+        "{refused}"
+    );
+    // 53.6 mL in place of the model's 63.96 mL: the model has 11.9 mL where the calibration has 10.
+    let model_ml = said.split("half to twice the ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!((model_ml.parse::<f64>().unwrap() / target_ml - 1.193).abs() < 5e-3, "{refused}");
 }

@@ -421,3 +421,17 @@ fn a_new_pump_file_says_its_id_and_whose_record_it_goes_on_with() {
     let said = new("other/acid.toml");
     assert!(said.contains("a pump `acid` has a record already"), "{said}");
 }
+
+#[test]
+fn a_built_in_pump_is_checked_as_its_file_is() {
+    let user = User::new();
+    let built_in = user.types(&["pumps", "check", "three-roller"]);
+    assert_eq!(built_in.code, 0, "{}", built_in.err);
+    fs::write(user.path("shown.toml"), user.types(&["pumps", "show", "three-roller"]).out).unwrap();
+    let shown = user.types(&["pumps", "check", "shown.toml"]);
+    assert!(
+        built_in.out.contains("21.3185 mL per revolution") && built_in.out == shown.out,
+        "{}",
+        built_in.out
+    );
+}

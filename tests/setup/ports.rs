@@ -107,11 +107,45 @@ fn a_board_that_went_away_is_asked_for_in_the_same_run() {
     let script = ["setup", "base", "--like", "acid", "--port", "/dev/null", "--axis", "Y", "--yes"];
     let refused = desk.types(&[&script[..], &["--turned", "1", "--direction", "forward"]].concat());
     assert_eq!(refused.code, 2, "{}", refused.err);
-    assert!(
-        refused.err.contains("`dose setup base` goes on there, and `--port <PORT>` or"),
-        "{}",
-        refused.err
-    );
+    assert!(refused.err.contains("/dev/null cannot be opened as a serial port"), "{}", refused.err);
+    assert_eq!(desk.configured("pumps/base.toml"), None);
+}
+
+#[test]
+fn a_script_hears_why_no_board_is_at_its_port_before_anything_is_written() {
+    let silent = Options { defects: Defects { silent: Some(0), ..Defects::default() }, ..Options::default() };
+    let silent = Simulated::start(silent).unwrap();
+    let words = [
+        "setup",
+        "acid",
+        "--ml-per-rev",
+        "0.5mL",
+        "--rollers",
+        "4",
+        "--microsteps",
+        "16",
+        "--driver",
+        "grbl",
+    ];
+    let words = [&words[..], &["--altitude", "0m", "--yes", "--port"]].concat();
+    for (port, why) in [
+        (silent.path().to_str().unwrap(), "no grbl board answers at "),
+        ("/dev/null", "it is no serial line; "),
+        ("/dev/ttyUSB99", "it is not there; "),
+    ] {
+        for axis in [&["--axis", "Z"][..], &[]] {
+            let desk = Desk::new();
+            let refused = desk.types(&[&words[..], &[port], axis].concat());
+            assert!(refused.code == 2 && refused.err.contains(why), "{port}: {}", refused.err);
+            assert!(!refused.err.contains("--turned 1"), "{port}: {}", refused.err);
+            let written = [desk.configured("pumps/acid.toml"), desk.configured("config.toml")];
+            assert_eq!(written, [None, None], "{port}");
+        }
+        // A board may come later.
+        let desk = Desk::new();
+        let alone = desk.types(&[&words[..], &[port, "--axis", "Z", "--no-motion"]].concat());
+        assert!(alone.code == 0 && desk.configured("pumps/acid.toml").is_some(), "{port}: {}", alone.err);
+    }
 }
 
 #[test]

@@ -276,3 +276,35 @@ fn answers_of_another_pump_are_refused_for_one_that_has_its_own() {
     assert_eq!(anew.code, 0, "{}", anew.err);
     assert!(desk.configured("pumps/acid.toml").unwrap().contains("ml_per_rev = 0.3"));
 }
+
+#[test]
+fn a_tube_of_another_bore_suggests_its_own_end_and_the_bore_of_the_first_pump_stays_with_its_tube() {
+    let desk = Desk::new();
+    let place = [
+        "--rollers",
+        "3",
+        "--microsteps",
+        "16",
+        "--driver",
+        "sim",
+        "--altitude",
+        "0m",
+        "--yes",
+        "--no-motion",
+    ];
+    let set_up = |name: &str, head: &[&str]| {
+        let ended = desk.types(&[&["setup", name][..], head, &place].concat());
+        assert_eq!(ended.code, 0, "{}", ended.err);
+        let file = desk.configured(&format!("pumps/{name}.toml")).unwrap();
+        file.lines().find(|line| line.starts_with("nozzle_bore_mm")).unwrap_or_default().to_owned()
+    };
+    assert_eq!(set_up("acid", &["--ml-per-rev", "0.29mL", "--bore", "1.6mm"]), "nozzle_bore_mm = 1.6");
+    assert_eq!(set_up("wide", &["--head", "masterflex-ls-17"]), "nozzle_bore_mm = 6.4");
+    assert_eq!(
+        set_up("wide-too", &["--head", "masterflex-ls-17", "--nozzle-bore", "2mm"]),
+        "nozzle_bore_mm = 2.0"
+    );
+    // A nozzle that was put at a tube of this bore is suggested.
+    assert_eq!(set_up("nozzle", &["--head", "masterflex-ls-17"]), "nozzle_bore_mm = 2.0");
+    assert_eq!(set_up("thin", &["--ml-per-rev", "0.1mL", "--bore", "0.8mm"]), "nozzle_bore_mm = 0.8");
+}

@@ -25,9 +25,13 @@ pub(super) struct LastArgs {
     /// Reading of the scale or vessel for the last dose, as 23.8g or 24mL. Without --scale, its last digit says how
     /// sure it is
     #[arg(value_name = "READING", value_parser = stated_reading)]
-    #[arg(required_unless_present_any = ["scale_port", "scale_command"])]
-    #[arg(conflicts_with_all = ["scale_port", "scale_command"])]
+    #[arg(required_unless_present_any = ["volume", "scale_port", "scale_command"])]
+    #[arg(conflicts_with_all = ["volume", "scale_port", "scale_command"])]
     reading: Option<StatedReading>,
+    /// Volume that a measuring vessel shows, as 24mL, in place of READING
+    #[arg(long, value_name = "VOLUME", value_parser = stated_volume)]
+    #[arg(conflicts_with_all = ["scale_port", "scale_command"])]
+    volume: Option<StatedReading>,
     #[command(flatten)]
     balance: BalanceOptions,
     /// Join the reading to the runs of the calibration in use, whatever made them
@@ -52,6 +56,15 @@ pub(super) struct LastArgs {
     port: PortOption,
     #[command(flatten)]
     format: FormatOption,
+}
+
+/// Reads the volume that a measuring vessel shows.
+fn stated_volume(text: &str) -> Result<StatedReading, String> {
+    let reading = stated_reading(text).map_err(|error| error.to_string())?;
+    match reading.amount {
+        Amount::Volume(_) => Ok(reading),
+        Amount::Mass(_) => Err(format!("`{text}` is a mass; write it without --volume")),
+    }
 }
 
 impl LastArgs {
@@ -83,12 +96,13 @@ impl LastArgs {
         let mut calibration = weighed.calibration;
         calibration.tube = self.options.tube.clone().or(calibration.tube);
         calibration.note = self.options.note.clone();
+        let before = bench.calibrations().active()?;
         let stored = if self.dry_run {
             next_number(&bench, calibration)?
         } else {
             bench.keep_weighing(calibration)?
         };
-        self.report(&bench, &stored)
+        self.report(&bench, &stored, before.as_ref())
     }
 
     /// The pump file with the fluid that was weighed: that of the dose, unless the options name another. A difference
@@ -112,7 +126,7 @@ impl LastArgs {
     /// The reading that was typed, or that of the balance once it stands still. The balance was tared with the empty
     /// vessel before the dose.
     fn reading(&self, bench: &Bench) -> Result<StatedReading, Failure> {
-        if let Some(reading) = self.reading {
+        if let Some(reading) = self.reading.or(self.volume) {
             return Ok(reading);
         }
         let missing = || Failure::refused("what does the scale show? Write it, as 23.8g, or name a balance");
@@ -137,11 +151,11 @@ impl LastArgs {
         }
     }
 
-    fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
+    fn report(&self, bench: &Bench, stored: &Stored, before: Option<&Stored>) -> Result<(), Failure> {
         if self.format.json() {
-            return print_json(&calibration_json(bench, stored)?);
+            return print_json(&calibration_json(bench, stored, before)?);
         }
-        let text = calibration_text(bench, stored, !self.dry_run, advice::words)?;
+        let text = calibration_text(bench, stored, before, !self.dry_run, advice::words)?;
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
         tell(&format!("{text}{kept}"))
     }

@@ -108,15 +108,15 @@ impl RunArgs {
         };
         let steps_per_rev = bench.file().limits().motor.steps_per_rev;
         let runs = in_table(path, runs_of_csv(&read(path)?, steps_per_rev))?;
-        let stored = self.keep(&bench, Source::File, runs, None)?;
-        self.report(&bench, &stored)
+        let (stored, before) = self.keep(&bench, Source::File, runs, None)?;
+        self.report(&bench, &stored, before.as_ref())
     }
 
     /// Keeps the calibration of guided runs, and removes their log.
     fn guided(&self, bench: &Bench, weighed: Weighed) -> Result<(), Failure> {
         let Weighed { runs, has_moved, digit_g } = weighed;
-        let stored = match self.keep(bench, Source::Guided, runs, digit_g) {
-            Ok(stored) => stored,
+        let (stored, before) = match self.keep(bench, Source::Guided, runs, digit_g) {
+            Ok(kept) => kept,
             Err(failure) => {
                 let failure = if has_moved { failure.after_motion() } else { failure };
                 return Err(failure.with(&format!("; {}", kept(bench))));
@@ -129,36 +129,37 @@ impl RunArgs {
             );
             if has_moved { failure.after_motion() } else { failure }
         })?;
-        self.report(bench, &stored)
+        self.report(bench, &stored, before.as_ref())
     }
 
-    /// Fits the runs and has doses use what they show.
+    /// Fits the runs and has doses use what they show. It comes with the calibration that was in use until then.
     fn keep(
         &self,
         bench: &Bench,
         source: Source,
         runs: Vec<CalibrationRun>,
         digit_g: Option<f64>,
-    ) -> Result<Stored, Failure> {
+    ) -> Result<(Stored, Option<Stored>), Failure> {
         let _held = bench.folder().lock()?;
-        let before = bench.calibrations().active()?.map(|active| active.calibration);
+        let before = bench.calibrations().active()?;
+        let used = before.as_ref().map(|active| &active.calibration);
         let expected = bench.with_drop(&self.reading.expected_of(bench, digit_g, &runs))?;
-        let mut calibration =
-            Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
+        let mut calibration = Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, used)?;
         calibration.tube = self.reading.tube.clone();
         calibration.note = self.reading.note.clone();
-        if self.dry_run {
-            Ok(next_number(bench, calibration)?)
+        let stored = if self.dry_run {
+            next_number(bench, calibration)?
         } else {
-            Ok(bench.keep_calibration(calibration)?)
-        }
+            bench.keep_calibration(calibration)?
+        };
+        Ok((stored, before))
     }
 
-    fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
+    fn report(&self, bench: &Bench, stored: &Stored, before: Option<&Stored>) -> Result<(), Failure> {
         if self.format.json() {
-            return print_json(&calibration_json(bench, stored)?);
+            return print_json(&calibration_json(bench, stored, before)?);
         }
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
-        tell(&format!("{}{kept}", calibration_text(bench, stored, !self.dry_run, advice::words)?))
+        tell(&format!("{}{kept}", calibration_text(bench, stored, before, !self.dry_run, advice::words)?))
     }
 }

@@ -1,9 +1,9 @@
-//! `dose pumps check`: a pump file is checked.
+//! `dose pumps check`: a pump file, or a built-in pump, is checked.
 
 use clap::Args;
 use pump_bench::Bench;
 use pump_bench::config::{ConfigError, PumpPlace};
-use pump_bench::pump_file::{PumpFile, PumpFileError};
+use pump_bench::pump_file::PumpFileError;
 use pump_bench::report::pump_check;
 
 use crate::failure::Failure;
@@ -12,7 +12,7 @@ use crate::terminal::tell;
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// Pump file (TOML), or a name of the configuration
+    /// Pump file (TOML), a name of the configuration, or a built-in pump
     #[arg(value_name = "FILE|NAME")]
     file: String,
     #[command(flatten)]
@@ -31,17 +31,10 @@ impl CheckArgs {
             }
             error => Err(Failure::of(error)),
         })?;
-        let path = match place {
-            PumpPlace::File(path) => path,
-            PumpPlace::BuiltIn(name) => {
-                return Err(Failure::refused(format!(
-                    "{name} is built in; `dose pumps show {name}` prints its file"
-                )));
-            }
-        };
-        let origin = path.display().to_string();
-        let file = PumpFile::read(&path).map_err(Failure::of)?;
-        file.check_port(&origin).map_err(Failure::of)?;
+        let file = place.read().map_err(Failure::of)?;
+        if let Some(path) = place.file() {
+            file.check_port(&path.display().to_string()).map_err(Failure::of)?;
+        }
         // Where no place for records is known there are no calibrations either.
         let Ok(folder) = self.record.folder(&config) else {
             return tell(&pump_check(&file, None).map_err(Failure::of)?);

@@ -194,16 +194,26 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
     }
 }
 
-/// Asks the board whose port and axis were said for its axes, so that no file is written for an axis that it lacks. A
-/// board that does not answer is refused later, before it moves.
+/// Asks the board whose port was said for its axes, so that no file is written for an axis that it lacks. A script is
+/// refused where no board answers, and a person is asked for another port before anything moves.
 pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
-    let Answers { driver, port: Some(port), axis: Some(_), .. } = &course.answers else { return Ok(()) };
-    if *driver == Some(DriverName::Sim) {
+    let is_silent = course.asker.is_silent();
+    let Answers { driver, port: Some(port), axis, .. } = &course.answers else { return Ok(()) };
+    if *driver == Some(DriverName::Sim) || axis.is_none() && !is_silent {
         return Ok(());
     }
     let port = port.clone();
     let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
-    let Some((_, Ok(board))) = found else { return Ok(()) };
+    let board = match found {
+        Some((_, Ok(board))) => board,
+        Some((_, Err(error))) if is_silent => {
+            let failure = Failure::of(error);
+            return Err(failure
+                .with("; `--no-motion` writes the pump file of a board that comes later")
+                .into());
+        }
+        _ => return Ok(()),
+    };
     other_driver(course, &board)?;
     course.board = Some(board);
     lack_of_axis(course)

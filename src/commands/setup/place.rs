@@ -111,12 +111,14 @@ fn ask_outlet(course: &mut Course) -> Asked<()> {
     }
     if course.answers.outlet_end == Some(OutletEnd::Air) && course.answers.nozzle_bore_mm.is_none() {
         let millimetres = |bore_mm: Option<f64>| bore_mm.filter(|mm| *mm > 0.0).map(|mm| format!("{mm}mm"));
-        let own = millimetres(course.answers.tube_bore_mm);
+        let bore_mm = course.answers.bore_mm();
+        let own = millimetres(bore_mm);
         let question = Question {
             text: "Inner diameter of the outlet's end, or `unknown`",
             option: "--nozzle-bore 1.6mm",
+            // The end of another tube is hardly that of this one: a wider end holds a larger drop.
             usual: course.suggested(
-                |last| millimetres(last.nozzle_bore_mm),
+                |last| millimetres(last.nozzle_bore_mm).filter(|_| last.bore_mm() == bore_mm),
                 Some(own.as_deref().unwrap_or("unknown")),
             ),
             help: "that of the tube if it ends without a nozzle, as 1.6mm; larger drops hang from a wider end",

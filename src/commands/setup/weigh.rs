@@ -284,7 +284,7 @@ fn keep(
     weighed.check_likely().map_err(|error| Failure::of(error).with(&meant))?;
     let stored: Stored = bench.keep_weighing(weighed.calibration)?;
     drop(held);
-    course.tell(&calibration_text(&bench, &stored, true, course.runnable.words())?)?;
+    course.tell(&calibration_text(&bench, &stored, None, true, course.runnable.words())?)?;
     course.answers.done.dosed = false;
     course.answers.done.weighed += u32::from(is_new);
     course.keep()

@@ -184,3 +184,26 @@ fn rollers_that_overlap_are_warned_of_by_simulations_and_sizings_too() {
         assert!((said.out.clone() + &said.err).contains("overlap"), "{words:?}: {}{}", said.out, said.err);
     }
 }
+
+#[test]
+fn a_calibration_that_is_less_sure_than_the_one_before_names_it() {
+    let user = User::new();
+    let factors = [(10.0, 1.03), (10.0, 1.031), (60.0, 1.03), (60.0, 1.031), (110.0, 1.03), (110.0, 1.031)];
+    let sure = table(&user, "sure.csv", &factors);
+    let unsure = table(&user, "unsure.csv", &[(10.0, 1.08), (60.0, 1.0), (110.0, 1.06)]);
+    let run =
+        |from: &str, more: &[&str]| user.types(&[&["calibrate", "run", "--from", from][..], more].concat());
+    let told = |said: &str| {
+        said.contains("and calibration 1 knew it to") && said.contains("`dose calibrate use <N>`")
+    };
+    assert!(!told(&run(&sure, &[]).out));
+    let worse = run(&unsure, &["--dry-run"]).out;
+    assert!(told(&worse), "{worse}");
+    let kept = user.json(&["calibrate", "run", "--from", &unsure]);
+    assert!(kept["warnings"].to_string().contains("and calibration 1 knew it to"), "{kept}");
+    // One that is surer is told nothing, and so is that of another tube.
+    assert!(!run(&sure, &[]).out.contains("knew it to"));
+    assert_eq!(user.types(&["tube", "--new"]).code, 0);
+    assert_eq!(user.types(&["calibrate", "use", "1"]).code, 0);
+    assert!(!run(&unsure, &[]).out.contains("knew it to"));
+}

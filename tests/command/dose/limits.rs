@@ -237,3 +237,28 @@ fn the_pressure_of_the_air_today_takes_the_place_of_the_pump_files() {
     let thin = user.is_refused(&["25mL", "--dry-run", "--pump", &own, "--ambient", "1kPaa"]);
     assert!(thin.contains("vapour pressure"), "{thin}");
 }
+
+#[test]
+fn a_ripple_that_a_smooth_flow_makes_larger_is_said_to_rise() {
+    let user = User::new();
+    let shown = user.types(&["pumps", "show", "three-roller"]).out;
+    // The paper's head with 1.2 times its roller volume, whose flow reverses.
+    let file = shown.replace("[roller_volume]\n", "[roller_volume]\ntotal_ml = 2.5266\n");
+    std::fs::write(user.path("reversing.toml"), file).unwrap();
+    let dose = [
+        "20uL",
+        "--rate",
+        "40mL/s",
+        "--pump",
+        "reversing.toml",
+        "--smooth",
+        "--dry-run",
+        "--start-angle",
+        "0deg+-0.1deg",
+    ];
+    let warnings = user.json(&dose)["warnings"].to_string();
+    let said = warnings.split("the ripple at the line's end ").nth(1).unwrap_or_else(|| panic!("{warnings}"));
+    let words: Vec<_> = said.split(' ').collect();
+    let [before, after] = [words[2], words[4]].map(|percent| percent.parse::<f64>().unwrap());
+    assert!(words[0] == "rises" && after > before && said.contains("a constant speed is smoother"), "{said}");
+}

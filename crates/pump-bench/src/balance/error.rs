@@ -108,7 +108,7 @@ pub enum BalanceError {
         said: String,
     },
     /// The balance refused the question.
-    #[error("the balance refused the question: it said `{said}`")]
+    #[error("the balance refused the question twice: it said `{said}`")]
     Refused {
         /// Words of the balance.
         said: String,

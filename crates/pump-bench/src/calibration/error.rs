@@ -182,20 +182,24 @@ pub enum CalibrationError {
     },
     /// The reading of the last dose cannot be right.
     #[error(
-        "the reading is {} mL of {fluid}, {} times the {} mL that the last dose was to deliver; allowed: half to twice \
-         of it, {} to {} mL; check its unit, the tare, that the vessel held this dose alone, and the fluid; a motor \
-         with other steps per revolution than the pump file's makes such a difference too",
+        "the reading is {} mL of {fluid}, {} times the {} mL that the last dose was to deliver; allowed: {} to {} mL, \
+         half to twice the {} mL of the uncalibrated pump; check its unit, the tare, that the vessel held this dose \
+         alone, and the fluid; a motor with other steps per revolution than the pump file's makes such a difference \
+         too",
         significant(*measured_ml, 5),
         significant(measured_ml / planned_ml, 3),
         significant(*planned_ml, 5),
-        significant(0.5 * planned_ml, 4),
-        significant(2.0 * planned_ml, 4)
+        significant(0.5 * model_ml, 4),
+        significant(2.0 * model_ml, 4),
+        significant(*model_ml, 5)
     )]
     ImplausibleReading {
         /// Volume of the reading, in mL.
         measured_ml: f64,
-        /// Volume of the dose by the model, in mL.
+        /// Volume of the dose by the calibration that it was planned with, in mL.
         planned_ml: f64,
+        /// Volume of the dose by the model, in mL.
+        model_ml: f64,
         /// Name of the fluid whose density made a volume of the mass.
         fluid: String,
     },

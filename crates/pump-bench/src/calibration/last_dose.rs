@@ -11,6 +11,7 @@ use super::{
     AgainstSpeed, Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored,
     Weighing,
 };
+use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
 use crate::record::LastDose;
 use crate::units::{Amount, StatedReading};
@@ -241,7 +242,12 @@ impl WeighedDose {
         let expected = weighing.expected.with_angle_ml(angle_ml).with_density(density);
         // A mistake in a unit is told before anything else.
         let likely = run.volumes_ml(&pump, &Weighing::of(file), 1);
-        likely.map_err(|error| error.of_last_dose(&file.fluid.name))?;
+        if let Err(error) = likely {
+            let correction = last.map_or(Correction::NONE, |dose| dose.correction);
+            // A pump file that was changed since may refuse the correction on record.
+            let planned_ml = run.model_ml(&correction.of(&pump).unwrap_or(pump), 1)?;
+            return Err(error.of_last_dose(planned_ml, &file.fluid.name));
+        }
         let runs = run.clone().beside(active, weighing.earlier, &file.fluid.name)?;
         let replaced = active.filter(|_| weighing.earlier != Earlier::Left).and_then(|active| {
             let earlier = active.calibration.runs.iter().find(|earlier| earlier.is_of_dose(&run));
@@ -271,11 +277,12 @@ impl WeighedDose {
 }
 
 impl CalibrationError {
-    /// Returns the error of the one dose that was weighed, in place of that of a run.
-    fn of_last_dose(self, fluid: &str) -> Self {
+    /// Returns the error of the one dose that was weighed, in place of that of a run. `planned_ml` is the volume that
+    /// the dose was planned for, in mL.
+    fn of_last_dose(self, planned_ml: f64, fluid: &str) -> Self {
         match self {
-            Self::Implausible { measured_ml, model_ml: planned_ml, .. } => {
-                Self::ImplausibleReading { measured_ml, planned_ml, fluid: fluid.to_owned() }
+            Self::Implausible { measured_ml, model_ml, .. } => {
+                Self::ImplausibleReading { measured_ml, planned_ml, model_ml, fluid: fluid.to_owned() }
             }
             error => error,
         }

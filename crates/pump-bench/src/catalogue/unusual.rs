@@ -24,9 +24,13 @@ const MOST_SQUEEZE: f64 = 0.5;
 /// 0.9 deg of hybrid motors.
 const FULL_STEPS: RangeInclusive<u32> = 20..=400;
 
+/// Pressures of the air at places where people work, in kPa absolute: 5500 m up have 50.5 kPa by the standard
+/// atmosphere (ISO 2533), and the shore of the Dead Sea, the lowest land, lies below 110 kPa.
+const AIR_KPA: RangeInclusive<f64> = 50.0..=110.0;
+
 /// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap or press the tube
-/// flat, a volume of a revolution for its bore, a number of rollers, a height for its tube on either side, full steps
-/// of a motor, and microsteps for its driver.
+/// flat, a volume of a revolution for its bore, a number of rollers, the air's pressure, a height for its tube on
+/// either side, full steps of a motor, and microsteps for its driver.
 ///
 /// ```
 /// let mut file = pump_bench::built_in("three-roller").unwrap();
@@ -39,6 +43,7 @@ const FULL_STEPS: RangeInclusive<u32> = 20..=400;
 pub fn unusual(file: &PumpFile) -> Vec<Notice> {
     let of_head = [overlap(file), of_squeeze(file), of_volume(file), of_one_roller(file), of_rollers(file)];
     let found = of_head.into_iter().chain([
+        of_air(file),
         of_suction(file),
         of_height(file),
         of_full_steps(file),
@@ -117,6 +122,20 @@ fn of_squeeze(file: &PumpFile) -> Option<String> {
     })
 }
 
+/// Warns of a pressure that the air has hardly anywhere.
+fn of_air(file: &PumpFile) -> Option<String> {
+    let kpa = file.ambient.pressure_kpa;
+    (!AIR_KPA.contains(&kpa)).then(|| {
+        format!(
+            "the air's pressure is {} kPa absolute, and where people work it is {} kPa (5500 m up) to {} kPa; look at \
+             the unit, the decimal point and the altitude",
+            significant(kpa, 4),
+            AIR_KPA.start(),
+            AIR_KPA.end()
+        )
+    })
+}
+
 /// Warns of a supply so low that the tube may collapse.
 fn of_suction(file: &PumpFile) -> Option<String> {
     suction_warning(file, file.ambient.pressure_kpa - file.reservoir_kpa(Port::Inlet))
@@ -181,7 +200,7 @@ fn of_microsteps(file: &PumpFile) -> Option<String> {
 mod tests {
     use super::*;
     use crate::catalogue::BoughtPump;
-    use crate::pump_file::{HeadTable, Reservoir};
+    use crate::pump_file::{AmbientTable, HeadTable, Reservoir};
 
     /// Warnings of a bought head after a change.
     fn warned(change: impl FnOnce(&mut PumpFile)) -> Vec<String> {
@@ -213,6 +232,9 @@ mod tests {
         // 9.4 m of 997 kg/m³ suck with 91.9 kPa; 4 m with 39.1 kPa, as the tube of the paper stands.
         one(&|file| file.inlet.reservoir = Reservoir::Lift(9400.0), "sucks with 91.9 kPa below");
         one(&|file| file.outlet.line.reservoir = Reservoir::Pressure(600.0), "rated at 482 kPa");
+        let air_kpa = |kpa: f64| move |file: &mut PumpFile| file.ambient = AmbientTable::of_pressure_kpa(kpa);
+        one(&air_kpa(857.0), "the air's pressure is 857 kPa absolute");
+        one(&air_kpa(8.57), "the air's pressure is 8.57 kPa absolute");
         one(&|file| file.motor.steps_per_rev = 3000, "are 15 microsteps of 200 full steps");
         for full_steps in [4, 3200] {
             let motor = |file: &mut PumpFile| {
@@ -226,6 +248,10 @@ mod tests {
     fn values_that_heads_motors_and_benches_have_are_not_warned_of() {
         for microsteps in [1, 2, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 64, 100, 125, 128, 200, 256] {
             assert_eq!(warned(|file| file.motor.steps_per_rev = 200 * microsteps).len(), 0, "{microsteps}");
+        }
+        for altitude_m in [-430.0, 0.0, 1390.0, 5100.0] {
+            let place = |file: &mut PumpFile| file.ambient = AmbientTable::at_altitude_m(altitude_m);
+            assert_eq!(warned(place).len(), 0, "{altitude_m}");
         }
         // A 28BYJ-48 with its gearbox: 2048 full steps, which are no multiple of 200.
         assert_eq!(warned(|file| file.motor.steps_per_rev = 2048).len(), 0);

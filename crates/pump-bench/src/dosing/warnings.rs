@@ -230,11 +230,13 @@ fn hardly_smooth(model: &Pump, plan: &Plan) -> Option<String> {
     let at_rollers = (ripples.before, ripples.after);
     let (before, after) = ripples.outflow_before.zip(ripples.outflow_after).unwrap_or(at_rollers);
     (after.rms > HARDLY * before.rms).then(|| {
+        let goes = if after.rms > before.rms { "rises" } else { "only falls" };
         format!(
-            "the motor has no room for a smooth flow at this rate: the ripple at the line's end only falls from \
-             {:.1} to {:.1} % (RMS); a slower rate is smoother",
+            "the motor has no room for a smooth flow at this rate: the ripple at the line's end {goes} from {:.1} to \
+             {:.1} % (RMS); {}",
             100.0 * before.rms,
-            100.0 * after.rms
+            100.0 * after.rms,
+            if after.rms > before.rms { "a constant speed is smoother" } else { "a slower rate is smoother" }
         )
     })
 }

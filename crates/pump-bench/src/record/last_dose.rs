@@ -7,6 +7,7 @@ use pump_ctl::plan::Phase;
 use serde::{Deserialize, Serialize};
 
 use super::{Intent, Purpose, Unfinished};
+use crate::displacement::Correction;
 pub use dose_by_weight::DoseByWeight;
 pub use dosed_fluid::DosedFluid;
 
@@ -39,6 +40,9 @@ pub struct LastDose {
     /// Fluid of the dose. `None` in a record of an early version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fluid: Option<DosedFluid>,
+    /// Correction of the displacement that the dose was planned with.
+    #[serde(default, skip_serializing_if = "Correction::is_none")]
+    pub(crate) correction: Correction,
     /// Weighing of the dose. `None` if no balance ended it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_weight: Option<DoseByWeight>,
@@ -79,6 +83,7 @@ impl LastDose {
                     retracted_rad: 0.0,
                     retracted_half_width_rad: 0.0,
                     fluid: intent.told.and_then(|told| told.fluid),
+                    correction: intent.correction,
                     by_weight: None,
                 };
                 let begun = match before {

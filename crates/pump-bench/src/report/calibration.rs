@@ -1,6 +1,7 @@
 //! Calibrations of the displacement in words and as JSON.
 
 mod next_weighing;
+mod surer_before;
 
 use std::fmt::Write;
 
@@ -8,6 +9,7 @@ use pump_model::Pump;
 use serde_json::json;
 
 use self::next_weighing::NextWeighing;
+use self::surer_before::surer_before;
 use super::status::UnfinishedCalibration;
 use crate::bench::Bench;
 use crate::calibration::{
@@ -18,16 +20,22 @@ use crate::notice::{Remedy, Wording};
 use crate::numbers::{short, two_digits};
 use crate::pump_file::PumpFile;
 
-/// One line of JSON of a calibration that was stored, with the warnings of its fit.
+/// One line of JSON of a calibration that was stored, with the warnings of its fit. `before` is the calibration that
+/// was in use until then.
 ///
 /// # Errors
 ///
 /// A displacement that cannot be had of this pump.
-pub fn calibration_json(bench: &Bench, stored: &Stored) -> Result<String, CalibrationError> {
-    let warnings = match &stored.calibration.displacement {
+pub fn calibration_json(
+    bench: &Bench,
+    stored: &Stored,
+    before: Option<&Stored>,
+) -> Result<String, CalibrationError> {
+    let mut warnings = match &stored.calibration.displacement {
         Some(found) => warnings(bench.file(), bench.model(), found)?,
         None => Vec::new(),
     };
+    warnings.extend(surer_before(bench, stored, before)?);
     let mut report = json!(stored);
     report["used"] = json!(bench.would_use(&stored.calibration).unwrap_or(true));
     report["warnings"] = json!(warnings);
@@ -42,7 +50,8 @@ pub fn calibrations_json(all: &[Stored], active: Option<u32>) -> String {
     format!("{}\n", json!({ "schema": "calibrations/1", "active": active, "calibrations": all }))
 }
 
-/// Says what a calibration found, and which doses use it from now on, or would if it were kept.
+/// Says what a calibration found, and which doses use it from now on, or would if it were kept. `before` is the
+/// calibration that was in use until then.
 ///
 /// # Errors
 ///
@@ -50,6 +59,7 @@ pub fn calibrations_json(all: &[Stored], active: Option<u32>) -> String {
 pub fn calibration_text(
     bench: &Bench,
     stored: &Stored,
+    before: Option<&Stored>,
     is_kept: bool,
     words: Wording,
 ) -> Result<String, CalibrationError> {
@@ -62,6 +72,9 @@ pub fn calibration_text(
     text += &scatter(file, found).unwrap_or_default();
     for warning in warnings(file, base, found)? {
         text += &format!("  warning: {warning}\n");
+    }
+    if let Some(warning) = surer_before(bench, stored, before)? {
+        text += &format!("  warning: {warning}; {}\n", words(Remedy::UseCalibration));
     }
     text += &match bench.would_use(&stored.calibration) {
         Ok(false) => waits(bench, stored, found, words)?,

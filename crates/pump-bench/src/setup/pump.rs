@@ -81,6 +81,19 @@ impl Answers {
         })
     }
 
+    /// Returns the bore of the head's tube, in mm. `None` if nobody knows it, or the head is not complete.
+    pub fn bore_mm(&self) -> Option<f64> {
+        match self.made().ok()? {
+            Made::Bought(pump) => pump.head.tube_bore_mm,
+            Made::Catalogued(_) => self.catalogued().ok()??.bore_mm,
+            Made::Drawn(pump) => Some(2.0 * pump.geometry.bore_radius_mm),
+            Made::Copied(file) => match &file.head {
+                Some(head) => head.tube_bore_mm,
+                None => file.tube.bore_radius_mm.map(|radius_mm| 2.0 * radius_mm),
+            },
+        }
+    }
+
     /// Returns the motor as its owner states it, if its steps are said.
     pub fn motor(&self) -> Option<StatedMotor> {
         let micro = self.microsteps.map(|microsteps| MotorSteps::Microsteps {

@@ -103,7 +103,7 @@ impl SerialBalance {
 }
 
 impl SerialBalance {
-    /// Asks until `is_wanted` takes an answer.
+    /// Asks until `is_wanted` takes an answer. A question that is refused is repeated once.
     ///
     /// The time is that for which the balance was listened to: a wait counts for no more than it was to last. A
     /// computer that is busy with other things waits longer, and the balance is not blamed for it.
@@ -114,7 +114,7 @@ impl SerialBalance {
         stop: &StopRequest,
         is_wanted: impl Fn(Answer) -> Option<BalanceReading>,
     ) -> Result<BalanceReading, BalanceError> {
-        let mut waited = Duration::ZERO;
+        let (mut waited, mut is_repeated) = (Duration::ZERO, false);
         let (mut last, mut strange): (Option<String>, Option<String>) = (None, None);
         let first = longest.min(FIRST_ANSWER);
         let patience = |is_known: bool, is_strange: bool, protocol: Protocol| {
@@ -137,7 +137,14 @@ impl SerialBalance {
                 if line.trim().is_empty() {
                     continue;
                 }
-                let answer = self.protocol.answer(&line, &self.unit)?;
+                let answer = match self.protocol.answer(&line, &self.unit) {
+                    // Another program may have left a part of a line there, which spoils the first question.
+                    Err(BalanceError::Refused { .. }) if !is_repeated => {
+                        is_repeated = true;
+                        break;
+                    }
+                    answer => answer?,
+                };
                 let said = if answer == Answer::Other { &mut strange } else { &mut last };
                 *said = Some(shown_line(&line));
                 if matches!(answer, Answer::Still(_)) {

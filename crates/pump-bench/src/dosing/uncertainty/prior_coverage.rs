@@ -10,7 +10,7 @@ use pump_model::units::{rad_s, radians};
 
 use super::share::ShareSource;
 use crate::calibration::{CalibrationError, Earlier, Expected, LastWeighing, Stored, WeighedDose};
-use crate::displacement::SpeedDependentPump;
+use crate::displacement::{Correction, SpeedDependentPump};
 use crate::dosing::planner::Planner;
 use crate::dosing::{Budget, Swept, drop_ml};
 use crate::pump_file::{OutletEnd, PumpFile};
@@ -168,6 +168,7 @@ fn weighed_once(
         retracted_rad: 0.0,
         retracted_half_width_rad: 0.0,
         fluid: None,
+        correction: Correction::NONE,
         by_weight: None,
     };
     let drop_ml = drop_ml(file).unwrap() / 6_f64.sqrt();

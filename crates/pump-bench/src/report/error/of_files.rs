@@ -193,7 +193,7 @@ impl Explain for CalibrationError {
             Self::WeighedWith { weighed, now, .. } => facts.value(now).allowed(weighed),
             Self::WeighedOtherwise { version, .. } => facts.value(format!("calibration {version}")),
             Self::Implausible { measured_ml, model_ml, .. }
-            | Self::ImplausibleReading { measured_ml, planned_ml: model_ml, .. } => facts
+            | Self::ImplausibleReading { measured_ml, model_ml, .. } => facts
                 .value(format!("{measured_ml:.4} mL"))
                 .allowed(format!("{:.4} to {:.4} mL", 0.5 * model_ml, 2.0 * model_ml)),
             Self::FluidTemperature { temperature_degc, known_degc, .. } => {

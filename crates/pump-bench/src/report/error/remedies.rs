@@ -109,7 +109,9 @@ impl BalanceError {
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
         match self {
             Self::OtherProtocol { .. } => vec![Remedy::OtherProtocol],
-            Self::Unanswered { .. } | Self::Unintelligible { .. } => vec![Remedy::CheckBalance],
+            Self::Unanswered { .. } | Self::Unintelligible { .. } | Self::Refused { .. } => {
+                vec![Remedy::CheckBalance]
+            }
             Self::AtBoard { .. } => vec![Remedy::OtherScalePort],
             _ => Vec::new(),
         }
