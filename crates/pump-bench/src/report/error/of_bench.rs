@@ -70,6 +70,7 @@ impl Explain for DoseError {
             | Self::NothingUnfinished(_)
             | Self::NotJournalled { .. }
             | Self::SlowDisk { .. }
+            | Self::Panicked
             | Self::AngleNotRecorded { .. }
             | Self::NotRecorded { .. } => of(ErrorKind::Record),
         }
