@@ -14,7 +14,7 @@ use super::options::axis;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::terminal::say;
+use crate::terminal::{say, warn};
 
 /// Folder of the devices.
 const DEVICES: &str = "/dev";
@@ -195,17 +195,28 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
 }
 
 /// Asks the board whose port and axis were said for its axes, so that no file is written for an axis that it lacks. A
-/// board that does not answer is refused later, before it moves.
-pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
+/// board that does not answer is refused later, before it moves, and told at once where nothing is to move.
+pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
     let Answers { driver, port: Some(port), axis: Some(_), .. } = &course.answers else { return Ok(()) };
     if *driver == Some(DriverName::Sim) {
         return Ok(());
     }
     let port = port.clone();
     let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
-    let Some((_, Ok(board))) = found else { return Ok(()) };
-    other_driver(course, &board)?;
-    course.board = Some(board);
+    if let Some(signal) = interrupt::signal() {
+        return Err(Failure::stopped(signal, false, "stopped by the user").into());
+    }
+    match found {
+        Some((_, Ok(board))) => {
+            other_driver(course, &board)?;
+            course.board = Some(board);
+        }
+        Some((_, Err(error))) if is_file_alone => {
+            let (port, why) = (port.display(), with_sources(&error));
+            warn(&[format!("no board answers at {port}: {why}; the pump file names this port all the same")]);
+        }
+        _ => {}
+    }
     lack_of_axis(course)
 }
 
@@ -222,11 +233,12 @@ fn other_driver(course: &mut Course, board: &FoundBoard) -> Asked<()> {
     }
 }
 
-/// Drops an axis that the board does not report, so that a person is asked for another. A script is refused.
+/// Drops an axis that the board does not report, or that no board of its driver has, so that a person is asked for
+/// another. A script is refused.
 fn lack_of_axis(course: &mut Course) -> Asked<()> {
-    let (Some(board), Some(axis)) = (&course.board, course.answers.axis) else { return Ok(()) };
-    let axes = board.axes();
-    if axes.is_empty() || axes.contains(&axis) {
+    let Some(axis) = course.answers.axis else { return Ok(()) };
+    let axes = axes(course.board.as_ref(), course.answers.driver);
+    if axes.contains(&axis) {
         return Ok(());
     }
     let port = course.answers.port.clone().unwrap_or_default();
