@@ -74,7 +74,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::NameWeighedFluid => "name the fluid that was weighed with --fluid",
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
-        Remedy::FindAngle => "`dose home` finds it",
+        Remedy::FindAngle => {
+            "`dose home --set <ANGLE>` says it; with a sensor or a mark, `dose home` finds it"
+        }
         Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",
         Remedy::ThenFindAngle => "find the angle again once the journal can be written",
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",

@@ -57,6 +57,12 @@ impl BenchOptions {
                  sim",
             ));
         }
+        if *configure && driver.driver.unwrap_or(file.driver()) == DriverName::Node {
+            return Err(Failure::refused(
+                "--configure writes the settings of a grbl board, and a node keeps none: each command sends it \
+                 those of the pump file; leave it out",
+            ));
+        }
         Ok(self
             .simulated(file)?
             .at_port(port.port.clone())

@@ -99,17 +99,49 @@ fn a_pump_at_a_node_gets_from_nothing_to_a_calibrated_dose() {
     assert_eq!(homed.code, 0, "{}", homed.err);
     let state = desk.json(&["0.2mL", "--pump", "acid", "--smooth", "--rate", "0.6mL/s"]);
     assert!(!state.to_string().contains("was reset"), "{state}");
-    let refused = desk.types(&["setup", "lime", "--like", "acid", "--axis", "B", "--no-motion", "--yes"]);
-    assert_eq!(refused.code, 0, "{}", refused.err);
+    let lime = desk.types(&["setup", "lime", "--like", "acid", "--axis", "Z", "--no-motion", "--yes"]);
+    assert_eq!(lime.code, 0, "{}", lime.err);
     let unseen = desk.types(&["0.2mL", "--pump", "lime"]);
-    assert!(unseen.code == 2 && unseen.err.contains("forward as axis B counts up"), "{}", unseen.err);
-    let said = ["setup", "lime", "--direction", "forward", "--no-motion", "--yes"];
-    assert_eq!(desk.types(&said).code, 0);
-    let missing = desk.types(&["0.2mL", "--pump", "lime"]);
+    assert!(unseen.code == 2 && unseen.err.contains("forward as axis Z counts up"), "{}", unseen.err);
+    // Step 4 of the first steps on docs/node.md.
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/node.md")).unwrap();
+    assert!(page.contains("4. `dose 1mL --pump my-pump --confirm-pump` runs without the motor's supply"));
+    let dosed = desk.json(&["0.2mL", "--pump", "lime", "--confirm-pump", "--rate", "0.6mL/s"]);
+    assert_eq!(dosed["completed"], true, "{dosed}");
+    assert!(page.contains("`dose home --unknown --pump my-pump`"));
+    assert_eq!(desk.types(&["home", "--unknown", "--pump", "lime"]).code, 0);
+    let configured = desk.types(&["0.2mL", "--pump", "lime", "--configure"]);
     assert!(
-        missing.code != 0 && missing.err.contains("its axes 0 to 3 are X, Y, Z and A"),
+        configured.code == 2 && configured.err.contains("--configure writes the settings of a grbl board")
+    );
+}
+
+#[test]
+fn a_script_that_writes_the_file_alone_asks_the_board_too() {
+    let desk = Desk::new();
+    let (node, grbl) = (SimulatedNode::start(7).unwrap(), Simulated::start(Options::default()).unwrap());
+    let ends = |port: &str, axis, driver| {
+        let options = OPTIONS.map(|word| if word == "node" { driver } else { word });
+        desk.types(&[&["setup", "acid", "--port", port, "--axis", axis][..], &options].concat())
+    };
+    let (node_port, grbl_port) = (node.path().display().to_string(), grbl.path().display().to_string());
+    let missing = desk.path("no-such-port").display().to_string();
+    for (port, axis, driver, told) in [
+        (&node_port, "B", "node", "has the axes X, Y, Z and A, and not B"),
+        (&missing, "B", "node", "has the axes X, Y, Z and A, and not B"),
+        (&node_port, "X", "grbl", "and --driver is grbl; say --driver node"),
+        (&grbl_port, "X", "node", "and --driver is node; say --driver grbl"),
+    ] {
+        let refused = ends(port, axis, driver);
+        assert!(refused.code == 2 && refused.err.contains(told), "{port} {axis} {driver}: {}", refused.err);
+        assert_eq!(desk.configured("pumps/acid.toml"), None);
+    }
+    let unplugged = ends(&missing, "X", "node");
+    assert_eq!(unplugged.code, 0, "{}", unplugged.err);
+    assert!(
+        unplugged.err.contains(&format!("warning: no board answers at {missing}: ")),
         "{}",
-        missing.err
+        unplugged.err
     );
 }
 

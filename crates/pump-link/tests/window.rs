@@ -73,6 +73,21 @@ fn three_lost_answers_are_a_lost_link_and_any_answer_starts_the_count_anew() {
 }
 
 #[test]
+fn a_lost_link_stays_lost_however_often_a_host_asks() {
+    let mut window = Window::<4>::new(1);
+    let number = ask(&mut window, Some(0)).unwrap();
+    for n in 0..3 {
+        assert_eq!((window.expire(n * RESEND_NS), sent(&mut window, n * RESEND_NS)), (Ok(()), vec![number]));
+    }
+    // The thread of that lane is held up, and those of the other lanes look on.
+    for _ in 0..1000 {
+        assert_eq!(window.expire(3 * RESEND_NS), Err(LinkLost { sends: 3 }));
+    }
+    window.renew();
+    assert_eq!((window.expire(3 * RESEND_NS), sent(&mut window, 3 * RESEND_NS)), (Ok(()), vec![number]));
+}
+
+#[test]
 fn a_resent_request_tells_no_round_trip_and_is_answered_once() {
     let mut window = Window::<2>::new(1);
     let number = ask(&mut window, Some(3)).unwrap();

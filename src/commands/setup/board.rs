@@ -14,7 +14,7 @@ use super::options::axis;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::terminal::say;
+use crate::terminal::{say, warn};
 
 /// Folder of the devices.
 const DEVICES: &str = "/dev";
@@ -194,9 +194,10 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
     }
 }
 
-/// Asks the board whose port was said for its axes, so that no file is written for an axis that it lacks. A script is
-/// refused where no board answers, and a person is asked for another port before anything moves.
-pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
+/// Asks the board whose port was said for its axes, so that no file is written for an axis that it lacks. Where no board
+/// answers, a script is refused, a person is asked for another port before anything moves, and a pump file alone names
+/// the port all the same, with a warning.
+pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
     let is_silent = course.asker.is_silent();
     let Answers { driver, port: Some(port), axis, .. } = &course.answers else { return Ok(()) };
     if *driver == Some(DriverName::Sim) || axis.is_none() && !is_silent {
@@ -204,18 +205,26 @@ pub(super) fn meet_said(course: &mut Course) -> Asked<()> {
     }
     let port = port.clone();
     let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
-    let board = match found {
-        Some((_, Ok(board))) => board,
+    if let Some(signal) = interrupt::signal() {
+        return Err(Failure::stopped(signal, false, "stopped by the user").into());
+    }
+    match found {
+        Some((_, Ok(board))) => {
+            other_driver(course, &board)?;
+            course.board = Some(board);
+        }
+        Some((_, Err(error))) if is_file_alone => {
+            let (port, why) = (port.display(), with_sources(&error));
+            warn(&[format!("no board answers at {port}: {why}; the pump file names this port all the same")]);
+        }
         Some((_, Err(error))) if is_silent => {
             let failure = Failure::of(error);
             return Err(failure
                 .with("; `--no-motion` writes the pump file of a board that comes later")
                 .into());
         }
-        _ => return Ok(()),
-    };
-    other_driver(course, &board)?;
-    course.board = Some(board);
+        _ => {}
+    }
     lack_of_axis(course)
 }
 
@@ -232,11 +241,12 @@ fn other_driver(course: &mut Course, board: &FoundBoard) -> Asked<()> {
     }
 }
 
-/// Drops an axis that the board does not report, so that a person is asked for another. A script is refused.
+/// Drops an axis that the board does not report, or that no board of its driver has, so that a person is asked for
+/// another. A script is refused.
 fn lack_of_axis(course: &mut Course) -> Asked<()> {
-    let (Some(board), Some(axis)) = (&course.board, course.answers.axis) else { return Ok(()) };
-    let axes = board.axes();
-    if axes.is_empty() || axes.contains(&axis) {
+    let Some(axis) = course.answers.axis else { return Ok(()) };
+    let axes = axes(course.board.as_ref(), course.answers.driver);
+    if axes.contains(&axis) {
         return Ok(());
     }
     let port = course.answers.port.clone().unwrap_or_default();

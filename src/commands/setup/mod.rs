@@ -205,8 +205,8 @@ impl SetupArgs {
 
     /// Follows the course from its answers to its end, or to a question that goes back to the answers.
     fn follow_on(&self, course: &mut Course, given: &mut Given) -> Asked<()> {
-        if !self.no_motion && course.answers.done.written.is_none() {
-            board::meet_said(course)?;
+        if course.answers.done.written.is_none() {
+            board::meet_said(course, self.no_motion)?;
         }
         written::write(course)?;
         if self.no_motion {

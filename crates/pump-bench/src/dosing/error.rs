@@ -409,6 +409,11 @@ pub enum DoseError {
         /// True if a dose is left to resume or to accept.
         unfinished: bool,
     },
+    /// The thread that ran the pump has panicked, which is an error of the program.
+    #[error(
+        "the program failed while it ran this pump, by an error of its own; nobody has counted the last steps"
+    )]
+    Panicked,
     /// The dose is delivered and on record, but its retraction failed.
     #[error("{delivered_ml:.4} mL were delivered and are on record, but the retraction failed")]
     Retraction {

@@ -57,7 +57,10 @@ impl Rack {
             let conducted = self.conduct(&orders, &heard, &stop);
             // A thread without orders gives its pump back.
             drop(orders);
-            let played: Vec<Played> = threads.into_iter().filter_map(|thread| thread.join().ok()).collect();
+            let played: Vec<Played> = threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|_| Played::panicked()))
+                .collect();
             Ok(self.reported(played, &conducted?, &stop))
         })
     }

@@ -44,6 +44,13 @@ pub(super) struct Played {
     pub(super) followed: Option<DoseError>,
 }
 
+impl Played {
+    /// The part of a pump whose thread has panicked.
+    pub(super) fn panicked() -> Self {
+        Self { error: Some(DoseError::Panicked), ..Self::default() }
+    }
+}
+
 /// Thread of a pump.
 pub(super) struct Player<'a> {
     pub(super) rack: &'a Rack,
@@ -53,6 +60,16 @@ pub(super) struct Player<'a> {
     pub(super) stop: SharedStop,
     pub(super) orders: Receiver<Order>,
     pub(super) answers: Sender<(usize, Answer)>,
+}
+
+/// A thread that panics stops all pumps, and leaves nobody who waits for its answer.
+impl Drop for Player<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.stop.make(Stop::Fault(self.pump));
+            let _ = self.answers.send((self.pump, Err((0, DoseError::Panicked))));
+        }
+    }
 }
 
 impl Player<'_> {

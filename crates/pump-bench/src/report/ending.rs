@@ -44,6 +44,7 @@ impl DoseError {
             | Self::Retraction { .. }
             | Self::NotJournalled { .. }
             | Self::SlowDisk { .. }
+            | Self::Panicked
             | Self::AngleNotRecorded { .. }
             | Self::NotRecorded { .. } => Ending::Moved,
             Self::PumpFile(_)
@@ -86,7 +87,7 @@ impl DoseError {
             | Self::NotRecorded { delivered_ml, .. } => Some((*delivered_ml, *delivered_ml)),
             Self::ByWeight { turned_ml, .. } => Some((*turned_ml, *turned_ml)),
             Self::NoIndex { pumped_ml, .. } => Some((*pumped_ml, *pumped_ml)),
-            Self::AngleNotRecorded { .. } => None,
+            Self::AngleNotRecorded { .. } | Self::Panicked => None,
             _ => Some((0.0, 0.0)),
         }
     }

@@ -67,6 +67,25 @@ impl Desk {
     }
 }
 
+/// Simulated drive that panics after so many steps.
+#[derive(Debug)]
+pub(crate) struct Panicking(pub(crate) u64);
+
+impl Drive for Panicking {
+    fn id(&self) -> &str {
+        "panicking"
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        let failed = Failing { after: self.0, unsure: 0 }.run(plan, gate);
+        panic!("an error of the program: {failed:?}");
+    }
+}
+
 /// Simulated drive that fails after so many steps, of which it knows all but the last ones.
 #[derive(Debug, Default)]
 pub(crate) struct Failing {

@@ -11,7 +11,7 @@ use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::report::Ending;
 use pump_bench::{DoseRequest, built_in};
 
-use crate::rig::{Desk, Failing, HEAD, PUMPS};
+use crate::rig::{Desk, Failing, HEAD, PUMPS, Panicking};
 
 const LONG: &str = "[[step]]\nratio = { acid = 2, base = 1, salt = 1 }\nvolume = \"40mL\"\nrate = \"8mL/s\"\n[[step]]\n\
                     pump \
@@ -102,6 +102,30 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
     let line = text.lines().find(|line| line.starts_with("base")).unwrap();
     assert!(line.contains(" mL, between ") && line.contains(" by the steps, 10 mL asked"), "{text}");
     assert!(!text.contains("-0"), "{text}");
+}
+
+#[test]
+fn a_pump_whose_thread_panics_stops_all_others_and_is_reported_as_failed() {
+    let desk = Desk::new();
+    let file = RackFile::parse(&format!("{HEAD}{LONG}"), "mix.toml".as_ref()).unwrap();
+    let benches = PUMPS.map(|(name, pump)| {
+        let bench = Bench::new(built_in(pump).unwrap(), None, desk.path()).unwrap();
+        if name == "acid" { bench.driven_by(&Panicking(0)).unwrap() } else { bench }
+    });
+    let rack = Rack::new(file, benches.into()).unwrap().paced(Pace::Fast);
+    let panicking: Box<dyn Drive> = Box::new(Panicking(4000));
+    let report = rack.run_with(vec![Some(panicking), None, None], |_| {}).unwrap();
+    assert_eq!(
+        (report.end, report.fault.as_ref().map(|fault| &fault.pump[..])),
+        (RackEnd::Fault, Some("acid"))
+    );
+    let [acid, base, salt] = &report.pumps[..] else { panic!("{}", report.json()) };
+    assert!(acid.name == "acid" && !acid.completed && acid.error.is_some(), "{acid:?}");
+    for row in [base, salt] {
+        assert!(row.error.is_none() && row.unfinished && !row.completed, "{row:?}");
+    }
+    // The journal has what the report cannot tell.
+    assert!(rack.members()[0].bench.story().unwrap().state.unwrap().unfinished.is_some());
 }
 
 /// The last dose in the log of a pump.

@@ -175,7 +175,7 @@ impl<const N: usize> Window<N> {
             if pending.due || now_ns.saturating_sub(pending.sent_at_ns) < RESEND_NS {
                 continue;
             }
-            pending.lost += 1;
+            pending.lost = pending.lost.saturating_add(1);
             if pending.lost >= LOST_ANSWERS || pending.sends >= MOST_SENDS {
                 return Err(LinkLost { sends: pending.sends });
             }

@@ -363,14 +363,20 @@ impl Drive for Node {
 /// Returns the note on faults that the board has counted since they were last read.
 fn faults_noted(unread: FaultCounts) -> Option<Notice> {
     let kinds = [
-        (unread.late, "late steps"),
-        (unread.starved, "empty queues"),
-        (unread.driver, "faults of the motor's driver"),
-        (unread.link, "stops for want of a word from the computer"),
-        (unread.estop, "emergency stops"),
+        (unread.late, "late step", "late steps"),
+        (unread.starved, "empty queue", "empty queues"),
+        (unread.driver, "fault of the motor's driver", "faults of the motor's driver"),
+        (
+            unread.link,
+            "stop for want of a word from the computer",
+            "stops for want of a word from the computer",
+        ),
+        (unread.estop, "emergency stop", "emergency stops"),
     ];
-    let named: Vec<String> =
-        kinds.iter().filter(|(count, _)| *count > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
+    let counted = kinds.iter().filter(|(count, ..)| *count > 0);
+    let named: Vec<String> = counted
+        .map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many }))
+        .collect();
     (!named.is_empty()).then(|| {
         Notice::from(format!("the board has counted faults since they were last read: {}", named.join(", ")))
     })

@@ -38,11 +38,12 @@ impl Explain for DoseError {
             Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) | Self::NoRestOfProfile { .. } => {
                 of(ErrorKind::Unfinished)
             }
-            Self::Stands { stand, .. } if stand.limit == SafetyLimit::Ordered => of(ErrorKind::Safety),
-            Self::Stands { stand, .. } => of(ErrorKind::Safety)
+            Self::Stands { stand, .. } if stand.limit != SafetyLimit::Ordered => of(ErrorKind::Safety)
                 .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),
-            Self::NotCleared { .. } | Self::NotPutToStand { .. } => of(ErrorKind::Safety),
+            Self::Stands { .. } | Self::NotCleared { .. } | Self::NotPutToStand { .. } => {
+                of(ErrorKind::Safety)
+            }
             Self::RanOut { .. } => of(ErrorKind::Limit),
             Self::Disturbed { within_deg, .. } => within_deg
                 .iter()
@@ -70,6 +71,7 @@ impl Explain for DoseError {
             | Self::NothingUnfinished(_)
             | Self::NotJournalled { .. }
             | Self::SlowDisk { .. }
+            | Self::Panicked
             | Self::AngleNotRecorded { .. }
             | Self::NotRecorded { .. } => of(ErrorKind::Record),
         }

@@ -52,6 +52,7 @@ impl DoseError {
                 then(source.known_remedies(), Remedy::ThenSeeStatus)
             }
             Self::SlowDisk { .. } => vec![Remedy::FasterDisk, Remedy::ThenSeeStatus],
+            Self::Panicked => vec![Remedy::SeeStatusThenFinish],
             Self::Drive { error, unfinished: true, .. } => {
                 then(error.known_remedies(), Remedy::SeeStatusThenFinish)
             }

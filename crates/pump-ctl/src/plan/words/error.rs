@@ -170,9 +170,10 @@ pub enum PlanError {
     },
     /// The angle is so uncertain that a speed that follows it could make the flow less smooth.
     #[error(
-        "a smooth flow needs the rollers' angle, which is known within {half_width_deg:.1} degrees only: a \
-         speed that follows it could make a ripple of {ripple_percent:.0} % (RMS), and constant speed makes \
-         {constant_percent:.0} %; find the angle first, or dose at constant speed"
+        "a smooth flow needs the rollers' angle, which is {}: a speed that follows it could make a ripple of \
+         {ripple_percent:.0} % (RMS), and constant speed makes {constant_percent:.0} %; find the angle first, or dose \
+         at constant speed",
+        Known(*half_width_deg)
     )]
     SmoothWithoutAngle {
         /// Half width of the start angle, deg.
@@ -196,9 +197,9 @@ pub enum PlanError {
     },
     /// The angle is too uncertain for an end at low flow.
     #[error(
-        "a dose that ends at low flow needs the rollers' angle, which is known within {half_width_deg:.1} \
-         degrees only: the dose could end elsewhere in the pitch; find the angle first, or let the dose end \
-         anywhere"
+        "a dose that ends at low flow needs the rollers' angle, which is {}: the dose could end elsewhere in the \
+         pitch; find the angle first, or let the dose end anywhere",
+        Known(*half_width_deg)
     )]
     LowFlowWithoutAngle {
         /// Half width of the start angle, deg.
@@ -310,4 +311,17 @@ pub enum PlanError {
 /// Refuses a value of `parameter` that is not allowed.
 pub(in crate::plan) fn within(parameter: Parameter, value: f64, allowed: Allowed) -> Result<(), PlanError> {
     if allowed.admits(value) { Ok(()) } else { Err(PlanError::OutOfRange { parameter, value, allowed }) }
+}
+
+/// How well an angle is known by its half width, in deg.
+struct Known(f64);
+
+impl fmt::Display for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 < 180.0 {
+            write!(f, "known within {:.1} degrees only", self.0)
+        } else {
+            f.write_str("unknown")
+        }
+    }
 }
