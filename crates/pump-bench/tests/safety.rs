@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use pump_bench::dosing::{RunBound, RunEnd};
 use pump_bench::record::{Clock, Purpose, Stamp};
-use pump_bench::report::{Ending, ErrorKind, Explain};
+use pump_bench::report::{Ending, ErrorKind, Explain, Remedy, Status, StatusRow};
 use pump_bench::safety::SafetyLimit;
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 
@@ -237,9 +237,16 @@ fn a_vessel_counts_until_it_is_emptied_and_what_is_pumped_back_leaves_it() {
     dose(&mut session, 5.0).unwrap();
     assert_eq!(stands(dose(&mut session, 1.0)), (SafetyLimit::Vessel, true));
     // Emptied, the pump stands on: a person clears it too.
+    assert_eq!(dose(&mut session, 1.0).unwrap_err().remedies(), [Remedy::EmptyVessel, Remedy::ClearStand]);
     let received_ml = session.vessel_emptied().unwrap();
     assert!((received_ml - 60.0).abs() < 0.01, "{received_ml}");
-    assert_eq!(stands(dose(&mut session, 1.0)), (SafetyLimit::Vessel, false));
+    let refused = dose(&mut session, 1.0);
+    let error = refused.as_ref().unwrap_err();
+    assert!(error.to_string().contains("and it was emptied since"), "{error}");
+    assert_eq!(error.remedies(), [Remedy::ClearStand], "it is empty");
+    assert_eq!(stands(refused), (SafetyLimit::Vessel, false));
+    let row = StatusRow::new("tank", Ok(Status::of(&bench).unwrap())).text(4);
+    assert!(row.starts_with("tank  STANDS at a safety limit; "), "{row}");
     session.clear_safety("emptied").unwrap();
     dose(&mut session, 60.0).unwrap();
     // Cleared and not emptied, it stands again.

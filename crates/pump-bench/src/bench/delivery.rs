@@ -121,8 +121,7 @@ impl Session<'_> {
             warnings: Vec::new(),
         };
         if delivered.completed {
-            let (abilities, journal) = (self.bench.identity().abilities, self.journal.path());
-            let late = lateness::warning(prepared, moved.measured_s, moved.disk_times, abilities, journal);
+            let late = self.lateness(prepared, plan.into(), &moved);
             self.notes.extend(late);
         }
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {

@@ -162,8 +162,8 @@ impl Bench {
         let turned = whole.turned.by(turn_rad, turn_rad);
         let range_ml = Account { turned, correction: prepared.correction() }.range_ml(model);
         let text = format!(
-            "{} of the {} mL asked for were delivered before, by the model; with this rest {} will be delivered in \
-             all, the pump's own ± {} mL (k = 2) included",
+            "{} of the {} mL asked for were delivered before, by the model; with this rest it comes to {} \
+             in all, the pump's own ± {} mL (k = 2) included",
             between(least_ml, most_ml),
             significant(whole.requested_ml, 6),
             between(whole.least_ml + range_ml.0 - pump_ml, whole.most_ml + range_ml.1 + pump_ml),

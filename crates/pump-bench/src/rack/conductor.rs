@@ -97,7 +97,7 @@ impl Rack {
     }
 
     /// Waits for the answers of so many pumps, and takes in their timings. A refusal ends the waits of the pumps after
-    /// it.
+    /// it. Their records tell which of them wait for a person.
     fn gather(
         &self,
         heard: &Receiver<(usize, Answer)>,
@@ -105,17 +105,20 @@ impl Rack {
         timings: &mut [Vec<Timing>],
         answers: usize,
     ) -> Result<(), RackError> {
-        let mut refused: Vec<(usize, RackError)> = Vec::new();
+        let (mut refused, mut called_off): (Vec<(usize, RackError)>, Vec<usize>) = Default::default();
         for _ in 0..answers {
             let Ok((pump, answer)) = heard.recv() else { break };
             match answer {
                 Ok(told) => timings[pump] = told,
-                Err((_, error)) if error.is_stop() => {}
+                Err((_, error)) if error.is_stop() => called_off.push(pump),
                 Err(error) => {
                     stop.make(Stop::Refused(pump));
                     refused.push((pump, self.refused(pump, error)));
                 }
             }
+        }
+        if !refused.is_empty() {
+            refused.extend(called_off.into_iter().filter_map(|pump| Some((pump, self.waiting(pump)?))));
         }
         refused.sort_by_key(|(pump, _)| *pump);
         match RackError::of_several(refused.into_iter().map(|(_, error)| error).collect()) {

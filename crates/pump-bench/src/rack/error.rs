@@ -82,7 +82,7 @@ pub enum RackError {
     },
     /// A step begins before the one before it.
     #[error(
-        "step {step} of the rack begins at {at_s} s, before step {before} at {before_s:.3} s; put the steps in the \
+        "step {step} of the rack begins at {at_s:.3} s, before step {before} at {before_s:.3} s; put the steps in the \
          order of their times"
     )]
     TimeGoesBack {
@@ -97,7 +97,7 @@ pub enum RackError {
     },
     /// A pump would begin a step before it is done with another one.
     #[error(
-        "step {step} of the rack begins at {at_s} s, and pump `{pump}` is done with step {before} and its line has \
+        "step {step} of the rack begins at {at_s:.3} s, and pump `{pump}` is done with step {before} and its line has \
          settled at {done_s:.3} s; begin it then or later"
     )]
     Overlap {
@@ -174,9 +174,14 @@ impl RackError {
     pub(super) fn of_several(refusals: Vec<Self>) -> Option<Self> {
         let mut refusals = refusals.into_iter();
         let first = refusals.next()?;
+        Some(first.with_waiting(refusals.collect()))
+    }
+
+    /// Returns the refusal with those others that wait for a person.
+    pub(super) fn with_waiting(self, others: Vec<Self>) -> Self {
         let waits = |error: &Self| matches!(error.ending(), Ending::Stands | Ending::Unfinished);
-        let others: Vec<Self> = refusals.filter(waits).collect();
-        Some(if others.is_empty() { first } else { Self::Several { first: Box::new(first), others } })
+        let others: Vec<Self> = others.into_iter().filter(waits).collect();
+        if others.is_empty() { self } else { Self::Several { first: Box::new(self), others } }
     }
 }
 
@@ -192,10 +197,10 @@ impl Explain for RackError {
             Self::Shared { other, .. } => facts.value(other),
             Self::RealPace { .. } => facts.value("fast").allowed("real"),
             Self::TimeGoesBack { at_s, before_s, .. } => {
-                facts.value(format!("{at_s} s")).allowed(format!("{before_s:.3} s or later"))
+                facts.value(format!("{at_s:.3} s")).allowed(format!("{before_s:.3} s or later"))
             }
             Self::Overlap { at_s, done_s, .. } => {
-                facts.value(format!("{at_s} s")).allowed(format!("{done_s:.3} s or later"))
+                facts.value(format!("{at_s:.3} s")).allowed(format!("{done_s:.3} s or later"))
             }
             Self::BoardFull { needed, all, unit, .. } => {
                 facts.value(format!("{needed} {unit}")).allowed(format!("at most {all} {unit}"))

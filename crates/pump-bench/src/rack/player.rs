@@ -243,17 +243,22 @@ impl Part<'_> {
         if clock.reach(player.pump, given_s).is_break() {
             return Ok(None);
         }
-        let mut late_s: f64 = 0.0;
+        let (mut late_s, mut is_begun): (Option<f64>, bool) = (None, false);
         let delivered = session.run_motion(prepared, |made| {
+            // A flow may make its first step long after its begin, so the first steps tell the lateness best.
+            if late_s.is_none() || (made > 0 && !is_begun) {
+                late_s = Some(clock.now_s() - begin_s - prepared.time_of(made));
+                is_begun = made > 0;
+            }
             if made == 0 || is_simulated {
-                late_s = if made == 0 { clock.now_s() - begin_s } else { late_s };
                 clock.reach(player.pump, begin_s + prepared.time_of(made))?;
             }
             self.tell(made, on_progress);
             clock.flow()
         })?;
         self.tell(delivered.made, on_progress);
-        if player.rack.pace == Pace::Real && late_s > LATE_S {
+        let late_s = late_s.filter(|late_s| player.rack.pace == Pace::Real && *late_s > LATE_S);
+        if let Some(late_s) = late_s {
             warnings.push(Notice::from(format!(
                 "step {} began {} s late: the device or this computer was busy",
                 self.step + 1,
@@ -262,6 +267,7 @@ impl Part<'_> {
         }
         let dose = report(player.bench, prepared, Some(&delivered));
         let unfinished = delivered.unfinished;
+        let begin_s = begin_s + late_s.unwrap_or(0.0);
         Ok(Some(RackDose { step: self.step + 1, begin_s, unfinished, dose }))
     }
 

@@ -15,12 +15,14 @@ impl Rack {
     ///
     /// # Errors
     ///
-    /// [`RackError`] of the first step that cannot be run.
+    /// [`RackError`] of the first step that cannot be run, and of each pump that waits for a person.
     pub fn rehearse(&self) -> Result<RackReport, RackError> {
         let mut plans = Vec::new();
         for (pump, member) in self.members().iter().enumerate() {
-            let prepared = member.bench.prepare_series(&self.requests(pump));
-            plans.push(prepared.map_err(|refused| self.refused(pump, refused))?);
+            match member.bench.prepare_series(&self.requests(pump)) {
+                Ok(prepared) => plans.push(prepared),
+                Err(refused) => return Err(self.with_waiting(pump, self.refused(pump, refused))),
+            }
         }
         let own = plans.iter().map(|prepared| timings(prepared)).collect();
         let (timetable, timings) = LineSpeeds::settle(self, own, |speeds, slowed, told| {
@@ -34,8 +36,9 @@ impl Rack {
         let mut rows = Vec::new();
         for (pump, (member, prepared)) in self.members().iter().zip(&plans).enumerate() {
             let series = self.series(pump, &timetable, &timings[pump]);
-            let safe = member.bench.check_series_safe(&series);
-            safe.map_err(|error| self.dose_error(pump, None, error))?;
+            if let Err(error) = member.bench.check_series_safe(&series) {
+                return Err(self.with_waiting(pump, self.dose_error(pump, None, error)));
+            }
             let parts = self.parts(pump).zip(prepared).map(|(step, prepared)| RackDose {
                 step: step + 1,
                 begin_s: timetable.begins_s[step],
@@ -93,6 +96,22 @@ impl Rack {
     /// Returns the error of a pump.
     pub(super) fn dose_error(&self, pump: usize, step: Option<usize>, source: DoseError) -> RackError {
         RackError::Dose { pump: self.members()[pump].name.clone(), step, source: Box::new(source) }
+    }
+
+    /// Returns the refusal of a pump whose record says that it waits for a person. `None` if it does not.
+    pub(super) fn waiting(&self, pump: usize) -> Option<RackError> {
+        let waits = self.members()[pump].bench.check_waiting().err()?;
+        Some(self.refused(pump, (0, waits)))
+    }
+
+    /// Returns the refusal of a pump, with those of all others that wait for a person.
+    fn with_waiting(&self, pump: usize, refused: RackError) -> RackError {
+        let waiting = |other: usize| self.waiting(other);
+        let mut refusals: Vec<RackError> = (0..pump).filter_map(waiting).collect();
+        refusals.push(refused);
+        refusals.extend((pump + 1..self.members().len()).filter_map(waiting));
+        let first = refusals.remove(0);
+        first.with_waiting(refusals)
     }
 
     /// Returns the stop that all pumps hear.

@@ -146,7 +146,8 @@ impl SafetyAccount {
 
     /// Returns the account once the vessel is empty.
     pub(crate) fn emptied(self) -> Self {
-        Self { vessel_ml: 0.0, ..self }
+        let stand = self.stand.map(|stand| Stand { is_emptied: stand.limit == SafetyLimit::Vessel, ..stand });
+        Self { vessel_ml: 0.0, stand, ..self }
     }
 
     /// Returns the time of the record once the clock shows `now_s`.

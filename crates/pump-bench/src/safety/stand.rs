@@ -46,6 +46,9 @@ pub struct Stand {
     /// Reason of a stand that was ordered. `None` at a limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<StandReason>,
+    /// True once the vessel was emptied while the pump stood.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_emptied: bool,
 }
 
 impl Stand {
@@ -57,7 +60,7 @@ impl Stand {
         allowed_ml: f64,
         unix_s: u64,
     ) -> Self {
-        Self { limit, used_ml, planned_ml, allowed_ml, unix_s, reason: None }
+        Self { limit, used_ml, planned_ml, allowed_ml, unix_s, reason: None, is_emptied: false }
     }
 
     /// Returns the stand of a pump that is ordered to stand.
@@ -69,6 +72,11 @@ impl Stand {
     /// Returns the words between `stands` and the time: the place where a pump stands.
     pub(crate) fn place(&self) -> &'static str {
         if self.limit == SafetyLimit::Ordered { "by order" } else { "at a safety limit" }
+    }
+
+    /// Returns true if the pump stands because of its vessel, which nobody has emptied since.
+    pub(crate) fn has_full_vessel(&self) -> bool {
+        self.limit == SafetyLimit::Vessel && !self.is_emptied
     }
 
     /// Returns the volume that the limit leaves, in mL.
@@ -91,7 +99,7 @@ impl fmt::Display for Stand {
                 "the limit has ended a run until it was stopped: {used} mL were pumped in the last 24 h, and the limit \
                  of 24 h is {allowed} mL"
             ),
-            SafetyLimit::Vessel if self.planned_ml == 0.0 => write!(
+            SafetyLimit::Vessel if self.planned_ml == 0.0 && !self.is_emptied => write!(
                 to,
                 "the limit has ended a run until it was stopped: the vessel has received {used} mL since it was \
                  emptied, and it holds {allowed} mL"
@@ -100,6 +108,10 @@ impl fmt::Display for Stand {
                 to,
                 "{planned} mL were planned, {used} mL were pumped in the last 24 h, and the limit of 24 h is \
                  {allowed} mL"
+            ),
+            SafetyLimit::Vessel if self.is_emptied => write!(
+                to,
+                "the vessel had received {used} mL and holds {allowed} mL, and it was emptied since"
             ),
             SafetyLimit::Vessel => write!(
                 to,

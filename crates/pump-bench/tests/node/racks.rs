@@ -170,7 +170,7 @@ fn axes_of_one_node_follow_a_gradient_and_begin_at_times_of_their_own() {
     // The second steps begin 2 s apart: appointments are kept by this computer's clock, which a busy machine may serve
     // late, so no more is claimed than their order.
     assert!(base[base_steps] > acid[acid_steps], "{} and {}", base[base_steps], acid[acid_steps]);
-    assert_eq!(report.pumps[1].doses[1].begin_s, 6.0);
+    assert!(report.pumps[1].doses[1].begin_s >= 6.0, "{}", report.json());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod gradients;
+mod late;
 mod refusals;
 mod rig;
 mod runs;

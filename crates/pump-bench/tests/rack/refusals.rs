@@ -72,20 +72,52 @@ fn the_first_pump_of_the_rack_that_refuses_is_named_however_long_its_answer_take
     assert!(desk.is_untouched());
 }
 
-#[test]
-fn an_unfinished_dose_of_one_pump_refuses_the_rack() {
-    let desk = Desk::new();
-    let bench = desk.bench("acid");
+/// Leaves a dose of this pump unfinished.
+fn leave_unfinished(desk: &Desk, name: &str) {
+    let bench = desk.bench(name);
     let mut session = bench.session().unwrap();
     let prepared = session.prepare(pump_bench::DoseRequest::dose(5.0)).unwrap();
     let stop = |made| {
         if made > 500 { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
     };
     session.run(&prepared, stop).unwrap();
-    drop(session);
+}
+
+#[test]
+fn an_unfinished_dose_of_one_pump_refuses_the_rack() {
+    let desk = Desk::new();
+    leave_unfinished(&desk, "acid");
     let error = desk.rack(RATIO).unwrap().run(|_| {}).unwrap_err();
     assert_eq!(error.ending(), Ending::Unfinished);
     assert!(desk.state("base").is_none_or(|state| state.wear.volume_ml == 0.0));
+}
+
+#[test]
+fn every_pump_that_waits_for_a_person_is_named_though_the_first_one_ends_the_session_of_the_others() {
+    let desk = Desk::new();
+    for name in ["acid", "base", "salt"] {
+        leave_unfinished(&desk, name);
+    }
+    let names = |error: &RackError| -> Vec<String> {
+        error.each().filter_map(|error| Some(error.pump()?.to_owned())).collect()
+    };
+    let steps = format!("{RATIO}[[step]]\npump = \"salt\"\nvolume = \"1mL\"\n");
+    let planned = desk.rack(&steps).unwrap().rehearse().unwrap_err();
+    assert_eq!(
+        (names(&planned), planned.ending()),
+        (["acid", "base", "salt"].map(str::to_owned).into(), Ending::Unfinished)
+    );
+    // The session of `salt` is still to be opened when `acid` refuses, and it is never opened.
+    let file = RackFile::parse(&format!("{HEAD}{steps}"), "mix.toml".as_ref()).unwrap();
+    let named = |name| desk.bench(name).waiting(std::time::Duration::from_secs(60), |_| {});
+    let rack = Rack::new(file, PUMPS.map(|(name, _)| named(name)).into()).unwrap();
+    let bench = desk.bench("salt");
+    let holder = bench.session().unwrap();
+    let refused = rack.run(|_| {}).unwrap_err();
+    drop(holder);
+    assert_eq!(names(&refused), names(&planned), "{}", with_sources(&refused));
+    desk.bench("acid").session().unwrap().accept().unwrap();
+    assert_eq!(names(&desk.rack(&steps).unwrap().rehearse().unwrap_err()), ["base", "salt"]);
 }
 
 #[test]
@@ -95,11 +127,11 @@ fn steps_that_overlap_or_go_back_or_cannot_be_planned_are_named() {
         |at: &str, pump: &str| format!("[[step]]\nat = \"{at}\"\npump = \"{pump}\"\nvolume = \"20mL\"\n");
     let overlap = with_sources(&refused(&desk, &[at("0s", "acid"), at("1s", "acid")].concat()));
     assert!(
-        overlap.starts_with("step 2 of the rack begins at 1 s, and pump `acid` is done with step 1"),
+        overlap.starts_with("step 2 of the rack begins at 1.000 s, and pump `acid` is done with step 1"),
         "{overlap}"
     );
     let back = with_sources(&refused(&desk, &[at("9s", "acid"), at("1s", "base")].concat()));
-    assert!(back.starts_with("step 2 of the rack begins at 1 s, before step 1 at 9.000 s"), "{back}");
+    assert!(back.starts_with("step 2 of the rack begins at 1.000 s, before step 1 at 9.000 s"), "{back}");
     let fast = "[[step]]\npump = \"acid\"\nvolume = \"1mL\"\n[[step]]\npump = \"base\"\nvolume = \"1mL\"\nrate = \
                 \"1L/s\"\n";
     let fast = with_sources(&refused(&desk, fast));

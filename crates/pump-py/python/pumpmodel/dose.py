@@ -142,13 +142,14 @@ class Profile(Record):
 
     `volume_ml` is its volume at the rollers and `time_s` its time from the first row to the last.
     `largest_departure_ml` is the largest distance of the volume at the rollers from the profile's at any
-    moment: that of a motor step.
+    moment: that of a motor step. It is None if the run was stopped or took longer than its profile, and so
+    left it.
     """
 
     name: str
     volume_ml: float
     time_s: float
-    largest_departure_ml: float
+    largest_departure_ml: float | None
 
 
 @dataclass(frozen=True)

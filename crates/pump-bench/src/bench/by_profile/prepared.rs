@@ -7,6 +7,8 @@ use pump_model::Pump;
 use pump_model::units::{TURN_RAD, rpm};
 
 use crate::bench::bench::Bench;
+use crate::bench::delivery::Delivered;
+use crate::bench::lateness::is_late;
 use crate::bench::session::Session;
 use crate::calibration::Stored;
 use crate::dosing::{DoseError, DoseRequest, FlowProfile, FlowWayOut, Prepared, TubeLife};
@@ -61,6 +63,12 @@ impl PreparedProfile {
     /// motor step where the flow per radian is largest.
     pub fn largest_departure_ml(&self) -> f64 {
         self.whole.model.outlet_curve().largest_flow_ml_rad() * self.motor.step_rad()
+    }
+
+    /// Returns that distance as it was kept, in mL. `None` for a run that was late or stopped: it left the profile.
+    pub(crate) fn departure_kept_ml(&self, delivered: &Delivered) -> Option<f64> {
+        let is_kept = delivered.completed && !is_late(self.motion().duration_s(), delivered.measured_s);
+        is_kept.then(|| self.largest_departure_ml())
     }
 }
 

@@ -50,12 +50,17 @@ impl Session<'_> {
             may_pause: false,
         };
         let moved = self.perform(&motion, &mut watch)?;
+        let completed = moved.made == flow.steps().unsigned_abs();
+        if completed {
+            let late = self.lateness(whole, (&flow).into(), &moved);
+            self.notes.extend(late);
+        }
         Ok(Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,
             began: moved.began,
             end_angle_rad: flow.angle_after(moved.made),
-            completed: moved.made == flow.steps().unsigned_abs(),
+            completed,
             unfinished: self.stands().unfinished.is_some(),
             retracted_ml: 0.0,
             sucked_back: true,

@@ -53,6 +53,20 @@ impl Bench {
         self.would_all_be_safe(state, &[TimedVolume { at_s: 0.0, volume_ml: planned_ml }])
     }
 
+    /// Refuses a pump that waits for a person, by its record alone: it stands, or a dose is unfinished. The dose of a
+    /// pump that another process holds may be under way.
+    pub(crate) fn check_waiting(&self) -> Result<(), DoseError> {
+        if self.is_held() {
+            return Ok(());
+        }
+        let (state, now_s) = (self.story()?.state, system_now_s());
+        let account = self.safety_account(state.as_ref(), now_s);
+        match account.stand {
+            Some(stand) => Err(self.refusal(stand, false, account.behind_s(now_s))),
+            None => self.refuse_unfinished(state),
+        }
+    }
+
     /// Refuses a series of volumes that a session would refuse now, as [`Session::keep_series_safe`] does. Nothing is
     /// recorded.
     ///

@@ -42,23 +42,27 @@ impl Patience {
     ) -> Result<T, DoseError> {
         let mut told = None;
         loop {
+            let (began, limit) = (Instant::now(), self.left);
             let tried = attempt();
-            let Some(held) = tried.as_ref().err().and_then(held_by).filter(|_| !self.left.is_zero()) else {
+            let Some(held) = tried.as_ref().err().and_then(held_by) else { return tried };
+            // A try that asks a device takes time too.
+            self.left = limit.saturating_sub(began.elapsed());
+            if self.left.is_zero() {
                 return tried;
-            };
+            }
             if told.as_ref() != Some(&held) {
-                let limit_s = significant(self.left.as_secs_f64(), 4);
+                let limit_s = significant(limit.as_secs_f64(), 4);
                 self.tell.iter().for_each(|tell| tell(&format!("waiting for {held}, {limit_s} s at most")));
                 told = Some(held);
             }
-            let (began, wait) = (Instant::now(), TRY_EVERY.min(self.left));
-            while began.elapsed() < wait {
+            let (waits, wait) = (Instant::now(), TRY_EVERY.min(self.left));
+            while waits.elapsed() < wait {
                 if stop.is_made() {
                     return Err(DoseError::Connection(DriveError::Interrupted));
                 }
-                sleep(SLICE.min(wait.saturating_sub(began.elapsed())));
+                sleep(SLICE.min(wait.saturating_sub(waits.elapsed())));
             }
-            self.left = self.left.saturating_sub(began.elapsed());
+            self.left = self.left.saturating_sub(waits.elapsed());
         }
     }
 }
@@ -118,6 +122,15 @@ mod tests {
         let mut patience = Patience::new(Duration::from_millis(30), |_| {});
         let late = patience.try_until::<()>(&StopRequest::default(), || Err(busy("process 1")));
         assert!(late.unwrap_err().to_string().contains("process 1"));
+        // Tries that take time count.
+        let mut patience = Patience::new(Duration::from_millis(200), |_| {});
+        let mut tries = 0;
+        let slow = patience.try_until::<()>(&StopRequest::default(), || {
+            tries += 1;
+            sleep(Duration::from_millis(250));
+            Err(busy("process 1"))
+        });
+        assert!(slow.is_err() && tries == 1, "{tries} tries");
         let mut patience = Patience::new(Duration::from_secs(600), |_| {});
         let stopped = patience.try_until::<()>(&StopRequest::new(|| true), || Err(busy("process 1")));
         assert!(stopped.unwrap_err().is_stop());

@@ -13,7 +13,7 @@ use crate::report::{DoseReport, with_sources};
 pub struct RackDose {
     /// Number of the step in the rack, from 1.
     pub step: usize,
-    /// Planned begin since the rack began, s.
+    /// Begin since the rack began, s: the planned one, or that of a motion that began more than 0.1 s late.
     pub begin_s: f64,
     /// True if a rest of the dose is on record. A flow over time leaves none.
     pub unfinished: bool,

@@ -21,12 +21,14 @@ impl RackReport {
             (RackEnd::Fault, None) => "stopped by a fault".to_owned(),
         };
         let (pumps, steps) = (counted(self.pumps.len(), "pump"), counted(self.steps, "step"));
-        let made_s = self.ended_s.filter(|_| matches!(self.end, RackEnd::Stopped | RackEnd::Fault));
-        let time = made_s.map_or(String::new(), |ended_s| format!("{ended_s:.3} of "));
         let planned_s = self.planned_s;
+        let time = match (self.end, self.ended_s) {
+            (RackEnd::Stopped | RackEnd::Fault, Some(ended_s)) => format!("{ended_s:.3} of {planned_s:.3}"),
+            (_, ended_s) => format!("{:.3}", ended_s.unwrap_or(planned_s)),
+        };
         let began = self.time.map_or(String::new(), |time| format!(", began {time}"));
         format!(
-            "{}: {pumps}, {steps} in {time}{planned_s:.3} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
+            "{}: {pumps}, {steps} in {time} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
              {requested} mL asked\n",
             self.rack, "total"
         )

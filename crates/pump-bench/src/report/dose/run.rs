@@ -34,8 +34,9 @@ pub struct ProfileReport {
     pub volume_ml: f64,
     /// Time of the profile from its first row to its last, s.
     pub time_s: f64,
-    /// Largest distance of the volume at the rollers from the profile's at any moment, mL: that of a motor step.
-    pub largest_departure_ml: f64,
+    /// Largest distance of the volume at the rollers from the profile's at any moment, mL: that of a motor step. Null if
+    /// the run was stopped or took longer than its profile, and so left it.
+    pub largest_departure_ml: Option<f64>,
 }
 
 /// Event that ends a run.
@@ -85,7 +86,10 @@ impl RunReport {
                 name: prepared.name,
                 volume_ml: flow.volume_ml(),
                 time_s: flow.duration_s(),
-                largest_departure_ml: prepared.largest_departure_ml(),
+                largest_departure_ml: delivered.map_or_else(
+                    || Some(prepared.largest_departure_ml()),
+                    |delivered| prepared.departure_kept_ml(delivered),
+                ),
             }),
         }
     }
@@ -103,12 +107,14 @@ impl RunReport {
     /// Returns the line of the run for people. It took `moved_s`.
     pub(in crate::report) fn line(&self, moved_s: f64) -> String {
         if let Some(profile) = &self.profile {
-            let [ml, within] =
-                [profile.volume_ml, 1e3 * profile.largest_departure_ml].map(|x| significant(x, 4));
+            let within =
+                |departure_ml| format!(", within {} µL at every moment", significant(1e3 * departure_ml, 4));
             return format!(
-                "profile {}: {ml} mL in {} s at the rollers, within {within} µL at every moment\n",
+                "profile {}: {} mL in {} s at the rollers{}\n",
                 profile.name.as_str(),
+                significant(profile.volume_ml, 4),
                 significant(profile.time_s, 6),
+                profile.largest_departure_ml.map_or_else(String::new, within),
             );
         }
         let Some(flow_ml_s) = self.mean_flow_ml_s else { return String::new() };

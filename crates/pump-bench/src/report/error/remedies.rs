@@ -10,14 +10,12 @@ use crate::dosing::{DoseError, NoRestByWeight, RunBound, WeightFault};
 use crate::notice::Remedy;
 use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
-use crate::safety::SafetyLimit;
+use crate::safety::Stand;
 
 /// Returns the remedies of a pump that stands.
-fn of_stand(limit: SafetyLimit) -> Vec<Remedy> {
-    match limit {
-        SafetyLimit::Vessel => vec![Remedy::EmptyVessel, Remedy::ClearStand],
-        SafetyLimit::Day | SafetyLimit::Ordered => vec![Remedy::ClearStand],
-    }
+fn of_stand(stand: &Stand) -> Vec<Remedy> {
+    let first = stand.has_full_vessel().then_some(Remedy::EmptyVessel);
+    first.into_iter().chain([Remedy::ClearStand]).collect()
 }
 
 impl DoseError {
@@ -32,7 +30,7 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
-            Self::Stands { is_recorded: true, stand, .. } => of_stand(stand.limit),
+            Self::Stands { is_recorded: true, stand, .. } => of_stand(stand),
             Self::Disturbed { .. }
             | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
                 vec![Remedy::FindAngle]

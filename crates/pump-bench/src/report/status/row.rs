@@ -52,18 +52,23 @@ impl StatusRow {
             Some(used) => format!("calibration {}", used.version),
             None => "no calibration".to_owned(),
         };
-        let stands =
-            status.safety.stand.map_or_else(String::new, |stand| format!("STANDS {}, ", stand.place()));
+        let stands = status.safety.stand.map(|stand| format!("STANDS {}", stand.place()));
         let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
-            (Some(holder), ..) => format!("in use by {holder}"),
-            (None, Some(dose), _) if dose.until_stopped => "unfinished run until it is stopped".to_owned(),
-            (None, Some(dose), _) => format!("unfinished dose of {} mL", significant(dose.requested_ml, 6)),
-            (None, None, Some(_)) => "unfinished calibration".to_owned(),
-            (None, None, None) if !status.recorded => "nothing on record".to_owned(),
-            (None, None, None) => "ready".to_owned(),
+            (Some(holder), ..) => Some(format!("in use by {holder}")),
+            (None, Some(dose), _) if dose.until_stopped => {
+                Some("unfinished run until it is stopped".to_owned())
+            }
+            (None, Some(dose), _) => {
+                Some(format!("unfinished dose of {} mL", significant(dose.requested_ml, 6)))
+            }
+            (None, None, Some(_)) => Some("unfinished calibration".to_owned()),
+            (None, None, None) if !status.recorded => Some("nothing on record".to_owned()),
+            // A pump that stands is not ready.
+            (None, None, None) => stands.is_none().then(|| "ready".to_owned()),
         };
+        let state = stands.into_iter().chain(state).collect::<Vec<_>>().join(", ");
         format!(
-            "{name:<width$}  {stands}{state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}",
+            "{name:<width$}  {state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}",
             status.driver,
             microlitres(status.carry_ml),
             status.wear.volume_ml,

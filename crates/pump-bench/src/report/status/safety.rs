@@ -6,7 +6,7 @@ use crate::bench::{Bench, system_now_s};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{duration, significant};
 use crate::record::{PumpState, Stamp};
-use crate::safety::{SafetyLimit, Stand, StandReason};
+use crate::safety::{Stand, StandReason};
 
 /// Volumes that safety limits count, and the stand of the pump if one is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -87,7 +87,7 @@ impl SafetyStatus {
             format!("the clock is {behind} behind the record, which frees no volume")
         });
         let stand = self.stand.map(|stand| {
-            let first = (stand.stand.limit == SafetyLimit::Vessel).then_some(Remedy::EmptyVessel);
+            let first = stand.stand.has_full_vessel().then_some(Remedy::EmptyVessel);
             let remedies = first.into_iter().chain([Remedy::ClearStand]).map(words);
             let remedies: Vec<&str> = remedies.collect();
             format!("the pump STANDS since {}: {}; {}", stand.since, stand.stand, remedies.join("; "))
