@@ -125,7 +125,7 @@ fn a_pump_whose_thread_panics_stops_all_others_and_is_reported_as_failed() {
         assert!(row.error.is_none() && row.unfinished && !row.completed, "{row:?}");
     }
     // The journal has what the report cannot tell.
-    assert!(rack.members()[0].bench.state().unwrap().unwrap().unfinished.is_some());
+    assert!(rack.members()[0].bench.story().unwrap().state.unwrap().unfinished.is_some());
 }
 
 /// The last dose in the log of a pump.

@@ -316,8 +316,8 @@ pub(in crate::plan) fn within(parameter: Parameter, value: f64, allowed: Allowed
 /// How well an angle is known by its half width, in deg.
 struct Known(f64);
 
-impl core::fmt::Display for Known {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+impl fmt::Display for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0 < 180.0 {
             write!(f, "known within {:.1} degrees only", self.0)
         } else {
