@@ -14,6 +14,7 @@ use crate::safety::SafetyLimit;
 impl Explain for DoseError {
     fn facts(&self) -> ErrorFacts {
         let of = ErrorFacts::of;
+        let ml = |volume_ml: f64| format!("{} mL", Shown(volume_ml));
         match self {
             Self::PumpFile(error) => error.facts(),
             Self::Plan(error) => error.facts(),
@@ -27,19 +28,15 @@ impl Explain for DoseError {
             Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.facts(),
             Self::Balance(error) | Self::ByWeight { fault: WeightFault::Balance(error), .. } => error.facts(),
             Self::ByWeight { .. } => of(ErrorKind::Balance),
-            Self::NotByWeight { volume_ml, .. } => {
-                of(ErrorKind::Range).value(format!("{} mL", Shown(*volume_ml)))
-            }
+            Self::NotByWeight { volume_ml, .. } => of(ErrorKind::Range).value(ml(*volume_ml)),
             Self::Unfinished { requested_ml, .. }
             | Self::NoRest { requested_ml, .. }
-            | Self::BeyondRequest { requested_ml, .. } => {
-                of(ErrorKind::Unfinished).value(format!("{} mL", Shown(*requested_ml)))
-            }
+            | Self::BeyondRequest { requested_ml, .. } => of(ErrorKind::Unfinished).value(ml(*requested_ml)),
             Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) | Self::NoRestOfProfile { .. } => {
                 of(ErrorKind::Unfinished)
             }
             Self::Stands { stand, .. } if stand.limit != SafetyLimit::Ordered => of(ErrorKind::Safety)
-                .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
+                .value(ml(stand.used_ml + stand.planned_ml))
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),
             Self::Stands { .. } | Self::NotCleared { .. } | Self::NotPutToStand { .. } => {
                 of(ErrorKind::Safety)
@@ -49,9 +46,7 @@ impl Explain for DoseError {
                 .iter()
                 .fold(of(ErrorKind::Angle), |facts, deg| facts.value(format!("{} deg", Shown(*deg)))),
             Self::NoRun { .. } => of(ErrorKind::Range),
-            Self::RunsTheOtherWay { asked_ml, .. } => {
-                of(ErrorKind::Plan).value(format!("{} mL", Shown(*asked_ml)))
-            }
+            Self::RunsTheOtherWay { asked_ml, .. } => of(ErrorKind::Plan).value(ml(*asked_ml)),
             Self::TubeWorn { unit, life, used, planned } => of(ErrorKind::Limit)
                 .value(format!("{:.1} {unit}", used + planned))
                 .allowed(format!("{life} {unit} at most")),
