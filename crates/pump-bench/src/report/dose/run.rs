@@ -34,8 +34,8 @@ pub struct ProfileReport {
     pub volume_ml: f64,
     /// Time of the profile from its first row to its last, s.
     pub time_s: f64,
-    /// Largest distance of the volume at the rollers from the profile's at any moment, mL: that of a motor step. Null if
-    /// the run was stopped or took longer than its profile, and so left it.
+    /// Largest distance of the volume at the rollers from the profile's at any moment, mL: that of a motor step. Null
+    /// if the run was stopped or took longer than its profile, and so left it.
     pub largest_departure_ml: Option<f64>,
 }
 
