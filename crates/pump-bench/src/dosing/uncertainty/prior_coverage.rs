@@ -135,7 +135,7 @@ fn weigh(
 ) -> WeighedDose {
     loop {
         match weighed_once(case, file, plant, active, unix_s, dice) {
-            None | Some(Err(CalibrationError::Implausible { .. })) => {}
+            None | Some(Err(CalibrationError::ImplausibleReading { .. })) => {}
             Some(weighed) => return weighed.unwrap(),
         }
     }
