@@ -68,7 +68,8 @@ fn missed_runs_that_are_all_made_up_for_come_one_after_the_other() {
     let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
     let times = [6, 7, 8].map(|in_s| format!("\"{}\"", soon(in_s))).join(", ");
     let text = format!(
-        "schema = \"schedule/1\"\nzone = \"UTC\"\n[[entry]]\nname = \"a\"\npump = \"acid\"\ndose = \"2mL\"\nat = [{times}]\n\
+        "schema = \"schedule/1\"\nzone = \"UTC\"\n[[entry]]\n\
+         name = \"a\"\npump = \"acid\"\ndose = \"2mL\"\nat = [{times}]\n\
          missed = \"all\"\nmissed_within = \"1h\"\noptions = {{ rate = \"2mL/s\" }}\n"
     );
     fs::write(laboratory.path("schedule.toml"), text).unwrap();

@@ -145,9 +145,7 @@ fn a_weight_that_cannot_be_is_refused_and_the_dose_stays() {
     let dosed = desk.types(&[&ACID[..], &board, &turn].concat());
     assert_eq!(dosed.code, 0, "{}", dosed.err);
     let steps = pump.board.rest().steps;
-    for (weight, part) in
-        [("50g", "allowed: half to twice of it"), ("5", "has no unit"), ("-5g", "without sign")]
-    {
+    for (weight, part) in [("50g", ", half to twice the "), ("5", "has no unit"), ("-5g", "without sign")] {
         let refused = desk.types(&["setup", "acid", "--weight", weight]);
         assert!(refused.code == 2 && refused.err.contains(part), "{weight}: {}", refused.err);
     }

@@ -82,7 +82,8 @@ impl Service {
             let (pump, order) = (order.pump.clone(), other.record.id.clone());
             return Err(Refusal::Busy { pump, order });
         }
-        let has_pace = words.iter().any(|word| word == "--pace" || word.starts_with("--pace="));
+        let pace = option("pace", "");
+        let has_pace = words.iter().any(|word| word.starts_with(pace.trim_end_matches('=')));
         if order.task.moves() && !has_pace && pump.bench().is_simulated() {
             // Behind two dashes it would be no option.
             let at = words.iter().position(|word| word == "--").unwrap_or(words.len());

@@ -13,7 +13,8 @@ use crate::order::{Order, OrderId, Task};
 /// Giver of these orders: the log does not tell who gave them.
 const GIVER: &str = "the pump's log";
 
-/// Returns the orders that the log of a pump tells, oldest first. Runs of a calibration, retractions and turns to a mark
+/// Returns the orders that the log of a pump tells, oldest first. Runs of a calibration, retractions and turns to a
+/// mark
 /// are no orders.
 pub(super) fn orders(pump: &Pump) -> Result<Vec<OrderRecord>, ServiceError> {
     let failed = |message: String| ServiceError::Pump { name: pump.name().to_owned(), message };

@@ -34,7 +34,8 @@ impl Bench {
         Ok(LogReading { lines, last: 0, bench: self.clone(), rest: None })
     }
 
-    /// Reads the last dose, prime, purge or run of the log, which may be long. `None` if it has none. Retractions, turns
+    /// Reads the last dose, prime, purge or run of the log, which may be long. `None` if it has none. Retractions,
+    /// turns
     /// to a mark and the runs of a calibration are left out.
     ///
     /// # Errors
