@@ -57,13 +57,6 @@ fn a_second_pump_takes_what_is_known_of_the_first() {
         "{config}"
     );
     assert!(ended.asked.len() <= 16, "{:?}", ended.asked);
-    // A pump that differs in its axis alone is said to be like the first.
-    let like = desk.types(&["setup", "lime", "--like", "acid", "--axis", "Z", "--no-motion", "--yes"]);
-    assert_eq!(like.code, 0, "{}", like.err);
-    let lime = desk.configured("pumps/lime.toml").unwrap();
-    assert_eq!(acid.replace("\"acid\"", "\"lime\"").replace("axis = \"X\"", "axis = \"Z\""), lime);
-    let none = desk.types(&["setup", "plum", "--like", "nobody", "--yes"]);
-    assert!(none.code == 2 && none.err.contains("no pump `nobody` was set up"), "{}", none.err);
     // An axis that the first pump has is not taken. The board has another free one.
     let mut is_first = true;
     let taken = desk.answers(&["setup", "salt", "--no-motion"], &mut |question| match question {
@@ -71,6 +64,13 @@ fn a_second_pump_takes_what_is_known_of_the_first() {
         _ => Some(String::new()),
     });
     assert!(taken.err.contains("X is that of acid; choose another axis"), "{}", taken.err);
+    // A pump that differs in its axis alone is said to be like the first.
+    let like = desk.types(&["setup", "lime", "--like", "acid", "--axis", "Z", "--no-motion", "--yes"]);
+    assert_eq!(like.code, 0, "{}", like.err);
+    let lime = desk.configured("pumps/lime.toml").unwrap();
+    assert_eq!(acid.replace("\"acid\"", "\"lime\"").replace("axis = \"X\"", "axis = \"Z\""), lime);
+    let none = desk.types(&["setup", "plum", "--like", "nobody", "--yes"]);
+    assert!(none.code == 2 && none.err.contains("no pump `nobody` was set up"), "{}", none.err);
 }
 
 /// Answers of a pump that is set up with its file alone.
