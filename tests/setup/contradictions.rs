@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::person::{Desk, by_part};
+use crate::person::{ACID, Desk, by_part};
 use crate::truth::TruePump;
 
 /// Refused with exit code 2, and one message with these parts. Nothing is written.
@@ -25,8 +25,6 @@ fn is_refused(desk: &Desk, words: &[&str], parts: &[&str]) {
     );
     assert_eq!(before, after, "{words:?}");
 }
-
-const ACID: [&str; 7] = ["setup", "acid", "--rollers", "4", "--ml-per-rev", "0.5mL", "--yes"];
 
 #[test]
 fn options_that_contradict_each_other_are_one_message() {

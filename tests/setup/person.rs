@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 /// Longest time for one question.
 const LIMIT: Duration = Duration::from_secs(120);
 
+/// Setup of a bought head of half a millilitre and four rollers, as a script says it.
+pub(crate) const ACID: [&str; 7] = ["setup", "acid", "--rollers", "4", "--ml-per-rev", "0.5mL", "--yes"];
+
 /// A desk with its configuration and its records.
 pub(crate) struct Desk {
     folder: tempfile::TempDir,

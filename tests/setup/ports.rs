@@ -9,7 +9,7 @@ use pump_bench::drives::{
 use pump_bench::pump_file::{DriveTable, DriverName};
 
 use crate::course::sees;
-use crate::person::Desk;
+use crate::person::{ACID, Desk};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
 use crate::simulated_node::SimulatedNode;
@@ -115,19 +115,8 @@ fn a_board_that_went_away_is_asked_for_in_the_same_run() {
 fn a_script_hears_why_no_board_is_at_its_port_before_anything_is_written() {
     let silent = Options { defects: Defects { silent: Some(0), ..Defects::default() }, ..Options::default() };
     let silent = Simulated::start(silent).unwrap();
-    let words = [
-        "setup",
-        "acid",
-        "--ml-per-rev",
-        "0.5mL",
-        "--rollers",
-        "4",
-        "--microsteps",
-        "16",
-        "--driver",
-        "grbl",
-    ];
-    let words = [&words[..], &["--altitude", "0m", "--yes", "--port"]].concat();
+    let words =
+        [&ACID[..], &["--microsteps", "16", "--driver", "grbl", "--altitude", "0m", "--port"]].concat();
     for (port, why) in [
         (silent.path().to_str().unwrap(), "no grbl board answers at "),
         ("/dev/null", "it is no serial line; "),

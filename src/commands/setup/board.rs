@@ -195,9 +195,8 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
 }
 
 /// Asks the board whose port was said for its axes, so that no file is written for an axis that it lacks. Where no
-/// board
-/// answers, a script is refused, a person is asked for another port before anything moves, and a pump file alone names
-/// the port all the same, with a warning.
+/// board answers, a script is refused, a person is asked for another port before anything moves, and a pump file alone
+/// names the port all the same, with a warning.
 pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
     let is_silent = course.asker.is_silent();
     let Answers { driver, port: Some(port), axis, .. } = &course.answers else { return Ok(()) };

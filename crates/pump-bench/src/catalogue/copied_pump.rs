@@ -71,7 +71,7 @@ mod tests {
         }] as [&dyn Fn(&mut PumpFile); 2]
         {
             let own = changed(other);
-            // The same limits of the same table.
+            // Both heads take the spread of drawings that nobody weighed.
             assert!((own.model_percent - 13.0).abs() < 0.15 && own.speed_percent == Some(8.7), "{own:?}");
             assert!(own.replaces_papers);
         }

@@ -90,6 +90,7 @@ def test_a_profile_is_followed_from_an_array_and_from_a_file(tmp_path: Path) -> 
         assert (run.run.until, run.run.was_stopped) == ("profile", False)
         assert run.run.profile is not None
         assert run.run.profile.volume_ml == pytest.approx(17.95)
+        assert run.run.profile.largest_departure_ml is not None
         assert run.run.profile.largest_departure_ml < 0.003
         assert pm.Dose.from_dict(run.to_dict()) == run
         file = tmp_path / "flow.csv"

@@ -1,4 +1,4 @@
-//! What is wrong with an entry that only the service's configuration can tell.
+//! Faults of an entry that only the service's configuration can tell.
 
 use pump_bench::units::dose_amount;
 

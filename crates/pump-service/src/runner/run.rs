@@ -34,8 +34,7 @@ impl Run {
     }
 
     /// Gives the order, and waits for a pump in use as the entry says. What was not made is told. Returns the order
-    /// that
-    /// was begun.
+    /// that was begun.
     async fn make(&self, service: &Service, now: fn() -> Timestamp) -> Option<OrderId> {
         let Self { order, origin, words, waits_until } = self;
         let pump = order.pump.clone();
@@ -66,8 +65,7 @@ impl Run {
 }
 
 /// Makes runs of one pump one after the other, the earliest first. The runs behind one that did not end as it should
-/// are
-/// left out and told: a person stopped it, or something is wrong.
+/// are left out and told: a person stopped it, or something is wrong.
 pub(super) async fn in_turn(runs: Vec<Run>, service: Service, now: fn() -> Timestamp) {
     let mut runs = runs.into_iter().peekable();
     while let Some(run) = runs.next() {

@@ -70,8 +70,7 @@ struct Inner {
 impl Service {
     /// Reads the pumps of the configuration, or the built-in default pump of one that names none. Orders that an
     /// earlier service did not see the end of are marked as cut off. A history that is new takes the doses of the
-    /// pumps'
-    /// logs over.
+    /// pumps' logs over.
     ///
     /// # Errors
     ///

@@ -14,8 +14,7 @@ use crate::order::{Order, OrderId, Task};
 const GIVER: &str = "the pump's log";
 
 /// Returns the orders that the log of a pump tells, oldest first. Runs of a calibration, retractions and turns to a
-/// mark
-/// are no orders.
+/// mark are no orders.
 pub(super) fn orders(pump: &Pump) -> Result<Vec<OrderRecord>, ServiceError> {
     let failed = |message: String| ServiceError::Pump { name: pump.name().to_owned(), message };
     let mut orders = Vec::new();

@@ -35,8 +35,7 @@ impl Bench {
     }
 
     /// Reads the last dose, prime, purge or run of the log, which may be long. `None` if it has none. Retractions,
-    /// turns
-    /// to a mark and the runs of a calibration are left out.
+    /// turns to a mark and the runs of a calibration are left out.
     ///
     /// # Errors
     ///
