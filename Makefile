@@ -88,25 +88,26 @@ fuzz:
 		$(FUZZ) run --target-dir target/fuzz-build $$target target/fuzz/$$target fuzz/corpus/$$target -- -max_total_time=$(FUZZ_SECONDS) || exit 1; \
 	done
 
+# Without the peers of `make bench`, which take minutes to compile and are checked there.
 lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	cargo fmt --all --check
 	cargo fmt --manifest-path tests/no_panic/Cargo.toml --check
-	cargo clippy --locked --workspace --all-targets --features serve -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --features serve --no-deps --document-private-items
+	cargo clippy --locked --workspace --exclude pump-benches --all-targets --features serve -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --exclude pump-benches --features serve --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd tests/browser && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
 
 # Each feature alone, none and all: no file may count on a feature that it did not ask for, and the tests that need none
-# pass with none. `make test` runs them with all.
+# pass with none. Tests are checked with none and with all, and `make test` runs them with all.
 features:
 	cargo test --locked -p pump-model
 	cargo clippy --locked -p pump-model --all-targets -- -D warnings
 	for feature in $(MODEL_FEATURES); do \
-		cargo clippy --locked -p pump-model --all-targets --features $$feature -- -D warnings || exit 1; \
+		cargo clippy --locked -p pump-model --features $$feature -- -D warnings || exit 1; \
 	done
 	cargo clippy --locked -p pump-model --all-targets --all-features -- -D warnings
 	cargo clippy --locked -p pump-ctl -- -D warnings
@@ -141,6 +142,7 @@ packages:
 
 # Beside other solvers: the peers take minutes to compile, and only here. The log of 100,000 doses beside serde_json alone.
 bench: $(VENV)/installed
+	cargo clippy --locked -p pump-benches --all-targets -- -D warnings
 	cargo bench --locked -p pump-bench --bench log
 	cargo run --locked --release -p pump-benches
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"

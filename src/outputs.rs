@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use pump_bench::export::{PlotError, waveform_svg, write_samples};
+use pump_bench::export::{Marks, PlotError, waveform_svg, write_samples};
 use pump_bench::files::Staged;
 use pump_bench::report::{ErrorKind, Explain};
 use pump_bench::simulation::Sample;
@@ -45,16 +45,16 @@ impl Outputs {
         self.write(path, |to| write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))
     }
 
-    /// Draws a waveform; `motion_s` marks the end of motion.
+    /// Draws a waveform with its marks.
     pub(crate) fn plot<E: Explain>(
         &mut self,
         path: &Path,
         title: &str,
         samples: impl Iterator<Item = Result<Sample, E>>,
-        motion_s: Option<f64>,
+        marks: &Marks,
     ) -> Result<(), Failure> {
         let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::of)?;
-        self.drawing(path, waveform_svg(title, &samples, motion_s))
+        self.drawing(path, waveform_svg(title, &samples, marks))
     }
 
     /// Writes a drawing.

@@ -13,13 +13,33 @@ fn every_example_prints_what_it_shows() {
 }
 
 #[test]
-fn every_example_of_racks_prints_what_it_shows() {
-    let state = tempfile::tempdir().expect("a folder for the records");
-    trycmd::TestCases::new()
-        .env("DOSE_STATE_DIR", state.path().to_string_lossy())
-        .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
-        .env("COLUMNS", "100")
-        .case("docs/racks.md");
+fn every_example_of_racks_and_of_the_bench_prints_what_it_shows() {
+    for page in ["docs/racks.md", "docs/bench.md"] {
+        let state = tempfile::tempdir().expect("a folder for the records");
+        trycmd::TestCases::new()
+            .env("DOSE_STATE_DIR", state.path().to_string_lossy())
+            .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
+            .env("COLUMNS", "100")
+            .case(page);
+    }
+}
+
+#[test]
+fn the_picture_of_a_dose_is_what_its_command_draws() {
+    let folder = tempfile::tempdir().expect("a folder for the record and the picture");
+    let drawn = folder.path().join("dose.svg");
+    let status = std::process::Command::new(env!("CARGO_BIN_EXE_dose"))
+        .args(["25mL", "--start-angle", "17deg+-1deg", "--dry-run", "--plot"])
+        .arg(&drawn)
+        .env("DOSE_STATE_DIR", folder.path())
+        .env("XDG_CONFIG_HOME", folder.path())
+        .stdout(std::process::Stdio::null())
+        .status()
+        .expect("the command runs");
+    assert!(status.success());
+    let read = |file: &std::path::Path| std::fs::read_to_string(file).expect("a picture");
+    let stale = "docs/dose.svg is not up to date: dose 25mL --start-angle 17deg+-1deg --plot docs/dose.svg";
+    assert!(read(&drawn) == read(std::path::Path::new("docs/dose.svg")), "{stale}");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod back_flow;
 mod dose_error;
+mod front;
 mod page;
 mod pictures;
 mod trial;

@@ -6,8 +6,8 @@ use pump_ctl::plan::Ramps;
 
 use crate::back_flow::BackFlows;
 use crate::dose_error::{DoseError, largest, mean};
-use crate::pictures;
 use crate::trial::Trial;
+use crate::{front, pictures};
 
 /// Number of start angles of the tables and of the pictures over the angle.
 const ANGLES: u32 = 120;
@@ -54,6 +54,8 @@ pub(crate) fn files() -> Result<Vec<(String, String)>, Box<dyn Error>> {
             ])?,
         ),
         ("back-flow-over-volume", back_flow_over_volume(&trial)?),
+        ("small-dose", front::error_of_a_small_dose(&trial)?),
+        ("smooth", front::smooth_beside_pulsating()?),
     ];
     let pictures = pictures.into_iter().map(|(name, svg)| (format!("accuracy/{name}.svg"), svg));
     Ok([("accuracy.md".to_owned(), page)].into_iter().chain(pictures).collect())

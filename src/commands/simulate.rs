@@ -6,6 +6,7 @@ use clap::Args;
 use pump_bench::Bench;
 use pump_bench::calibration::Stored;
 use pump_bench::displacement::SpeedDependentPump;
+use pump_bench::export::Marks;
 use pump_bench::notice::Notice;
 use pump_bench::pump_file::PumpFile;
 use pump_bench::report::{ErrorKind, SimulationReport};
@@ -25,6 +26,9 @@ use crate::options::report::FormatOption;
 use crate::options::speed::{ReverseOption, SpeedOptions};
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::terminal::{print_json, tell};
+
+/// Pitches of a run that its picture shows: more of them would hide the pulses.
+const PLOT_PITCHES: f64 = 6.0;
 
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
@@ -165,7 +169,16 @@ impl SimulateArgs {
             // Fine enough for every pulse, whatever the trace's rows are.
             let dt_s = run.dt_s.min(DEFAULT_DT_S).max(run.duration_s / PLOT_SAMPLES);
             let fine = Simulation { dt_s, ..*run };
-            outputs.plot(path, &report.title(), fine.samples(pump).map_err(Failure::of)?, None)?;
+            let pitch_s = pump.pitch_rad() / run.speed_rad_s.abs();
+            let from_s = run.duration_s - PLOT_PITCHES * pitch_s;
+            let title = match from_s > 0.0 {
+                true => format!("{}, the last {PLOT_PITCHES} pitches", report.title()),
+                false => report.title(),
+            };
+            let samples = fine.samples(pump).map_err(Failure::of)?;
+            let last =
+                samples.filter(|sample| sample.as_ref().map_or(true, |sample| sample.time_s >= from_s));
+            outputs.plot(path, &title, last, &Marks::default())?;
         }
         outputs.put()
     }

@@ -66,7 +66,12 @@ fn the_roller_centric_model_is_said_to_be_experimental_and_settles_to_its_steady
     }
     let mean_ml_s = (last_turn[600][7] - last_turn[0][7]) / 0.6;
     assert!((mean_ml_s / number(steady, "mean_flow_ml_s") - 1.0).abs() < 1e-5, "{mean_ml_s}");
-    assert!(std::fs::read_to_string(user.path("run.svg")).unwrap().contains("<svg"));
+    let svg = std::fs::read_to_string(user.path("run.svg")).unwrap();
+    assert!(svg.contains("three-roller at 100 r/min from rest, the last 6 pitches"), "{svg}");
+    assert!(
+        svg.contains("delivered, mL") && !svg.contains("speed, r/min"),
+        "a constant speed needs no panel"
+    );
 
     let text = user.types(&arguments).out;
     assert!(text.contains("roller-centric model, periodic steady state"), "{text}");

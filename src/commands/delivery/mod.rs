@@ -4,7 +4,7 @@ mod before_dose;
 
 use std::cell::LazyCell;
 
-use pump_bench::export::write_steps;
+use pump_bench::export::{Marks, write_steps};
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
 use pump_bench::report::ErrorKind;
@@ -235,7 +235,12 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &DosingOptions) ->
     }
     if let Some(path) = &options.plot.plot {
         let title = format!("{} mL on {} (predicted)", plan.requested_ml(), bench.file().pump.id);
-        outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, Some(motion_s))?;
+        let marks = Marks {
+            motion_s: Some(motion_s),
+            asked_ml: Some(plan.requested_ml()),
+            revolution_ml: Some(prepared.model.revolution_ml()),
+        };
+        outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, &marks)?;
     }
     outputs.put()
 }

@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 use std::path::Path;
 
 use pump_bench::dosing::FlowProfile;
-use pump_bench::export::write_flow_steps;
+use pump_bench::export::{Marks, write_flow_steps};
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
@@ -131,7 +131,8 @@ fn write_outputs(bench: &Bench, prepared: &PreparedProfile, options: &DosingOpti
     }
     if let Some(path) = &options.plot.plot {
         let title = format!("{} on {} (predicted)", prepared.name(), bench.file().pump.id);
-        outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, Some(motion_s))?;
+        let marks = Marks { motion_s: Some(motion_s), ..Marks::default() };
+        outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, &marks)?;
     }
     outputs.put()
 }

@@ -37,11 +37,14 @@ fn a_plot_is_written_whole() {
     user.json(&["25mL", "--plot", "dose.svg"]);
     let svg = fs::read_to_string(user.path("dose.svg")).unwrap();
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
-    for text in
-        ["flow at the rollers, mL/s", "pressure, kPa absolute", "speed, r/min", "delivered, mL", "time, s"]
-    {
+    let panels =
+        ["flow at the rollers, mL/s", "pressure, kPa absolute", "speed, r/min", "delivered, mL", "time, s"];
+    for text in panels.into_iter().chain(["asked", "by one constant", "prefers-color-scheme:dark"]) {
         assert!(svg.contains(text), "{text}");
     }
+    let labels: Vec<_> = svg.lines().map(str::trim).filter(|line| line.parse::<f64>().is_ok()).collect();
+    assert!(labels.len() > 20 && labels.contains(&"25"), "{labels:?}");
+    assert!(labels.iter().all(|label| !label.contains('.') || !label.ends_with('0')), "needless: {labels:?}");
 }
 
 #[test]

@@ -14,7 +14,8 @@ pub use fitted::{Axes, Fitted};
 pub(crate) use pictures::tube_svg;
 #[cfg(feature = "plot")]
 pub use pictures::{
-    BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION, fit_svg, section_svg, waveform_svg,
+    BLUE, Chart, Colour, Curve, GREEN, GREY, Marks, PURPLE, Panel, Style, VERMILION, fit_svg, section_svg,
+    waveform_svg,
 };
 pub use plot_error::PlotError;
 pub use rust_source::rust_source;

@@ -129,7 +129,7 @@ impl SimulationReport {
 
     /// Title of a picture of the run.
     pub fn title(&self) -> String {
-        format!("{} at {:.4} r/min from rest", self.pump, self.speed_rpm)
+        format!("{} at {} r/min from rest", self.pump, (1e4 * self.speed_rpm).round() / 1e4)
     }
 
     /// One line of JSON.

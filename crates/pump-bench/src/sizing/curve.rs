@@ -66,7 +66,7 @@ pub use picture::curve_svg;
 #[cfg(feature = "plot")]
 mod picture {
     use super::CurvePoint;
-    use crate::export::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, PlotError, Style, VERMILION};
+    use crate::export::{BLUE, Chart, Curve, GREEN, GREY, PURPLE, Panel, PlotError, Style, VERMILION};
     use crate::sizing::Sizing;
 
     /// Distance of a limit from the pressures, over their range, up to which it is drawn.
@@ -135,7 +135,7 @@ mod picture {
         let away = (least - kpa).max(kpa - most);
         (away < FAR * (most - least)).then(|| Curve {
             label: "limit",
-            colour: Colour { red: 0, green: 0, blue: 0 },
+            colour: GREY,
             style: Style::Line,
             points: vec![(0.0, kpa), (end_rpm, kpa)],
         })

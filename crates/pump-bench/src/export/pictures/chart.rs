@@ -34,11 +34,23 @@ pub const GREEN: Colour = Colour { red: 0, green: 158, blue: 115 };
 /// Purple that colour-blind readers tell from the other colours (Okabe and Ito, 2008).
 pub const PURPLE: Colour = Colour { red: 204, green: 121, blue: 167 };
 
+/// Grey of limits, marks and what only serves comparison.
+pub const GREY: Colour = Colour { red: 119, green: 119, blue: 119 };
+
+/// Colours on a dark screen, which is where the reader asked for one. The blue gives way to Okabe and Ito's sky blue.
+const DARK: &str = "<style>@media (prefers-color-scheme:dark){\
+    [fill=\"#FFFFFF\"]{fill:#15181c}[stroke=\"#FFFFFF\"]{stroke:#15181c}\
+    [stroke=\"#000000\"]{stroke:#e8e8e8}[fill=\"#000000\"],text{fill:#e8e8e8}\
+    [stroke=\"#0072B2\"]{stroke:#56b4e9}[fill=\"#0072B2\"]{fill:#56b4e9}\
+    [stroke=\"#777777\"]{stroke:#a8a8a8}[fill=\"#777777\"]{fill:#a8a8a8}}</style>\n";
+
 /// A style in which a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
     /// Line through the points of the curve.
     Line,
+    /// Broad pale line, which stays visible under a line that runs on it.
+    Band,
     /// Points of the curve alone.
     Points,
 }
@@ -46,7 +58,7 @@ pub enum Style {
 /// A curve of one panel.
 #[derive(Debug, Clone)]
 pub struct Curve {
-    /// Name of the curve in the legend.
+    /// Name of the curve in the legend. A curve without one stands in no legend.
     pub label: &'static str,
     /// Colour of the curve, one of this module's.
     pub colour: Colour,
@@ -104,7 +116,9 @@ impl Chart<'_> {
         self.draw(&mut svg, size).map_err(|error| PlotError { reason: error.to_string() })?;
         let size = |scale| format!("width=\"{}\" height=\"{}\"", size.0 * scale, size.1 * scale);
         // The view box keeps the fine size.
-        Ok(svg.replacen(&size(FINE), &size(1), 1))
+        let svg = svg.replacen(&size(FINE), &size(1), 1);
+        let (head, body) = svg.split_once('\n').unwrap_or((&svg, ""));
+        Ok(format!("{head}\n{DARK}{body}"))
     }
 
     /// Draws the panels into `svg`; `size` is the picture's width and height, in px.
@@ -142,6 +156,8 @@ impl Chart<'_> {
             .x_desc(if is_last { self.label } else { "" })
             .y_desc(panel.label)
             .y_labels(6)
+            .x_label_formatter(&shortest)
+            .y_label_formatter(&shortest)
             .label_style(("sans-serif", px(13)))
             .axis_desc_style(("sans-serif", px(14)))
             .draw()?;
@@ -170,19 +186,37 @@ impl Curve {
         let Colour { red, green, blue } = self.colour;
         let colour = RGBColor(red, green, blue);
         let points = self.points.iter().copied();
-        match self.style {
-            Style::Line => plane
-                .draw_series(LineSeries::new(points, colour.stroke_width(FINE * 5 / 4)))?
-                .label(self.label)
-                .legend(move |(x, y)| {
-                    PathElement::new([(x, y), (x + px(16), y)], colour.stroke_width(FINE * 2))
-                }),
-            Style::Points => plane
-                .draw_series(points.map(|point| Circle::new(point, px(3), colour.filled())))?
-                .label(self.label)
-                .legend(move |(x, y)| Circle::new((x + px(8), y), px(3), colour.filled())),
+        let width = match self.style {
+            Style::Points => {
+                let drawn =
+                    plane.draw_series(points.map(|point| Circle::new(point, px(3), colour.filled())))?;
+                if !self.label.is_empty() {
+                    drawn
+                        .label(self.label)
+                        .legend(move |(x, y)| Circle::new((x + px(8), y), px(3), colour.filled()));
+                }
+                return Ok(());
+            }
+            Style::Line => FINE * 5 / 4,
+            Style::Band => FINE * 5,
         };
+        let shade = if self.style == Style::Band { colour.mix(0.4) } else { colour.mix(1.0) };
+        let drawn = plane.draw_series(LineSeries::new(points, shade.stroke_width(width)))?;
+        if !self.label.is_empty() {
+            drawn.label(self.label).legend(move |(x, y)| {
+                PathElement::new([(x, y), (x + px(16), y)], shade.stroke_width(width.max(FINE * 2)))
+            });
+        }
         Ok(())
+    }
+}
+
+/// Returns the number at a mark of an axis without needless decimals.
+fn shortest(value: &f64) -> String {
+    let digits = format!("{value:.9}");
+    match digits.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        short => short.to_owned(),
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn tube_svg(title: &str, points: &[(f64, f64, f64)]) -> Result<String
             curves: vec![
                 curve("factor", BLUE, Style::Points, |point| point.1),
                 curve("bound", VERMILION, Style::Line, |point| point.1 + point.2),
-                curve("bound", VERMILION, Style::Line, |point| point.1 - point.2),
+                curve("", VERMILION, Style::Line, |point| point.1 - point.2),
             ],
         }],
     };
