@@ -192,7 +192,10 @@ mod tests {
             });
             let (waits, wakes) = (waits.load(Ordering::Relaxed), wakes.load(Ordering::Relaxed));
             // The last waits of all links end after the time, without one at the wire.
-            assert!((1..=(waits + links) * links).contains(&wakes), "{links} links, {waits} waits: {wakes} wakes");
+            assert!(
+                (1..=(waits + links) * links).contains(&wakes),
+                "{links} links, {waits} waits: {wakes} wakes"
+            );
         }
     }
 }
