@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use crate::drives::node::link::PATIENCE;
 
-/// Longest time for which a silent board is sought after the motion was to stop. A board that still runs tells its count
-/// within it, if the line or a computer under load holds the answer back.
+/// Longest time for which a silent board is sought after the motion was to stop. A board that still runs tells its
+/// count within it, if the line or a computer under load holds the answer back.
 const STOP_LIMIT: Duration = Duration::from_millis(500);
 
 /// Time between two questions to a silent board.
