@@ -150,7 +150,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SlowDown => "`--rate` sets the rate",
         Remedy::EndAtLowFlow => "`--finish low-flow` ends it there",
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
-        Remedy::LeaveSmoothOut => "leave --smooth out, or resume with --rate or --speed",
+        Remedy::LeaveSmoothOut => {
+            "leave --smooth out, or smooth = true of a rack's step; or drive the motor by a board with driver = \
+             \"node\" in [drive]"
+        }
         Remedy::FlowByNode => {
             "run at a --rate, or drive the motor by a board with driver = \"node\" in [drive]"
         }
@@ -173,7 +176,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::Configure => "`--configure` sets it",
         Remedy::ConfigureOrRaise => "`--configure` sets it, or raise [motor] max_acceleration_rad_s2",
         Remedy::AcceptSettings => {
-            "if you changed them, say `--accept-settings` once, otherwise set them back"
+            "if another board is at this port, connect the pump's own board or name its port with --port; if you \
+             changed the settings or replaced the board, say `--accept-settings` once; otherwise set them back"
         }
         Remedy::AcceptBoard => "if the board was replaced, say `--accept-settings` once",
         Remedy::WriteSettingsAnew => "`--accept-settings` writes it anew",

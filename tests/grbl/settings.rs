@@ -140,6 +140,7 @@ fn settings_that_have_changed_since_the_last_time_are_refused_until_they_are_acc
         let error = grbl_error(error);
         assert!(matches!(error, GrblError::SettingsChanged { .. }), "{error}");
         let said = error.to_string();
+        assert!(said.contains("or another board is at this port: "), "{said}");
         assert!(
             said.contains(&format!("${number} was")) && said.contains(&format!("is {value} now")),
             "{said}"

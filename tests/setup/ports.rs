@@ -2,11 +2,14 @@
 
 use std::fs;
 use std::os::unix::fs::symlink;
+use std::thread;
 
 use pump_bench::drives::{
     DriveError, FoundBoard, Grbl, Opening, StopRequest, ask_ports, find_boards, serial_ports,
 };
 use pump_bench::pump_file::{DriveTable, DriverName};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use crate::course::sees;
 use crate::person::{ACID, Desk};
@@ -58,6 +61,40 @@ fn grbl_boards_and_nodes_are_told_apart_and_named() {
     assert_eq!((grbl.rest().starts, node.truth().steps), (0, [0; 4]));
 }
 
+/// Answer of a node whose firmware speaks version 9 of the protocol: a frame as this version makes it.
+const VERSION_9: [u8; 27] =
+    [0, 20, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 5, 5, 160, 212, 135, 0];
+
+#[test]
+fn a_node_of_another_version_is_named_whichever_driver_asks() {
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+    grantpt(&master).unwrap();
+    unlockpt(&master).unwrap();
+    let port = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+    // The other end stays open, so that hosts may come and go.
+    let kept = fs::File::options().read(true).write(true).open(&port).unwrap();
+    let mut modes = tcgetattr(&kept).unwrap();
+    modes.make_raw();
+    tcsetattr(&kept, OptionalActions::Now, &modes).unwrap();
+    // It ends with the test's process.
+    thread::spawn(move || {
+        let mut bytes = [0; 512];
+        while let Ok(count @ 1..) = rustix::io::read(&master, &mut bytes) {
+            // A frame of a node ends with a zero, and grbl's lines have none.
+            if bytes[..count].contains(&0) {
+                rustix::io::write(&master, &VERSION_9).unwrap();
+            }
+        }
+    });
+    let desk = Desk::new();
+    for driver in ["grbl", "node"] {
+        let refused = desk.types(&["1mL", "--driver", driver, "--port", &port, "--confirm-pump"]);
+        let said = "the board's firmware speaks version 9 of the protocol, and this program speaks ";
+        assert!(refused.code == 2 && refused.err.contains(said), "{driver}: {}", refused.err);
+    }
+    drop(kept);
+}
+
 #[test]
 fn a_port_without_a_board_is_asked_for_again_at_once() {
     let desk = Desk::new();
@@ -80,6 +117,9 @@ fn a_port_without_a_board_is_asked_for_again_at_once() {
     for port in &wrong[..3] {
         assert!(ended.err.contains(&format!("no board answers at {port}: ")), "{port}: {}", ended.err);
     }
+    let neither =
+        format!("neither a node (460800 baud) nor a grbl board (115200 baud) answers at {}; ", wrong[2]);
+    assert!(ended.err.contains(&neither), "{}", ended.err);
     for port in &wrong[..2] {
         assert!(
             ended.err.contains(&format!("{port} cannot be opened as a serial port: it is no serial line; "))
@@ -118,7 +158,10 @@ fn a_script_hears_why_no_board_is_at_its_port_before_anything_is_written() {
     let words =
         [&ACID[..], &["--microsteps", "16", "--driver", "grbl", "--altitude", "0m", "--port"]].concat();
     for (port, why) in [
-        (silent.path().to_str().unwrap(), "no grbl board answers at "),
+        (
+            silent.path().to_str().unwrap(),
+            "neither a node (460800 baud) nor a grbl board (115200 baud) answers at ",
+        ),
         ("/dev/null", "it is no serial line; "),
         ("/dev/ttyUSB99", "it is not there; "),
     ] {

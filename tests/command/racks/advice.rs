@@ -116,3 +116,22 @@ fn a_pump_of_a_rack_that_cannot_be_read_hides_no_other_row() {
     assert!(rows[1].starts_with("base  cannot be read: cannot read pump file none.toml"), "{}", answer.out);
     assert!(answer.err.contains("1 of 2 pumps cannot be read: base"), "{}", answer.err);
 }
+
+#[test]
+fn a_smooth_step_or_dose_on_a_board_with_ramps_of_its_own_names_the_way_without_and_the_driver_node() {
+    let user = two_others("volume = \"6mL\"\nrate = \"6mL/s\"\n");
+    let rack = "schema = \"rack/1\"\n[pumps]\nright = \"pumps/base.toml\"\n[[step]]\npump = \"right\"\nvolume = \
+                \"1mL\"\nrate = \"1mL/s\"\nsmooth = true\n";
+    fs::write(user.path("mix.toml"), rack).unwrap();
+    let pump = fs::read_to_string(user.path("pumps/base.toml")).unwrap();
+    let drive = "\n[drive]\ndriver = \"grbl\"\nport = \"/dev/ttyUSB99\"\n";
+    fs::write(user.path("pumps/base.toml"), pump + drive).unwrap();
+    let step = user.is_refused(&["run", "mix.toml", "--dry-run"]);
+    assert!(step.contains("pump `right` of the rack, step 1: "), "{step}");
+    let dose = user.is_refused(&["1mL", "--pump", "pumps/base.toml", "--smooth", "--dry-run"]);
+    for refused in [step, dose] {
+        let advice = "leave --smooth out, or smooth = true of a rack's step; or drive the motor by a board with driver \
+                      = \"node\" in [drive]";
+        assert!(refused.contains(advice) && !refused.contains("resume"), "{refused}");
+    }
+}

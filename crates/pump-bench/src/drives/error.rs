@@ -113,6 +113,21 @@ pub enum DriveError {
         /// Drive that was named.
         named: &'static str,
     },
+    /// No board answers at the port, as any driver asks it.
+    #[error(
+        "neither a node ({node_baud} baud) nor a grbl board ({grbl_baud} baud) answers at {}{heard}; check the port, \
+         the board's power, and its firmware", .port.display()
+    )]
+    NoBoard {
+        /// Path of the port.
+        port: PathBuf,
+        /// Rate at which a node was asked for, in bits per second.
+        node_baud: u32,
+        /// Rate at which a grbl board was asked for, in bits per second.
+        grbl_baud: u32,
+        /// Reply that came instead, as the message words it.
+        heard: String,
+    },
     /// The program is built without the drive.
     #[error(
         "this program is built without the {driver} driver; build pump-bench with its feature `{driver}`"

@@ -96,7 +96,8 @@ pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Resul
                 (Err(_), Some(Ok(found))) => Ok(found),
                 // A node that cannot be used is said, and anything else is no node.
                 (Err(_), Some(Err(error))) if is_of_node(&error) => Err(error),
-                (Err(error), _) => Err(error),
+                (Err(grbl), Some(Err(node))) => Err(neither(&port, grbl, &node)),
+                (Err(error), None) => Err(error),
             };
             (port, found)
         });
@@ -110,11 +111,9 @@ pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopReque
     let DriveError::Device(source) = &error else { return error };
     let Some(port) = &table.port else { return error };
     let is_no_grbl = matches!(source.downcast_ref(), Some(GrblError::NoGrbl { .. }));
-    let is_no_node =
-        matches!(source.downcast_ref(), Some(NodeError::Silent { .. } | NodeError::Foreign { .. }));
     let found = match table.driver {
         DriverName::Grbl if is_no_grbl => ask_node(port, stop),
-        DriverName::Node if is_no_node => {
+        DriverName::Node if is_no_node(&error) => {
             let table = DriveTable::of(DriverName::Grbl).with_port(port);
             grbl::ask(&table, STARTED, stop).map(|(state, axes)| FoundBoard::Grbl { state, axes })
         }
@@ -127,9 +126,32 @@ pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopReque
             driver: found.driver().as_str(),
             named: table.driver.as_str(),
         },
-        Err(DriveError::Interrupted) => DriveError::Interrupted,
+        Err(found) if is_of_node(&found) => found,
         Err(_) => error,
     }
+}
+
+/// Returns the error of a port at which no board answers to either driver, or that of the grbl board that it has.
+fn neither(port: &Path, grbl: DriveError, node: &DriveError) -> DriveError {
+    let heard = match &grbl {
+        DriveError::Device(error) => match error.downcast_ref() {
+            Some(GrblError::NoGrbl { heard, .. }) => heard.clone(),
+            _ => return grbl,
+        },
+        _ => return grbl,
+    };
+    if !is_no_node(node) {
+        return grbl;
+    }
+    let [node_baud, grbl_baud] =
+        [DriverName::Node, DriverName::Grbl].map(|driver| DriveTable::of(driver).rate_baud());
+    DriveError::NoBoard { port: port.to_owned(), node_baud, grbl_baud, heard }
+}
+
+/// Returns true for the error of a port at which no node answers.
+fn is_no_node(error: &DriveError) -> bool {
+    let DriveError::Device(error) = error else { return false };
+    matches!(error.downcast_ref(), Some(NodeError::Silent { .. } | NodeError::Foreign { .. }))
 }
 
 fn ask_node(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {

@@ -148,7 +148,7 @@ pub enum Remedy {
     EndAtLowFlow,
     /// Suck back less, or dose at a lower rate.
     SuckBackLess,
-    /// Dose without a smooth flow, or make the rest at a given speed.
+    /// Dose without a smooth flow, or drive the motor by a board that keeps the times of its steps.
     LeaveSmoothOut,
     /// Run at a rate, or drive the motor by a board that keeps the times of its steps.
     FlowByNode,
@@ -172,7 +172,7 @@ pub enum Remedy {
     Configure,
     /// Have the board's acceleration written, or raise that of the pump file.
     ConfigureOrRaise,
-    /// Accept the board's new settings once, or set them back.
+    /// Connect the pump's own board, accept the board's new settings once, or set them back.
     AcceptSettings,
     /// Have the record of the board's settings written anew.
     WriteSettingsAnew,

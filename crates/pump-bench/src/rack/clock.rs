@@ -1,5 +1,6 @@
 //! The clock that all pumps of a rack share, and the stop that ends them all.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
@@ -33,12 +34,19 @@ pub(super) struct SharedStop {
     /// Names of the pumps.
     pumps: Arc<[String]>,
     made: Arc<Mutex<Option<Stop>>>,
+    /// Pumps that wait for a person, whose boards are still to tell their counts.
+    counted: Arc<Mutex<BTreeSet<usize>>>,
 }
 
 impl SharedStop {
     /// Makes a stop of the pumps of these names that `asked` makes too.
     pub(super) fn hearing(asked: StopRequest, pumps: Arc<[String]>) -> Self {
-        Self { asked, pumps, made: Arc::default() }
+        Self { asked, pumps, made: Arc::default(), counted: Arc::default() }
+    }
+
+    /// Lets a pump go on that waits for a person, although another one refuses: its board is still to tell its count.
+    pub(super) fn let_count(&self, pump: usize) {
+        self.counted.lock().unwrap_or_else(PoisonError::into_inner).insert(pump);
     }
 
     /// Stops all pumps. The first cause stays, and the first pump of those that refuse.
@@ -68,12 +76,16 @@ impl SharedStop {
     }
 
     /// Returns true if the waits of a pump are to end. A refusal ends those of the pumps after it alone, so the same
-    /// pump is named in every run: the first in the order of the rack.
+    /// pump is named in every run: the first in the order of the rack. A pump whose board is to tell its count goes on.
     fn is_heard_by(&self, pump: usize) -> bool {
         match self.cause() {
-            Some(Stop::Refused(first)) => pump > first || self.asked.is_made(),
+            Some(Stop::Refused(first)) => (pump > first && !self.counts(pump)) || self.asked.is_made(),
             cause => cause.is_some(),
         }
+    }
+
+    fn counts(&self, pump: usize) -> bool {
+        self.counted.lock().unwrap_or_else(PoisonError::into_inner).contains(&pump)
     }
 
     /// Returns who or what stopped all pumps, as the log of each keeps it.

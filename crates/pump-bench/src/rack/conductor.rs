@@ -121,6 +121,12 @@ impl Rack {
             refused.extend(called_off.into_iter().filter_map(|pump| Some((pump, self.waiting(pump)?))));
         }
         refused.sort_by_key(|(pump, _)| *pump);
+        // A pump whose board is not there waits for a person all the same.
+        for (pump, error) in refused.iter_mut().skip(1).filter(|(_, error)| !error.waits()) {
+            if let Some(waits) = self.waiting(*pump) {
+                *error = waits;
+            }
+        }
         match RackError::of_several(refused.into_iter().map(|(_, error)| error).collect()) {
             Some(error) => Err(error),
             None if stop.cause().is_some() => Err(RackError::Stopped),

@@ -177,10 +177,14 @@ impl RackError {
         Some(first.with_waiting(refusals.collect()))
     }
 
+    /// Returns true for the refusal of a pump that waits for a person.
+    pub(super) fn waits(&self) -> bool {
+        matches!(self.ending(), Ending::Stands | Ending::Unfinished)
+    }
+
     /// Returns the refusal with those others that wait for a person.
     pub(super) fn with_waiting(self, others: Vec<Self>) -> Self {
-        let waits = |error: &Self| matches!(error.ending(), Ending::Stands | Ending::Unfinished);
-        let others: Vec<Self> = others.into_iter().filter(waits).collect();
+        let others: Vec<Self> = others.into_iter().filter(Self::waits).collect();
         if others.is_empty() { self } else { Self::Several { first: Box::new(self), others } }
     }
 }

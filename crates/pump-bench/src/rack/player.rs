@@ -89,6 +89,9 @@ impl Player<'_> {
             }
         };
         session.name_rack(self.rack.name());
+        if is_unfinished(&session) {
+            self.stop.let_count(self.pump);
+        }
         let homed = if self.rack.unattended && !is_unfinished(&session) {
             session.keep_home_policy().map_err(first)
         } else {

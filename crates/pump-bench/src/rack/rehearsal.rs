@@ -7,6 +7,7 @@ use super::report::{RackDose, RackEnd, RackPumpReport, RackReport};
 use super::timetable::{LineSpeeds, Timetable, Timing};
 use crate::bench::{Bench, Delivered, SeriesMotion, SeriesRequest, TimedVolume};
 use crate::dosing::DoseError;
+use crate::drives::DriveError;
 use crate::report::{DoseReport, Ending};
 
 impl Rack {
@@ -80,14 +81,16 @@ impl Rack {
 
     /// Returns the refusal of a pump's part, by its place among the pump's parts.
     pub(super) fn refused(&self, pump: usize, (place, source): (usize, DoseError)) -> RackError {
-        let is_of_record = matches!(
-            source,
+        let is_of_record = match &source {
+            // A step asks for more than the drive does.
+            DoseError::Connection(DriveError::Unable { .. }) => false,
             DoseError::Folder(_)
-                | DoseError::Journal(_)
-                | DoseError::Stands { .. }
-                | DoseError::Connection(_)
-                | DoseError::Unconfirmed { .. }
-        );
+            | DoseError::Journal(_)
+            | DoseError::Stands { .. }
+            | DoseError::Connection(_)
+            | DoseError::Unconfirmed { .. } => true,
+            _ => false,
+        };
         let is_of_step = !is_of_record && source.ending() != Ending::Unfinished;
         let step = self.parts(pump).nth(place).filter(|_| is_of_step).map(|step| step + 1);
         self.dose_error(pump, step, source)

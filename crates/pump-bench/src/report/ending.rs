@@ -115,6 +115,7 @@ impl DriveError {
             | Self::Other { .. }
             | Self::NotGiven { .. }
             | Self::OtherDriver { .. }
+            | Self::NoBoard { .. }
             | Self::NotBuilt { .. }
             | Self::Sim(_) => Ending::Refused,
         }

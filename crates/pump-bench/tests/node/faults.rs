@@ -1,9 +1,14 @@
 //! Links that break, boards that are reset, and emergency stops.
 
-use pump_bench::drives::{Disturbance, Drive, NodeError};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use pump_bench::drives::{CommonBegin, Disturbance, Drive, NodeBoard, NodeError};
 
 use crate::rig::{Rig, dose, go, node_error, run, worst};
-use crate::world::Event;
+use crate::several::{PATIENT, Shared, counts, pour};
+use crate::world::{Event, SharedWorld};
 
 #[test]
 fn a_reset_in_mid_dose_leaves_a_bracket_that_holds_the_truth() {
@@ -54,6 +59,45 @@ fn a_link_that_is_cut_for_a_fifth_of_a_second_is_unseen() {
     rig.world.plan(1200, Event::Mend);
     assert_eq!(run(&mut drive, &plan), plan.steps().unsigned_abs());
     assert!(worst(&rig.world.rises(), &plan) <= 1.0);
+}
+
+#[test]
+fn a_live_board_that_is_silent_or_slow_leaves_the_exact_count_of_each_axis_though_a_fault_of_one_stops_all() {
+    let cut = |mends_in_ms: u64| vec![(0, Event::Cut), (mends_in_ms, Event::Mend)];
+    for befalls in [cut(700), cut(1_500), vec![(0, Event::Slow)]] {
+        let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+        let board = NodeBoard::over(Box::new(world.clone()));
+        let mut places = CommonBegin::places(4, PATIENT);
+        let [has_befallen, is_over] = [false; 2].map(AtomicBool::new);
+        let all: Vec<Shared> = thread::scope(|scope| {
+            let doses = [(12.0, 4.0), (12.0, 2.0), (-12.0, 3.0), (12.0, 1.0)];
+            let threads: Vec<_> = (0..)
+                .zip(doses)
+                .map(|dose| {
+                    let (board, state, place) = (&board, state.path(), places.pop());
+                    let (world, befalls, has_befallen, is_over) = (&world, &befalls, &has_befallen, &is_over);
+                    scope.spawn(move || {
+                        let one = pour(board, state, dose, place, |made| {
+                            if dose.0 == 2 && made > 300 && !has_befallen.swap(true, Ordering::Relaxed) {
+                                befalls.iter().for_each(|(in_ms, event)| world.plan(3 + in_ms, *event));
+                            }
+                            match is_over.load(Ordering::Relaxed) {
+                                true => ControlFlow::Break(()),
+                                false => ControlFlow::Continue(()),
+                            }
+                        });
+                        is_over.store(true, Ordering::Relaxed);
+                        one
+                    })
+                })
+                .collect();
+            threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        for (axis, (one, count)) in all.iter().zip(counts(&world)).enumerate() {
+            let exact = (Some((count.abs(), count.abs())), Some(count));
+            assert_eq!((one.part, one.count), exact, "{befalls:?}, axis {axis}: {one:?}");
+        }
+    }
 }
 
 #[test]

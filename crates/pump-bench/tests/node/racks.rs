@@ -1,6 +1,8 @@
 //! Axes of one board in a rack.
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -8,7 +10,7 @@ use std::time::Duration;
 use pump_bench::drives::{Drive, Node, NodeBoard, Opening, StopRequest};
 use pump_bench::pump_file::{Axis, DriveTable};
 use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackReport};
-use pump_bench::{Bench, PumpFile, Session, built_in};
+use pump_bench::{Bench, DoseError, DoseRequest, PumpFile, Session, built_in};
 use pump_ctl::plan::Phase;
 
 use crate::rig::Rig;
@@ -82,6 +84,17 @@ fn pumps(pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<
 
 /// Returns pumps as [`pumps`] does, at a line as `line` has it.
 fn pumps_by(line: &DriveTable, pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<Node>) {
+    let (benches, mut drives) = unmet(line, pump, world, state);
+    for (bench, drive) in benches.iter().zip(&mut drives) {
+        let mut session = Session::with_drive(bench, Box::new(drive)).unwrap();
+        session.connect().unwrap();
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+    }
+    (benches, drives)
+}
+
+/// Returns pumps as [`pumps_by`] does, before a session has met their axes.
+fn unmet(line: &DriveTable, pump: PumpFile, world: &SharedWorld, state: &Path) -> (Vec<Bench>, Vec<Node>) {
     let board = NodeBoard::over(Box::new(world.clone()));
     let mut drives: Vec<Node> = Vec::new();
     let mut benches: Vec<Bench> = Vec::new();
@@ -95,13 +108,9 @@ fn pumps_by(line: &DriveTable, pump: PumpFile, world: &SharedWorld, state: &Path
         let opening =
             Opening { settings_record, boards: Some(state.join("node.boards")), ..Opening::default() };
         let table = line.clone().with_axis(axis);
-        let mut drive = board.axis(&table, &file.motor, &opening).unwrap();
+        let drive = board.axis(&table, &file.motor, &opening).unwrap();
         let bench = Bench::new(file, None, state).unwrap();
         let bench = bench.driven_by(&drive).unwrap().at_port(table.port).confirming_pump(true);
-        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
-        session.connect().unwrap();
-        session.set_angle(Some(Phase::known(0.3))).unwrap();
-        drop(session);
         drives.push(drive);
         benches.push(bench);
     }
@@ -256,6 +265,43 @@ fn axes_that_together_exceed_the_board_are_refused_with_the_sum_before_anything_
         assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
         assert_eq!(journals(), before);
     }
+}
+
+#[test]
+fn a_rack_that_is_refused_after_a_kill_tells_the_exact_count_of_each_pump_that_waits() {
+    static STOPPED: AtomicBool = AtomicBool::new(false);
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let file = built_in("three-roller").unwrap();
+    let (benches, mut drives) = pumps(file.clone(), &world, state.path());
+    for (bench, drive) in benches.iter().zip(&mut drives) {
+        let mut session = Session::with_drive(bench, Box::new(drive)).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(8.0)).unwrap();
+        let killed = catch_unwind(AssertUnwindSafe(|| {
+            session.run(&prepared, |made| {
+                assert!(made < 500, "killed");
+                ControlFlow::Continue(())
+            })
+        }));
+        assert!(killed.is_err());
+    }
+    drop((benches, drives));
+    world.pass(2_000);
+    let (benches, mut drives) = unmet(&Rig::table(), file, &world, state.path());
+    let refused = ran(MIX, benches, &mut drives, &STOPPED, &|| {}).unwrap_err();
+    let told: Vec<_> = refused.each().map(|error| (error.pump(), of_unfinished(error))).collect();
+    let [acid, base] = [0, 1].map(|axis| rises(&world, axis).len() as f64);
+    let Some([(Some("acid"), acid_ml), (Some("base"), base_ml)]) = told.first_chunk() else {
+        panic!("{told:?}")
+    };
+    assert!(acid_ml[0] > 0.0 && acid_ml[0] == acid_ml[1] && base_ml[0] == base_ml[1], "{told:?}");
+    assert!((acid_ml[0] / base_ml[0] - acid / base).abs() < 0.05, "{told:?}, {acid} and {base} steps");
+}
+
+/// Returns the bounds of what an unfinished dose has delivered, in mL.
+fn of_unfinished(error: &RackError) -> [f64; 2] {
+    let RackError::Dose { source, .. } = error else { panic!("{error:?}") };
+    let DoseError::Unfinished { least_ml, most_ml, .. } = **source else { panic!("{source:?}") };
+    [least_ml, most_ml]
 }
 
 #[test]

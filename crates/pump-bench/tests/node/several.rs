@@ -22,7 +22,7 @@ use crate::world::{Event, SharedWorld};
 const ALL: [Axis; 4] = [Axis::X, Axis::Y, Axis::Z, Axis::A];
 
 /// Time for which motions wait for each other on the computer's clock. A computer under load is not in time.
-const PATIENT: Duration = Duration::from_secs(300);
+pub(crate) const PATIENT: Duration = Duration::from_secs(300);
 
 /// Dose of an axis: volume and rate.
 type Dose = (f64, f64);
@@ -54,17 +54,17 @@ fn request((volume_ml, ml_s): Dose) -> DoseRequest {
 
 /// Result of a session that shares the board.
 #[derive(Debug)]
-struct Shared {
+pub(crate) struct Shared {
     made: Result<Delivered, DoseError>,
     /// Plan, if it was made.
     plan: Option<Plan>,
     /// Steps of the unfinished dose, and the count on record.
-    part: Option<(i64, i64)>,
-    count: Option<i64>,
+    pub(crate) part: Option<(i64, i64)>,
+    pub(crate) count: Option<i64>,
 }
 
 /// Runs the dose of one axis with its own session and journal.
-fn pour(
+pub(crate) fn pour(
     board: &NodeBoard,
     state: &Path,
     (axis, dose): (usize, Dose),
@@ -117,7 +117,7 @@ fn go(_axis: usize, _made: u64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-fn counts(world: &SharedWorld) -> [i64; 4] {
+pub(crate) fn counts(world: &SharedWorld) -> [i64; 4] {
     world.hardware(|hardware| [0, 1, 2, 3].map(|axis| hardware.motors[axis].count))
 }
 

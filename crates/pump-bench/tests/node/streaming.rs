@@ -135,7 +135,7 @@ fn the_queue_lasts_200_ms_on_a_line_that_loses_frames() {
 }
 
 #[test]
-fn a_user_who_asks_to_stop_while_a_lost_board_is_sought_waits_a_fifth_of_a_second_at_most() {
+fn a_user_who_asks_to_stop_while_a_lost_board_is_sought_waits_six_tenths_of_a_second_at_most() {
     let rig = Rig::new();
     let plan = dose(20.0, 4.0, true);
     let mut drive = rig.open();
@@ -154,7 +154,7 @@ fn a_user_who_asks_to_stop_while_a_lost_board_is_sought_waits_a_fifth_of_a_secon
     let fault = fault.unwrap_err();
     assert!(matches!(node_error(&fault.error), NodeError::Quiet { .. }), "{:?}", fault.error);
     let waited_us = rig.world.now_us() - asked_us.unwrap();
-    assert!(waited_us <= 200_000, "{waited_us} us");
+    assert!(waited_us <= 600_000, "{waited_us} us");
     // The board stops by itself, within the bounds that are told.
     rig.world.pass(2000);
     let count = rig.world.count();

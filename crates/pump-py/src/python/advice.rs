@@ -133,7 +133,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SlowDown => "rate sets the rate",
         Remedy::EndAtLowFlow => "finish=\"low-flow\" ends it there",
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
-        Remedy::LeaveSmoothOut => "leave smooth out, or resume with rate or speed",
+        Remedy::LeaveSmoothOut => "leave smooth out, or drive the motor by a board with the driver `node`",
         Remedy::FlowByNode => "run at a rate, or drive the motor by a board with the driver `node`",
         Remedy::LeaveRampsOut => {
             "leave ramps out; Bench.open() with configure=True sets the board's acceleration to the best for \
@@ -154,7 +154,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "Bench.open() with configure=True sets it, or raise [motor] max_acceleration_rad_s2"
         }
         Remedy::AcceptSettings => {
-            "if you changed them, open the bench with accept_settings=True once, otherwise set them back"
+            "if another board is at this port, connect the pump's own board or name its port; if you changed the \
+             settings or replaced the board, open the bench with accept_settings=True once; otherwise set them back"
         }
         Remedy::AcceptBoard => "if the board was replaced, open the bench with accept_settings=True once",
         Remedy::WriteSettingsAnew => "Bench.open() with accept_settings=True writes it anew",

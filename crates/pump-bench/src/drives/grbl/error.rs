@@ -174,7 +174,8 @@ pub enum GrblError {
     },
     /// Settings that scale the motion differ from those on record.
     #[error(
-        "the board's settings have changed since the last time: {changes} (the record is {})",
+        "the board's settings have changed since the last time, or another board is at this port: {changes} (the \
+         record is {})",
         .record.display()
     )]
     SettingsChanged {

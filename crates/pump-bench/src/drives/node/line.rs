@@ -195,6 +195,11 @@ impl Line {
         self.lanes.iter().filter(|lane| lane.is_taken).filter_map(|lane| lane.dead_man_ms).min()
     }
 
+    /// Returns the time of the board's last answer.
+    pub(super) fn heard_at(&self) -> Duration {
+        self.heard_at
+    }
+
     /// Returns the session of this side.
     pub(super) fn session(&self) -> u64 {
         self.window.session()

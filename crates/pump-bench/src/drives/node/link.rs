@@ -110,6 +110,16 @@ impl Link {
         self.line().quiet()
     }
 
+    /// Returns the time of the board's last answer, to any of its axes.
+    pub(super) fn heard_at(&self) -> Duration {
+        self.line().heard_at()
+    }
+
+    /// Has the requests under way sent again after a lost link.
+    pub(super) fn renew(&mut self) {
+        self.line().renew();
+    }
+
     /// Lets `time` pass.
     pub(super) fn sleep(&mut self, time: Duration) {
         if self.line.with_wire(|wire| wire.sleep(time)).is_none() {
@@ -176,7 +186,7 @@ impl Link {
         loop {
             match self.answer() {
                 Err(NodeError::Quiet { .. }) if self.now().saturating_sub(began) < PATIENCE => {
-                    self.line().renew();
+                    self.renew();
                 }
                 Err(NodeError::Quiet { waited_s }) => {
                     // The board had no word to say between two requests.

@@ -381,3 +381,20 @@ fn faults_noted(unread: FaultCounts) -> Option<Notice> {
         Notice::from(format!("the board has counted faults since they were last read: {}", named.join(", ")))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_fault_is_named_in_the_singular_and_several_in_the_plural() {
+        let said = |link, late| {
+            faults_noted(FaultCounts { link, late, ..FaultCounts::default() })
+                .map(|note| note.text().to_owned())
+        };
+        let begins = "the board has counted faults since they were last read: ";
+        let one = format!("{begins}1 stop for want of a word from the computer");
+        let several = format!("{begins}1 late step, 2 stops for want of a word from the computer");
+        assert_eq!([said(0, 0), said(1, 0), said(2, 1)], [None, Some(one), Some(several)]);
+    }
+}

@@ -17,8 +17,11 @@ const SHORT_LOOK: Duration = Duration::from_millis(1);
 #[derive(Debug)]
 pub(super) struct SharedLine {
     line: Mutex<Line>,
-    /// Told whenever a link leaves the wire, and whenever a thread begins or ends to stream.
+    /// Told whenever a link leaves the wire.
     news: Condvar,
+    /// Told whenever a thread begins or ends to stream, and whenever one waits for the link at the wire. Only the link
+    /// at the wire of a board in virtual time hears it: others that heard it would wake each other without end.
+    work: Condvar,
     /// Held by the thread that meets the board: the board takes the configuration of one axis at a time.
     meeting: Mutex<()>,
 }
@@ -26,7 +29,8 @@ pub(super) struct SharedLine {
 impl SharedLine {
     /// Shares the line over `wire`.
     pub(super) fn new(wire: Box<dyn Wire>) -> Self {
-        Self { line: Mutex::new(Line::new(wire)), news: Condvar::new(), meeting: Mutex::new(()) }
+        let (line, meeting) = (Mutex::new(Line::new(wire)), Mutex::new(()));
+        Self { line, news: Condvar::new(), work: Condvar::new(), meeting }
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, Line> {
@@ -46,7 +50,7 @@ impl SharedLine {
     pub(super) fn streams(&self, does: bool) {
         let mut line = self.lock();
         line.streaming = if does { line.streaming + 1 } else { line.streaming.saturating_sub(1) };
-        self.news.notify_all();
+        self.work.notify_all();
     }
 
     /// Does something with the wire once no link waits at it. Returns `None` if the wire is closed.
@@ -69,7 +73,7 @@ impl SharedLine {
     ) -> MutexGuard<'l, Line> {
         line.waiting += usize::from(streams);
         let mut line = if line.is_led {
-            self.news.notify_all();
+            self.work.notify_all();
             self.news.wait(line).unwrap_or_else(PoisonError::into_inner)
         } else {
             self.lead(line, until)
@@ -86,7 +90,7 @@ impl SharedLine {
         let stands = line.wire().is_some_and(|wire| wire.stands_while_hosts_work());
         if stands {
             line = self
-                .news
+                .work
                 .wait_while(line, |line| line.waiting < line.streaming)
                 .unwrap_or_else(PoisonError::into_inner);
             line.send();
@@ -126,5 +130,72 @@ impl Drop for Leads<'_> {
             line.breaks(&io::Error::other("the wait for the board has failed"));
         }
         self.0.news.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::thread;
+    use std::time::Instant;
+
+    use super::*;
+
+    /// Wire in real time to a board that says nothing. It counts the waits at it.
+    #[derive(Debug)]
+    struct Silent {
+        began: Instant,
+        waits: Arc<AtomicUsize>,
+    }
+
+    impl Wire for Silent {
+        fn read(&mut self, _buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+            self.waits.fetch_add(1, Ordering::Relaxed);
+            thread::sleep(wait);
+            Ok(0)
+        }
+
+        fn write(&mut self, _bytes: &[u8]) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn now(&mut self) -> Duration {
+            self.began.elapsed()
+        }
+
+        fn sleep(&mut self, time: Duration) {
+            thread::sleep(time);
+        }
+    }
+
+    #[test]
+    fn links_of_one_board_wake_once_for_each_wait_at_the_wire() {
+        for links in [2, 3, 4] {
+            let (waits, wakes) = (Arc::new(AtomicUsize::new(0)), AtomicUsize::new(0));
+            let wire = Silent { began: Instant::now(), waits: Arc::clone(&waits) };
+            let shared = SharedLine::new(Box::new(wire));
+            let until = Duration::from_millis(200);
+            thread::scope(|scope| {
+                for _ in 0..links {
+                    scope.spawn(|| {
+                        shared.streams(true);
+                        let mut line = shared.lock();
+                        while line.now() < until {
+                            line = shared.wait(line, until, true);
+                            wakes.fetch_add(1, Ordering::Relaxed);
+                        }
+                        drop(line);
+                        shared.streams(false);
+                    });
+                }
+            });
+            let (waits, wakes) = (waits.load(Ordering::Relaxed), wakes.load(Ordering::Relaxed));
+            // The last waits of all links end after the time, without one at the wire.
+            assert!(
+                (1..=(waits + links) * links).contains(&wakes),
+                "{links} links, {waits} waits: {wakes} wakes"
+            );
+        }
     }
 }

@@ -157,6 +157,7 @@ impl Explain for DriveError {
             | Self::Other { .. }
             | Self::NotGiven { .. }
             | Self::OtherDriver { .. }
+            | Self::NoBoard { .. }
             | Self::NotBuilt { .. }
             | Self::Sim(_) => ErrorFacts::of(ErrorKind::Drive),
         }

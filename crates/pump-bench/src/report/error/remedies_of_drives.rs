@@ -23,6 +23,7 @@ impl DriveError {
             | Self::Other { .. }
             | Self::NotGiven { .. }
             | Self::OtherDriver { .. }
+            | Self::NoBoard { .. }
             | Self::NotBuilt { .. }
             | Self::Sim(_) => Vec::new(),
         }

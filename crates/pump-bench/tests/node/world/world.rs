@@ -14,6 +14,9 @@ const BYTE_US: u64 = 22;
 /// Time of a frame on its way besides that of its bytes, us.
 const LATENCY_US: u64 = 500;
 
+/// Time of a frame on its way over a slow line, us. An answer takes twice as long.
+const SLOW_US: u64 = 150_000;
+
 type NodeAxes = Axes<'static, SimulatedPins, Shared, 256, 4>;
 
 /// Event of the world.
@@ -21,6 +24,8 @@ type NodeAxes = Axes<'static, SimulatedPins, Shared, 256, 4>;
 pub(crate) enum Event {
     Cut,
     Mend,
+    /// The line is slow from now on.
+    Slow,
     Reset,
     Estop,
 }
@@ -38,6 +43,7 @@ pub(crate) struct World {
     free_us: [u64; 2],
     next_poll_us: u64,
     is_cut: bool,
+    latency_us: u64,
     /// Part of the frames that are lost on the way.
     pub(crate) lost: f64,
     /// Part of the frames of which a byte changes on the way.
@@ -88,6 +94,7 @@ impl World {
             free_us: [0; 2],
             next_poll_us: 0,
             is_cut: false,
+            latency_us: LATENCY_US,
             lost: 0.0,
             corrupted: 0.0,
             rates: None,
@@ -137,7 +144,7 @@ impl World {
         }
         let bytes = self.arriving(way, bytes);
         let line = if way == 0 { &mut self.to_node } else { &mut self.to_host };
-        line.extend((1..).zip(bytes).map(|(n, byte)| (from + LATENCY_US + n * BYTE_US, byte)));
+        line.extend((1..).zip(bytes).map(|(n, byte)| (from + self.latency_us + n * BYTE_US, byte)));
     }
 
     fn befall(&mut self, event: Event) {
@@ -148,6 +155,7 @@ impl World {
                 self.to_host.clear();
             }
             Event::Mend => self.is_cut = false,
+            Event::Slow => self.latency_us = SLOW_US,
             Event::Estop => self.hardware.0.lock().unwrap().estop = true,
             Event::Reset => {
                 let hardware = &mut *self.hardware.0.lock().unwrap();

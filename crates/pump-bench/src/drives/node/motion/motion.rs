@@ -322,19 +322,22 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// Seeks a board that has fallen silent. All that is under way is asked again, in the same session.
+    /// Seeks a board that has fallen silent, in the same session. A question stays under way until it is answered,
+    /// however late: it is sent again, and is not replaced by a new one.
     fn seek_board(&mut self, feed: &mut MoveFeed<'a>, wait: Duration) -> Result<(), NodeError> {
         let Some(search) = &mut self.search else { return Ok(()) };
         let link = &mut self.board.link;
-        let now = link.now();
+        let (now, heard_at) = (link.now(), link.heard_at());
         let stops = self.lead.stops();
-        if search.is_over(now, stops) {
+        if search.is_over(now, heard_at, stops) {
             return Err(link.quiet());
         }
         if search.knocks(now, stops) {
-            link.clear();
-            link.request(&Request::Status { axis: self.board.axis }, Subject::Status)?;
-            if stops {
+            link.renew();
+            if link.under_way(Subject::Status) == 0 {
+                link.request(&Request::Status { axis: self.board.axis }, Subject::Status)?;
+            }
+            if stops && link.under_way(Subject::Stop) == 0 {
                 let moves = self.board.moves();
                 self.board.link.request(&Request::Stop { moves }, Subject::Stop)?;
             }
@@ -366,6 +369,8 @@ impl<'a> Motion<'a> {
     fn fail(&mut self, error: NodeError, feed: &mut MoveFeed<'a>) -> Option<Fault> {
         let now = self.board.link.now();
         if matches!(error, NodeError::Quiet { .. }) && self.search.is_none() {
+            // The search asks for the state alone. What the board has of the rest, its state tells.
+            self.board.link.clear();
             self.search = Some(Search::new(now));
             return None;
         }

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use crate::drives::node::link::PATIENCE;
 
-/// Longest time for which a board is sought after the user asked to stop. It is enough for a last word to the board.
-const STOP_LIMIT: Duration = Duration::from_millis(100);
+/// Longest time for which a silent board is sought after the motion was to stop. A board that still runs tells its
+/// count within it, if the line or a computer under load holds the answer back.
+const STOP_LIMIT: Duration = Duration::from_millis(500);
 
 /// Time between two questions to a silent board.
 const KNOCK: Duration = Duration::from_millis(200);
@@ -16,7 +17,7 @@ pub(super) struct Search {
     began: Duration,
     /// Time of the last question.
     knocked_at: Option<Duration>,
-    /// Time at which the user had asked to stop.
+    /// Time at which the motion was first to stop.
     stopped_at: Option<Duration>,
 }
 
@@ -26,10 +27,12 @@ impl Search {
         Self { began: now, knocked_at: None, stopped_at: None }
     }
 
-    /// Returns true if the search is given up at `now`. `stops` tells that the motion is to end.
-    pub(super) fn is_over(&self, now: Duration, stops: bool) -> bool {
-        let stopped = self.stopped_at.is_some_and(|at| stops && now.saturating_sub(at) > STOP_LIMIT);
-        stopped || now.saturating_sub(self.began) > PATIENCE
+    /// Returns true if the search is given up at `now`. `stops` tells that the motion is to end. A board that has told
+    /// any axis something at `heard_at` still runs, so the answer for this one is on its way.
+    pub(super) fn is_over(&self, now: Duration, heard_at: Duration, stops: bool) -> bool {
+        let silent_since = |at: Duration| now.saturating_sub(at.max(heard_at));
+        let stopped = self.stopped_at.is_some_and(|at| stops && silent_since(at) > STOP_LIMIT);
+        stopped || silent_since(self.began) > PATIENCE
     }
 
     /// Returns true if the board is to be asked now. A wish to stop is told to it at once.
