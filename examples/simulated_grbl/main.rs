@@ -17,12 +17,13 @@ use simulated::Simulated;
 use simulated::options::{Options, Sensor};
 
 const HELP: &str = "\
-A simulated grbl board with one axis, X, at the end of a pseudo-terminal. Prints a device that
+A simulated grbl board, of one axis, X, without --axes, at the end of a pseudo-terminal. Prints a device that
 `dose --driver grbl --port` takes, and runs until it is interrupted.
 
   --balance mt-sics|sbi   a balance too, under the vessel of the built-in pump `three-roller`: prints its device as well
   --head <mL>:<rollers>:<steps>  the head under which the balance's vessel stands, in place of `three-roller`: its
                           volume and its motor's steps per revolution, as --head 0.5:4:3200
+  --axes <number>         the board has so many axes, 3 at most: a rack moves them as one line
   --for <seconds>         ends by itself
   --fast <factor>         its motor runs so many times faster
   --resets                opening the port resets it, as an Arduino
@@ -72,6 +73,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--balance" => speech = Some(value()?.parse()?),
             "--head" => vessel = vessel_of(&value()?)?,
             "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
+            "--axes" => {
+                options.axes = value()?.parse()?;
+                if !(1..=3).contains(&options.axes) {
+                    return Err(format!("--axes is {}; allowed: 1 to 3", options.axes).into());
+                }
+            }
             "--fast" => options.time_scale = value()?.parse()?,
             "--resets" => options.resets_on_open = true,
             "--set" => {

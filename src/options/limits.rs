@@ -104,7 +104,7 @@ fn tube_life(text: &str) -> Result<AskedLife, units::QuantityError> {
     match (units::time_s(text), units::angle_rad(text)) {
         (Ok(time_s), _) => Ok(AskedLife::Time(time_s / 3600.0)),
         (_, Ok(turn_rad)) if is_turns => Ok(AskedLife::Turns(turn_rad / std::f64::consts::TAU)),
-        _ => units::volume_ml(text).map(AskedLife::Volume),
+        _ => units::life_ml(text).map(AskedLife::Volume),
     }
 }
 

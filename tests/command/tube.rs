@@ -168,6 +168,18 @@ fn calibrations(user: &User) -> Vec<std::path::PathBuf> {
 }
 
 #[test]
+fn a_tube_without_a_calibration_has_no_picture_and_a_life_names_its_units() {
+    let user = User::new();
+    let refused = user.is_refused(&["tube", "--plot", "tube.svg"]);
+    assert!(refused.contains("this tube has no calibration on record; calibrate it first"), "{refused}");
+    assert!(!user.path("tube.svg").exists());
+    let refused = user.is_refused(&["tube", "--tube-limit", "3"]);
+    for unit in ["L, mL", "h, d", "rev"] {
+        assert!(refused.contains(unit), "{refused}");
+    }
+}
+
+#[test]
 fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
     let user = User::new();
     user.json(&["25mL"]);
@@ -200,7 +212,9 @@ fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
     assert!(("2026-03-03".."2026-06-01").contains(&by), "{by}");
     let text = user.types(&["tube"]).out;
     assert!(
-        text.contains(&format!("calibrate again by {by}")) && text.contains("in 30 days (k = 2)"),
+        text.contains(&format!("calibrate again by {by}, which was "))
+            && text.contains(" days ago: ")
+            && text.contains("in 30 days (k = 2)"),
         "{text}"
     );
     // The picture falls from its left to its right.

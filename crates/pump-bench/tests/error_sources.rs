@@ -10,7 +10,7 @@ use pump_bench::displacement::DisplacementError;
 use pump_bench::drives::{DriveError, DriveFault, SteppedError};
 use pump_bench::pump_file::{FluidError, PumpFileError};
 use pump_bench::record::{FolderError, JournalError};
-use pump_bench::report::with_sources;
+use pump_bench::report::{Explain, Remedy, with_sources};
 use pump_ctl::plan::PlanError;
 use pump_ctl::step::BrakeError;
 use pump_model::identification::IdentificationError;
@@ -60,8 +60,24 @@ fn an_error_that_wraps_another_has_it_as_its_source() {
         delivered_ml: 1.0,
         source: Box::new(unrecorded)
     }));
-    let ended = DoseError::Drive { error: stalled(), least_ml: 0.0, most_ml: 1.0, unfinished: true };
+    let ended = DoseError::Drive {
+        error: stalled(),
+        least_ml: 0.0,
+        most_ml: 1.0,
+        unfinished: true,
+        over_time: false,
+    };
     assert!(has::<DriveError>(&ended));
+}
+
+#[test]
+fn a_fault_of_a_flow_over_time_promises_no_rest() {
+    let remedies = |over_time| {
+        DoseError::Drive { error: stalled(), least_ml: 0.0, most_ml: 1.0, unfinished: true, over_time }
+            .remedies()
+    };
+    assert_eq!(remedies(true).last(), Some(&Remedy::Accept));
+    assert_eq!(remedies(false).last(), Some(&Remedy::SeeStatusThenFinish));
 }
 
 #[test]
@@ -86,7 +102,8 @@ fn with_causes() -> Vec<Box<dyn Error>> {
     let origin = || "pump.toml".to_owned();
     let file = || CalibrationError::File { action: "read", path: "1.json".into(), source: gone() };
     let folder = || FolderError::File { action: "make", path: "state".into(), source: gone() };
-    let drive = |error| DoseError::Drive { error, least_ml: 0.0, most_ml: 1.0, unfinished: true };
+    let drive =
+        |error| DoseError::Drive { error, least_ml: 0.0, most_ml: 1.0, unfinished: true, over_time: false };
     let retraction = |source| DoseError::Retraction { delivered_ml: 1.0, source: Box::new(source) };
     let pump_file = || PumpFileError::Read { path: "pump.toml".into(), source: gone() };
     let displacement = || DisplacementError::Model(WRONG);

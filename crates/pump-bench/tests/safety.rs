@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use pump_bench::dosing::{RunBound, RunEnd};
-use pump_bench::record::{Clock, Purpose, Stamp};
+use pump_bench::record::{Clock, LogLine, Purpose, Stamp};
 use pump_bench::report::{Ending, ErrorKind, Explain, Remedy, Status, StatusRow};
 use pump_bench::safety::SafetyLimit;
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
@@ -290,6 +290,22 @@ fn a_run_that_outlasts_the_window_of_its_limit_stands_at_the_limit_it_was_planne
         (limit, delivered.ran_out),
         (Some(SafetyLimit::Day), Some(RunBound::Safety(SafetyLimit::Day)))
     );
+    assert_eq!(stands(dose(&mut session, 0.1)), (SafetyLimit::Day, false));
+    drop(session);
+    let LogLine::Dose(entry) = bench.log().unwrap().last().unwrap().unwrap() else { panic!("no dose") };
+    assert_eq!(entry.cause.as_deref(), Some("a safety limit is reached"));
+    assert!(entry.delivered_range_ml.is_none() && entry.expanded_uncertainty_ml.is_some(), "{entry:?}");
+}
+
+#[test]
+fn a_run_until_stopped_at_a_limit_that_is_used_up_is_refused_by_the_limit_and_not_by_a_volume() {
+    let (folder, clock) = (tempfile::tempdir().unwrap(), SetClock::new());
+    let bench = bench(&folder, Some(30.0), None);
+    let mut session = session(&bench, &clock);
+    dose(&mut session, 30.0).unwrap();
+    let refused = session.prepare(DoseRequest::new(Purpose::Run, 1.0).with_end(RunEnd::Stop)).unwrap_err();
+    let told = "a run until it is stopped ends at the limit: 30 mL were pumped in the last 24 h";
+    assert!(refused.to_string().contains(told), "{refused}");
     assert_eq!(stands(dose(&mut session, 0.1)), (SafetyLimit::Day, false));
 }
 

@@ -77,7 +77,7 @@ impl RackArgs {
         }
         let interrupt = Interrupt::watch()?;
         let rack = rack.stopping_on(interrupt::stop_request()).unattended(options.unattended.is_unattended());
-        let moved = finish_interrupted(&rack, &places, options, &interrupt)?;
+        let moved = finish_interrupted((name, &rack), &places, options, &interrupt)?;
         let shown = Shown::new(&rack, &places, json);
         let report = rack.run(|progress| shown.show(&progress));
         shown.bar.finish_and_clear();
@@ -111,7 +111,9 @@ impl Places {
     /// The failure of a rack, with the name of the pump that refuses it.
     fn refused(&self, error: RackError) -> Failure {
         let pump = match &error {
-            RackError::Dose { pump, .. } | RackError::Pump { pump, .. } => pump.clone(),
+            RackError::Dose { pump, .. } | RackError::Pump { pump, .. } | RackError::Alone { pump, .. } => {
+                pump.clone()
+            }
             RackError::Several { .. } => return self.refused_by_several(error),
             _ => return Failure::of(error),
         };
@@ -141,15 +143,17 @@ impl Places {
 /// Does as `--unfinished` says with the interrupted dose of each pump, one after the other, before the rack is planned.
 /// Returns true if a pump moved.
 fn finish_interrupted(
-    rack: &Rack,
+    (name, rack): (&str, &Rack),
     places: &Places,
     options: &DosingOptions,
     interrupt: &Interrupt,
 ) -> Result<bool, Failure> {
     let mut moved = false;
-    if options.unattended.unfinished() == UnfinishedPolicy::Ask {
+    match options.unattended.unfinished() {
         // Planning refuses it.
-        return Ok(moved);
+        UnfinishedPolicy::Ask => return Ok(moved),
+        UnfinishedPolicy::Resume => rack.check_rests().map_err(|error| places.refused(error))?,
+        UnfinishedPolicy::Accept => {}
     }
     for member in rack.members() {
         let of_member = |failure: Failure| {
@@ -164,7 +168,7 @@ fn finish_interrupted(
         let told = places.meaning(&member.name, || before_dose(&bench, &mut session, options, interrupt));
         moved |= session.has_moved();
         let mut told = told.map_err(|failure| {
-            of_member(failure.after_earlier_motion(moved)).with(&waits_after(rack, &member.name))
+            of_member(failure.after_earlier_motion(moved)).with(&waits_after((name, rack), &member.name))
         })?;
         warn(&told.take().iter().map(|notice| places.warning(&member.name, notice)).collect::<Vec<_>>());
         if let Some(signal) = interrupt.signal() {
@@ -176,15 +180,18 @@ fn finish_interrupted(
 }
 
 /// Tells the pumps after this one whose interrupted doses wait too, as the rest of a message.
-fn waits_after(rack: &Rack, name: &str) -> String {
-    let after = rack.members().iter().skip_while(|member| member.name != name).skip(1);
+fn waits_after((rack_name, rack): (&str, &Rack), pump: &str) -> String {
+    let after = rack.members().iter().skip_while(|member| member.name != pump).skip(1);
     let waits = after.filter(|member| {
         member.bench.story().is_ok_and(|story| story.state.is_some_and(|state| state.unfinished.is_some()))
     });
     let names: Vec<&str> = waits.map(|member| member.name.as_str()).collect();
     match names.as_slice() {
         [] => String::new(),
-        names => format!("; a dose is unfinished of {} too, see `dose status --rack`", names.join(", ")),
+        names => {
+            let names = names.join(", ");
+            format!("; a dose is unfinished of {names} too, see `dose status --rack {rack_name}`")
+        }
     }
 }
 
@@ -314,7 +321,11 @@ fn rests(report: &RackReport, places: &Places) -> String {
     let failed = report.fault.as_ref().map(|fault| fault.pump.as_str());
     let mut text = String::new();
     for row in report.pumps.iter().filter(|row| row.unfinished && failed != Some(row.name.as_str())) {
-        let way = format!("; `dose resume` makes the rest of {}, `dose accept` leaves it", row.name);
+        let name = &row.name;
+        let way = match row.over_time {
+            true => format!("; the flow of {name} over time has no rest, `dose accept` leaves it"),
+            false => format!("; `dose resume` makes the rest of {name}, `dose accept` leaves it"),
+        };
         text += &places.meaning(&row.name, || completed(&way).into_owned());
     }
     if !report.pumps.iter().any(|row| row.unfinished) {

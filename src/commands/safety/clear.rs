@@ -46,8 +46,8 @@ impl ClearArgs {
         }
         let pump = &bench.file().pump.id;
         let forgotten = match cleared.stand.limit {
-            SafetyLimit::Ordered => String::new(),
-            SafetyLimit::Day | SafetyLimit::Vessel => {
+            SafetyLimit::Ordered | SafetyLimit::Vessel => String::new(),
+            SafetyLimit::Day => {
                 format!("the {:.4} mL of the last 24 h count no more\n", cleared.forgotten_ml)
             }
         };

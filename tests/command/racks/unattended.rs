@@ -74,6 +74,73 @@ fn a_rack_after_a_power_cut_asks_or_makes_each_rest_first_or_accepts_it() {
     assert_eq!(accepted.err.matches("was accepted as it is").count(), 2, "{}", accepted.err);
 }
 
+/// Text of a pump's journal, empty before its first entry.
+fn journal(user: &User, pump: &str) -> String {
+    fs::read_to_string(user.path(&format!("state/{pump}/sim/journal.jsonl"))).unwrap_or_default()
+}
+
+fn worn_ml(user: &User, pump: &str) -> f64 {
+    number(&user.json(&["status", "--pump", pump])["wear"], "volume_ml")
+}
+
+#[test]
+fn a_rack_that_is_killed_at_any_growth_of_its_journals_keeps_its_ratio_or_is_refused() {
+    for growths in 1..=10 {
+        let user = desk(&slow());
+        let mut command = user.command(&["run", "mix.toml"]);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let size = |pump: &str| {
+            fs::metadata(user.path(&format!("state/{pump}/sim/journal.jsonl"))).map_or(0, |file| file.len())
+        };
+        let deadline = Instant::now() + Duration::from_secs(120);
+        let (mut seen, mut last) = (0, (0, 0));
+        while seen < growths {
+            assert!(Instant::now() < deadline, "{seen} growths of the journals");
+            let now = (size("three-roller"), size("two-roller"));
+            seen += usize::from(now != last);
+            last = now;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let [acid, base] = ["three-roller", "two-roller"].map(|pump| journal(&user, pump));
+        for (moved, other) in [(&acid, &base), (&base, &acid)] {
+            let is_alone = moved.contains("\"progress\"") && !other.contains("\"intent\"");
+            assert!(!is_alone, "growth {growths}: a share moved before the other was on record");
+        }
+        let rack = ["run", "mix.toml", "--pace", "fast", "--format", "json", "--unfinished", "resume"];
+        let resumed = user.types(&rack);
+        let [acid_ml, base_ml] = ["three-roller", "two-roller"].map(|pump| worn_ml(&user, pump));
+        match resumed.code {
+            0 => assert!((acid_ml - 2.0 * base_ml).abs() < 0.5, "growth {growths}: {acid_ml}, {base_ml} mL"),
+            4 => assert!(resumed.err.contains("no share of") && acid_ml + base_ml == 0.0, "{}", resumed.err),
+            _ => panic!("growth {growths}: {}", resumed.err),
+        }
+    }
+}
+
+#[test]
+fn a_share_that_has_not_moved_is_not_made_without_its_partner() {
+    let user = desk(&slow());
+    killed(&user);
+    // A loss of power between the entries of the two pumps.
+    let path = user.path("state/three-roller/sim/journal.jsonl");
+    let acid = journal(&user, "three-roller");
+    let end = acid.find("\"intent\"").unwrap();
+    let end = end + acid[end..].find('\n').unwrap() + 1;
+    fs::write(path, &acid[..end]).unwrap();
+    fs::remove_dir_all(user.path("state/two-roller")).unwrap();
+    let rack = ["run", "mix.toml", "--pace", "fast", "--unfinished"];
+    let refused = user.types(&[&rack[..], &["resume"]].concat());
+    assert_eq!(refused.code, 4, "{}{}", refused.out, refused.err);
+    for told in ["has an unfinished share that has not moved, and no share of base is", "--pump three-roller"]
+    {
+        assert!(refused.err.contains(told), "{}", refused.err);
+    }
+    assert_eq!(worn_ml(&user, "three-roller"), 0.0);
+    let accepted = user.types(&[&rack[..], &["accept"]].concat());
+    assert_eq!(accepted.code, 0, "{}", accepted.err);
+}
+
 #[test]
 fn a_rack_without_a_person_obeys_home_and_turns_no_pump_to_its_sensor() {
     for (home, code) in [("refuse", 2), ("sensor", 2), ("accept", 0)] {

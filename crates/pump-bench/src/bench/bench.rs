@@ -331,6 +331,9 @@ impl Bench {
     ) -> Result<Prepared, DoseError> {
         let now_s = SystemClock.now().unix_s;
         let safety = self.nearest_limit(state.as_ref(), now_s, request.volume_ml < 0.0);
+        if request.end == RunEnd::Stop {
+            self.would_run(safety, now_s)?;
+        }
         let most = RunBounds { steps: None, safety };
         let mut prepared = self.prepare_from(&self.file_for_dry_run(), state, request, Some(most))?;
         self.would_be_safe(state.as_ref(), prepared.plan.planned_ml())?;

@@ -95,6 +95,7 @@ impl<'a> Session<'a> {
                     least_ml: counted_ml,
                     most_ml: counted_ml,
                     unfinished,
+                    over_time: intent.terms.profile,
                 });
             }
         };

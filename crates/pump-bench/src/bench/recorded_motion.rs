@@ -244,7 +244,8 @@ impl<'a> Session<'a> {
         self.put_away(device.drive);
         let (least_ml, most_ml) =
             Unfinished { intent, made_least, made_most, count_before: None }.delivered_ml(model);
-        DoseError::Drive { error, least_ml, most_ml, unfinished: state.unfinished.is_some() }
+        let (unfinished, over_time) = (state.unfinished.is_some(), intent.terms.profile);
+        DoseError::Drive { error, least_ml, most_ml, unfinished, over_time }
     }
 }
 

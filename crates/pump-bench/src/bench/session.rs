@@ -10,7 +10,7 @@ use libm::ceil;
 use pump_model::units::rpm;
 
 use crate::calibration::RunLog;
-use crate::dosing::{DoseError, DoseRequest, Prepared};
+use crate::dosing::{DoseError, DoseRequest, Prepared, RunEnd};
 use crate::drives::{BeginPlace, Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
@@ -270,6 +270,9 @@ impl<'a> Session<'a> {
                 self.finished()?;
             }
             return Err(error);
+        }
+        if request.end == RunEnd::Stop {
+            self.keep_run_safe(request.volume_ml < 0.0)?;
         }
         let most_steps = self.device.as_ref().and_then(|device| device.most_steps(request.volume_ml < 0.0));
         let most = RunBounds { steps: most_steps, safety: self.nearest_limit(request.volume_ml < 0.0) };

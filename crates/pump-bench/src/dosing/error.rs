@@ -29,6 +29,7 @@ use crate::safety::{Stand, clock_behind};
 use super::flow_profile::{FlowWayOut, ProfileError};
 use super::request::RunBound;
 use super::tube_life::LifeUnit;
+use super::unknown_angle::disturbed;
 
 pub use no_rest_by_weight::NoRestByWeight;
 pub use weight_fault::WeightFault;
@@ -140,8 +141,8 @@ pub enum DoseError {
     /// The angle was disturbed, and the pump file has doses without a person refused then, or has them turn to the
     /// sensor, which a rack does not. Nothing has moved.
     #[error(
-        "the rollers' angle was disturbed since it was found and is {}; [safety] home = \"{home}\" {}",
-        within_deg.map_or("unknown now".to_owned(), |deg| format!("known within {} deg now", significant(deg, 3))),
+        "the rollers' angle {}; [safety] home = \"{home}\" {}",
+        disturbed(*within_deg),
         match home {
             HomePolicy::Sensor => "turns no pump of a rack, whose motions have their times",
             _ => "makes no dose without a person then",
@@ -408,6 +409,8 @@ pub enum DoseError {
         most_ml: f64,
         /// True if a dose is left to resume or to accept.
         unfinished: bool,
+        /// True for a flow over time, which is left to accept alone.
+        over_time: bool,
     },
     /// The thread that ran the pump has panicked, which is an error of the program.
     #[error(

@@ -39,4 +39,5 @@ pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
 pub(crate) use uncertainty::weighed_shares;
 pub use uncertainty::{Share, SharePrior, ShareSource};
+pub(crate) use unknown_angle::disturbed;
 pub(crate) use warnings::copied_uncertainty;

@@ -69,3 +69,11 @@ fn of_a_part(model: &Pump, plan: &Plan) -> [Notice; 2] {
         .with_remedy(Remedy::TurnAndSayAngle),
     ]
 }
+
+/// Words an angle that was disturbed, with the half width of its range in deg. One that is unknown may never have been
+/// found.
+pub(crate) fn disturbed(within_deg: Option<f64>) -> String {
+    within_deg.map_or("is unknown".to_owned(), |deg| {
+        format!("was disturbed since it was found and is known within {} deg now", significant(deg, 3))
+    })
+}

@@ -112,13 +112,17 @@ pub(super) struct RackClock {
     /// Times that the pumps have reached, in s. Infinite for a pump that is done.
     reached_s: Mutex<Vec<f64>>,
     moved_on: Condvar,
+    /// Shares whose motions are on record: the number of the step and of the pump of each.
+    announced: Mutex<BTreeSet<(usize, usize)>>,
+    announced_more: Condvar,
 }
 
 impl RackClock {
     /// Makes a clock for so many pumps that begins `lead` from now.
     pub(super) fn new(pace: Pace, pumps: usize, lead: Duration, stop: SharedStop) -> Self {
-        let reached_s = Mutex::new(vec![0.0; pumps]);
-        Self { pace, began: Instant::now() + lead, stop, reached_s, moved_on: Condvar::new() }
+        let (reached_s, moved_on) = (Mutex::new(vec![0.0; pumps]), Condvar::new());
+        let (announced, announced_more) = Default::default();
+        Self { pace, began: Instant::now() + lead, stop, reached_s, moved_on, announced, announced_more }
     }
 
     /// Waits until the time of the rack is `time_s`, for a simulated pump up to a hundredth of a second before. Breaks
@@ -127,6 +131,26 @@ impl RackClock {
         match self.pace {
             Pace::Real => self.sleep_until(time_s),
             Pace::Fast => self.keep_step(pump, time_s),
+        }
+    }
+
+    /// Says that a pump's share of a step is on record, and waits until those of all its pumps are. Breaks once all are
+    /// to stop, or a pump has left without its share.
+    pub(super) fn meet(&self, pump: usize, step: usize, pumps: &[usize]) -> ControlFlow<()> {
+        let mut announced = self.announced.lock().unwrap_or_else(PoisonError::into_inner);
+        announced.insert((step, pump));
+        self.announced_more.notify_all();
+        loop {
+            self.flow()?;
+            let mut missing = pumps.iter().filter(|pump| !announced.contains(&(step, **pump))).peekable();
+            if missing.peek().is_none() {
+                return ControlFlow::Continue(());
+            }
+            if missing.any(|pump| self.lock().get(*pump).is_none_or(|reached_s| reached_s.is_infinite())) {
+                return ControlFlow::Break(());
+            }
+            let waited = self.announced_more.wait_timeout(announced, SLICE);
+            announced = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
@@ -225,5 +249,22 @@ mod tests {
             assert_eq!(fast.join().unwrap(), (ControlFlow::Continue(()), f64::INFINITY));
         });
         assert_eq!(clock.now_s(), 1.0);
+    }
+
+    #[test]
+    fn no_share_begins_before_all_are_on_record_or_after_a_pump_has_left() {
+        let clock = RackClock::new(Pace::Fast, 3, Duration::ZERO, SharedStop::default());
+        std::thread::scope(|scope| {
+            let waits = scope.spawn(|| clock.meet(0, 4, &[0, 1]));
+            // An earlier step's share is another one.
+            assert_eq!(clock.meet(1, 3, &[1]), ControlFlow::Continue(()));
+            std::thread::sleep(3 * SLICE);
+            assert!(!waits.is_finished());
+            assert_eq!(clock.meet(1, 4, &[0, 1]), ControlFlow::Continue(()));
+            assert_eq!(waits.join().unwrap(), ControlFlow::Continue(()));
+            let alone = scope.spawn(|| clock.meet(0, 5, &[0, 2]));
+            clock.leave(2);
+            assert_eq!(alone.join().unwrap(), ControlFlow::Break(()));
+        });
     }
 }

@@ -139,6 +139,17 @@ pub enum RackError {
         /// Refusal.
         source: Box<DoseError>,
     },
+    /// The rest of an interrupted share would be made without the shares that were to begin with it.
+    #[error(
+        "pump `{pump}` of the rack has an unfinished share that has not moved, and no share of {} is unfinished: it \
+         ended, or it never began, and the rest by itself may lose the ratio", .others.join(", ")
+    )]
+    Alone {
+        /// Name of the pump in the rack.
+        pump: String,
+        /// Names of the pumps that were to begin with it.
+        others: Vec<String>,
+    },
     /// Several pumps refuse their parts until a person has decided about each of them.
     #[error("{}", self.each().map(|error| with_sources(error)).collect::<Vec<_>>().join("; "))]
     Several {
@@ -165,7 +176,7 @@ impl RackError {
     /// Returns the name of the one pump of the rack that refuses. `None` if no single one does.
     pub fn pump(&self) -> Option<&str> {
         match self {
-            Self::Pump { pump, .. } | Self::Dose { pump, .. } => Some(pump),
+            Self::Pump { pump, .. } | Self::Dose { pump, .. } | Self::Alone { pump, .. } => Some(pump),
             _ => None,
         }
     }
@@ -210,6 +221,7 @@ impl Explain for RackError {
                 facts.value(format!("{needed} {unit}")).allowed(format!("at most {all} {unit}"))
             }
             Self::Dose { source, .. } => source.facts(),
+            Self::Alone { .. } => ErrorFacts::of(ErrorKind::Unfinished),
             Self::Several { first, .. } => first.facts(),
             Self::Stopped => ErrorFacts::of(ErrorKind::Stopped),
         }
@@ -218,6 +230,7 @@ impl Explain for RackError {
     fn ending(&self) -> Ending {
         match self {
             Self::Dose { source, .. } => source.ending(),
+            Self::Alone { .. } => Ending::Unfinished,
             Self::Several { first, .. } => first.ending(),
             Self::Stopped => Ending::Stopped,
             _ => Ending::Refused,
@@ -229,6 +242,7 @@ impl Explain for RackError {
             Self::Dose { source, .. } => source.remedies(),
             Self::Pump { source, .. } => source.remedies(),
             Self::Quantity { source, .. } => source.remedies(),
+            Self::Alone { .. } => vec![Remedy::SeeStatusThenFinish],
             Self::Several { first, .. } => first.remedies(),
             _ => Vec::new(),
         }

@@ -1,5 +1,6 @@
 //! One pump of a rack: its thread takes the pump, plans its parts, and runs each at its time.
 
+use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 
@@ -40,6 +41,8 @@ pub(super) struct Played {
     pub(super) error: Option<DoseError>,
     /// Expanded uncertainty of the plan of the motion that failed, in mL.
     pub(super) failed_expanded_ml: f64,
+    /// Time of the last step that the motion that failed has told, in s. `None` if it told none.
+    pub(super) failed_end_s: Option<f64>,
     /// Error of a part that did not begin because another axis of its board did not.
     pub(super) followed: Option<DoseError>,
 }
@@ -162,7 +165,7 @@ impl Player<'_> {
         &self,
         session: &mut Session<'_>,
         parts: Parts<'_>,
-        clock: &RackClock,
+        clock: &Arc<RackClock>,
         played: &mut Played,
         on_progress: &(dyn Fn(RackProgress<'_>) + Sync),
     ) {
@@ -174,12 +177,12 @@ impl Player<'_> {
             // A part after the first begins where the one before has left the pump.
             let prepared =
                 if number == 0 { Ok(planned.clone()) } else { session.prepare_motion(&requests[number]) };
-            let mut expanded_ml = 0.0;
+            let (mut expanded_ml, last_s) = (0.0, Cell::new(None));
             let ran = prepared.and_then(|prepared| {
                 expanded_ml = report(self.bench, &prepared, None).expanded_uncertainty_ml;
                 let Appointment { begin_s, place } = appointment;
                 place.map_or(Ok(()), |place| session.begin_with(place))?;
-                let part = Part { player: self, clock, begin_s, step, prepared: &prepared };
+                let part = Part { player: self, clock, begin_s, step, prepared: &prepared, last_s: &last_s };
                 part.run(session, on_progress, &mut played.warnings)
             });
             match ran {
@@ -203,6 +206,7 @@ impl Player<'_> {
                     self.stop.make(Stop::Fault(self.pump));
                     played.warnings.append(&mut session.notes());
                     (played.error, played.failed_expanded_ml) = (Some(error), expanded_ml);
+                    played.failed_end_s = last_s.get();
                     return;
                 }
             }
@@ -225,11 +229,13 @@ struct Parts<'p> {
 /// Part of a pump that is about to begin.
 struct Part<'p> {
     player: &'p Player<'p>,
-    clock: &'p RackClock,
+    clock: &'p Arc<RackClock>,
     begin_s: f64,
     /// Number of the step, from 0.
     step: usize,
     prepared: &'p SeriesMotion,
+    /// Time of the last step that the motor has told, in s.
+    last_s: &'p Cell<Option<f64>>,
 }
 
 impl Part<'_> {
@@ -246,6 +252,12 @@ impl Part<'_> {
         if clock.reach(player.pump, given_s).is_break() {
             return Ok(None);
         }
+        // Every share of a step is on record before the first of them moves, so that a kill leaves none alone.
+        let pumps = player.rack.pumps_of(self.step);
+        if pumps.len() > 1 {
+            let (clock, pump, step) = (Arc::clone(clock), player.pump, self.step);
+            session.before_motion(move || clock.meet(pump, step, &pumps));
+        }
         let (mut late_s, mut is_begun): (Option<f64>, bool) = (None, false);
         let delivered = session.run_motion(prepared, |made| {
             // A flow may make its first step long after its begin, so the first steps tell the lateness best.
@@ -255,6 +267,9 @@ impl Part<'_> {
             }
             if made == 0 || is_simulated {
                 clock.reach(player.pump, begin_s + prepared.time_of(made))?;
+            }
+            if made > 0 {
+                self.last_s.set(Some(begin_s + late_s.unwrap_or(0.0).max(0.0) + prepared.time_of(made)));
             }
             self.tell(made, on_progress);
             clock.flow()

@@ -9,6 +9,7 @@ use super::step::RackStep;
 use crate::bench::Bench;
 use crate::drives::StopRequest;
 use crate::pump_file::Pace;
+use crate::record::{ShortText, Unfinished};
 
 /// Rack of pumps that one process moves.
 #[derive(Debug, Clone)]
@@ -77,6 +78,45 @@ impl Rack {
     /// Returns true if no motor moves.
     pub fn is_simulated(&self) -> bool {
         self.members.iter().all(|member| member.bench.is_simulated())
+    }
+
+    /// Returns the numbers of the pumps of a step.
+    pub(super) fn pumps_of(&self, step: usize) -> Vec<usize> {
+        self.steps.get(step).map(|step| step.flows.iter().map(|flow| flow.pump).collect()).unwrap_or_default()
+    }
+
+    /// Refuses to make the rest of an interrupted share by itself: its motor has not moved, and a pump that was to
+    /// begin with it has no unfinished share. The ratio of the step would be lost without a word.
+    ///
+    /// # Errors
+    ///
+    /// [`RackError::Alone`] with the first such share. [`RackError::Dose`] if a record cannot be read.
+    pub fn check_rests(&self) -> Result<(), RackError> {
+        let mut shares = Vec::new();
+        for (pump, member) in self.members.iter().enumerate() {
+            let story = member.bench.story().map_err(|error| self.dose_error(pump, None, error.into()))?;
+            let dose = story.state.and_then(|state| state.unfinished);
+            let is_of_rack = |dose: &Unfinished| {
+                dose.intent.told.and_then(|told| told.rack) == Some(ShortText::new(&self.name))
+            };
+            shares.push(dose.filter(is_of_rack));
+        }
+        for (pump, share) in shares.iter().enumerate() {
+            let Some(dose) = share.filter(|dose| dose.made_least == 0 && dose.made_most == 0) else {
+                continue;
+            };
+            let asked = dose.intent.told.and_then(|told| told.asked);
+            let is_step = |step: &&RackStep| {
+                step.flows.iter().any(|flow| flow.pump == pump && Some(flow.asked) == asked)
+            };
+            let Some(step) = self.steps.iter().find(is_step) else { continue };
+            let missing = step.flows.iter().filter(|flow| shares[flow.pump].is_none());
+            let others: Vec<String> = missing.map(|flow| self.members[flow.pump].name.clone()).collect();
+            if !others.is_empty() {
+                return Err(RackError::Alone { pump: self.members[pump].name.clone(), others });
+            }
+        }
+        Ok(())
     }
 
     /// Returns the benches of a run. Their waits hear the stop of all.

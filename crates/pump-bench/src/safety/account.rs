@@ -135,10 +135,10 @@ impl SafetyAccount {
         Self { stand: Some(stand), ..self }
     }
 
-    /// Returns the account once a person has cleared the stand: the day begins anew, unless the stand was ordered,
-    /// which has nothing to do with volumes. What the vessel holds stays.
+    /// Returns the account once a person has cleared the stand: the day begins anew after the limit of a day,
+    /// and counts on after any other. What the vessel holds stays.
     pub(crate) fn cleared(self, now_s: u64) -> Self {
-        if self.stand.is_some_and(|stand| stand.limit == SafetyLimit::Ordered) {
+        if self.stand.is_some_and(|stand| stand.limit != SafetyLimit::Day) {
             return Self { stand: None, ..self };
         }
         Self { time: Some(self.at(now_s)), day: LastDay::default(), stand: None, ..self }
@@ -199,6 +199,17 @@ mod tests {
         assert!(behind.stand_of(&LIMITS, later, 0.1, 0.1).is_some(), "the clock was set right again");
         assert_eq!(account.behind_s(9 * DAY), DAY);
         assert_eq!(account.cleared(later).day_ml(later), 0.0);
+    }
+
+    #[test]
+    fn a_full_vessel_that_is_cleared_frees_nothing_of_the_day() {
+        let account = SafetyAccount::default().pumped(60, 0, 50.0, 50.0);
+        for (limit, left_ml) in
+            [(SafetyLimit::Day, 0.0), (SafetyLimit::Vessel, 50.0), (SafetyLimit::Ordered, 50.0)]
+        {
+            let cleared = account.standing(Stand::at_limit(limit, 50.0, 1.0, 50.0, 60)).cleared(60);
+            assert_eq!((cleared.day_ml(60), cleared.stand), (left_ml, None), "{limit}");
+        }
     }
 
     #[test]

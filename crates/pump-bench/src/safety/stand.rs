@@ -36,7 +36,7 @@ pub struct Stand {
     /// Volume that counted before the motion that was refused, or after the run that the limit has ended, in mL; 0 if
     /// the stand was ordered.
     pub used_ml: f64,
-    /// Volume that was planned, in mL; 0 for a run until it was stopped, which the limit has ended, and if the stand
+    /// Volume that was planned, in mL; 0 for a run until it is stopped, which ends at the limit, and if the stand
     /// was ordered.
     pub planned_ml: f64,
     /// Volume that the limit allows, in mL; 0 if the stand was ordered.
@@ -96,13 +96,13 @@ impl fmt::Display for Stand {
             }
             SafetyLimit::Day if self.planned_ml == 0.0 => write!(
                 to,
-                "the limit has ended a run until it was stopped: {used} mL were pumped in the last 24 h, and the limit \
-                 of 24 h is {allowed} mL"
+                "a run until it is stopped ends at the limit: {used} mL were pumped in the last 24 h, and the limit of \
+                 24 h is {allowed} mL"
             ),
             SafetyLimit::Vessel if self.planned_ml == 0.0 && !self.is_emptied => write!(
                 to,
-                "the limit has ended a run until it was stopped: the vessel has received {used} mL since it was \
-                 emptied, and it holds {allowed} mL"
+                "a run until it is stopped ends at the limit: the vessel has received {used} mL since it was emptied, \
+                 and it holds {allowed} mL"
             ),
             SafetyLimit::Day => write!(
                 to,

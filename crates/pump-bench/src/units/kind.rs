@@ -27,6 +27,8 @@ pub enum Kind {
     Temperature,
     /// Length, kept in mm.
     Length,
+    /// Life of a tube: a volume, a time or a turn, whose unit says which.
+    Life,
 }
 
 impl fmt::Display for Kind {
@@ -43,6 +45,7 @@ impl fmt::Display for Kind {
             Self::Pressure => "pressure",
             Self::Temperature => "temperature",
             Self::Length => "length",
+            Self::Life => "tube life",
         })
     }
 }
@@ -127,6 +130,7 @@ impl Kind {
             Self::Pressure => "120kPaa",
             Self::Temperature => "20degC",
             Self::Length => "63mm",
+            Self::Life => "100L, 500h or 1e6rev",
         }
     }
 
@@ -145,6 +149,7 @@ impl Kind {
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
             Self::Temperature => "degC (°C)",
             Self::Length => "mm, cm, m, um (µm), in",
+            Self::Life => "L, mL and other volumes; h, d and other times; rev",
         }
     }
 
@@ -166,6 +171,7 @@ impl Kind {
             Self::Pressure => PRESSURES,
             Self::Temperature => CELSIUS,
             Self::Length => LENGTHS,
+            Self::Life => LITRES,
         };
         if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
             return format!(", did you mean `{name}` (case matters)");
@@ -204,6 +210,7 @@ impl Kind {
             Self::Pressure => factor_in(PRESSURES, unit),
             Self::Temperature => factor_in(CELSIUS, unit),
             Self::Length => factor_in(LENGTHS, unit),
+            Self::Life => factor_in(LITRES, unit),
         }
     }
 }

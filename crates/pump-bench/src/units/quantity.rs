@@ -14,6 +14,14 @@ pub fn volume_ml(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Volume)
 }
 
+/// Reads the life of a tube that is a positive volume, and returns it in mL. Its error names the units of every life.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive volume.
+pub fn life_ml(text: &str) -> Result<f64, QuantityError> {
+    positive(text, Kind::Life)
+}
+
 /// Reads a positive flow and returns it in mL/s.
 ///
 /// # Errors

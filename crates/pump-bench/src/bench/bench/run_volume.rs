@@ -48,7 +48,7 @@ impl Bench {
         let flow_ml_s = self.flow_ml_s(file, state, request)?;
         let first_ml = f64::copysign(flow_ml_s * time_s, request.volume_ml);
         let plan = |volume_ml| self.plan_from(file, state, DoseRequest { volume_ml, ..request }, None);
-        let mut search = TimeSearch::from(plan(first_ml)?, time_s);
+        let mut search = TimeSearch::from(plan(first_ml)?, time_s, flow_ml_s);
         for _ in 0..NEWTON_ROUNDS {
             let Some(volume_ml) = search.next_ml() else { break };
             search.take(plan(volume_ml)?);

@@ -6,7 +6,7 @@ use crate::bench::announced_steps::Halt;
 use crate::bench::recorded_motion::RecordedMotion;
 use crate::bench::session::Session;
 use crate::bench::{DeliveredByWeight, PreparedByWeight};
-use crate::dosing::{Swept, weighed_shares};
+use crate::dosing::{RunBound, Swept, weighed_shares};
 use crate::notice::with_sources;
 use crate::record::{
     Clock, DosedFluid, Intent, LogEnd, LogEntry, PumpState, Purpose, ShortText, Stamp, Told, Unfinished, Why,
@@ -79,15 +79,17 @@ impl Session<'_> {
         let Some(entry) = self.entry(&part, end) else { return };
         self.log.ended = Some(LogEntry {
             delivered_ml: motion.plan.delivered_ml(motion.model, made),
+            // The steps were counted, and the uncertainty has the angle's share.
+            delivered_range_ml: None,
             expanded_uncertainty_ml: match end {
-                LogEnd::Done => entry.expanded_uncertainty_ml,
+                LogEnd::Done if !entry.until_stopped => entry.expanded_uncertainty_ml,
                 _ => self.uncertainty_ml(motion, made),
             },
             cause: match halt {
                 Some(Halt::Unwritten(source)) => Some(with_sources(source)),
                 Some(Halt::Late) => Some("the disk with the journal was too slow".to_owned()),
                 None if end == LogEnd::Stopped => self.stopped_by(),
-                None => None,
+                None => motion.prepared.and_then(|prepared| prepared.ends_at).and_then(RunBound::cause),
             },
             motion_s: Some(measured_s),
             ..entry

@@ -67,6 +67,20 @@ impl Bench {
         }
     }
 
+    /// Returns the stand of a run until it is stopped to which a safety limit leaves nothing. Nobody asked a volume of
+    /// it. `None` if it may begin.
+    pub(in crate::bench) fn used_up(&self, nearest: Option<Stand>, now_s: u64) -> Option<Stand> {
+        let step_ml = self.model().revolution_ml() / self.file().limits().motor.steps_per_rev;
+        let stand = nearest.filter(|stand| stand.left_ml() <= 2.0 * WITHIN_STEPS * step_ml)?;
+        Some(Stand { planned_ml: 0.0, unix_s: now_s, ..self.as_said(stand) })
+    }
+
+    /// Refuses a run until it is stopped that [`Session::keep_run_safe`] would refuse. Nothing is recorded.
+    pub(in crate::bench) fn would_run(&self, nearest: Option<Stand>, now_s: u64) -> Result<(), DoseError> {
+        let Some(stand) = self.used_up(nearest, now_s) else { return Ok(()) };
+        Err(unrecorded(self.refusal(stand, true, 0)))
+    }
+
     /// Refuses a series of volumes that a session would refuse now, as [`Session::keep_series_safe`] does. Nothing is
     /// recorded.
     ///
@@ -85,12 +99,7 @@ impl Bench {
         let volumes = series.iter().map(|part| (part.at_s, part.volume_ml));
         let stand = self.stand_of_all(&account, now_s, volumes);
         let Some(stand) = stand else { return Ok(()) };
-        Err(match self.refusal(stand, true, account.behind_s(now_s)) {
-            DoseError::Stands { pump, stand, is_new, clock_behind_s, .. } => {
-                DoseError::Stands { pump, stand, is_new, is_recorded: false, clock_behind_s }
-            }
-            refused => refused,
-        })
+        Err(unrecorded(self.refusal(stand, true, account.behind_s(now_s))))
     }
 
     /// Returns the stand of a pump of which one of a series of volumes would exceed a limit. It tells the volume of the
@@ -131,6 +140,16 @@ impl Bench {
     }
 }
 
+/// Returns a refusal of a stand that is not on record.
+fn unrecorded(refused: DoseError) -> DoseError {
+    match refused {
+        DoseError::Stands { pump, stand, is_new, clock_behind_s, .. } => {
+            DoseError::Stands { pump, stand, is_new, is_recorded: false, clock_behind_s }
+        }
+        refused => refused,
+    }
+}
+
 impl Session<'_> {
     /// Returns the safety limit that leaves the least to a motion, with what is used of it. `None` without limits.
     pub(in crate::bench) fn nearest_limit(&self, reverse: bool) -> Option<Stand> {
@@ -156,6 +175,19 @@ impl Session<'_> {
     /// [`DoseError::Stands`] with the limit. The stand is on record.
     pub(in crate::bench) fn keep_safe(&mut self, planned_ml: f64) -> Result<(), DoseError> {
         self.keep_volumes_safe(std::iter::once((0.0, planned_ml)))
+    }
+
+    /// Has the pump stand if a safety limit leaves nothing to a run until it is stopped.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stands`] with the limit. The stand is on record.
+    pub(in crate::bench) fn keep_run_safe(&mut self, reverse: bool) -> Result<(), DoseError> {
+        let now_s = self.log.clock.now().unix_s;
+        let Some(stand) = self.bench.used_up(self.nearest_limit(reverse), now_s) else { return Ok(()) };
+        let account = self.stands().safety_at(now_s);
+        self.record_stand(account, stand);
+        Err(self.bench.refusal(stand, true, account.behind_s(now_s)))
     }
 
     /// Has the pump stand if one of `count` doses of `volume_ml`, one every `every_s` from now on, would exceed a

@@ -12,15 +12,15 @@ use crate::safety::Stand;
 pub struct Cleared {
     /// Stand that was cleared.
     pub stand: Stand,
-    /// Volume of the last 24 hours that counts no more, in mL; 0 if the stand was ordered, as it counts on then.
+    /// Volume of the last 24 hours that counts no more, in mL; 0 unless the limit of a day was reached.
     pub forgotten_ml: f64,
     /// Volume that the vessel has received since it was emptied, in mL. It still counts.
     pub vessel_ml: f64,
 }
 
 impl Session<'_> {
-    /// Clears the stand of the pump. The volumes of the last 24 hours count no more, unless the stand was ordered. The
-    /// vessel holds what it holds until [`Session::vessel_emptied`].
+    /// Clears the stand of the pump. The volumes of the last 24 hours count no more if it stood at their limit. The vessel
+    /// holds what it holds until [`Session::vessel_emptied`].
     ///
     /// # Errors
     ///

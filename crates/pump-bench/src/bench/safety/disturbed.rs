@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use pump_model::units::degrees;
 
 use crate::bench::session::Session;
-use crate::dosing::DoseError;
+use crate::dosing::{DoseError, disturbed};
 use crate::drives::DriveError;
 use crate::notice::Notice;
 use crate::numbers::significant;
@@ -58,12 +58,8 @@ impl Session<'_> {
         match policy {
             HomePolicy::Refuse => Err(DoseError::Disturbed { home: policy, within_deg }),
             HomePolicy::Accept => {
-                let known = within_deg
-                    .map_or("unknown".to_owned(), |deg| format!("known within {} deg", significant(deg, 3)));
-                let text = format!(
-                    "the rollers' angle was disturbed since it was found and is {known}: [safety] home = \"accept\" \
-                     doses from it"
-                );
+                let angle = disturbed(within_deg);
+                let text = format!("the rollers' angle {angle}: [safety] home = \"accept\" doses from it");
                 self.notes.push(Notice::from(text));
                 Ok(())
             }
@@ -76,8 +72,9 @@ impl Session<'_> {
                 if sought?.is_none() {
                     return Err(DoseError::Connection(DriveError::Interrupted));
                 }
+                let was = if is_known { "disturbed since it was found" } else { "unknown" };
                 let text = format!(
-                    "the rollers' angle was disturbed since it was found: the rotor turned to its index sensor first \
+                    "the rollers' angle was {was}: the rotor turned to its index sensor first \
                      and pumped {} mL",
                     significant(self.stands().wear.volume_ml - worn_ml, 3)
                 );

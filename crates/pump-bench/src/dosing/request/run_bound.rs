@@ -20,6 +20,13 @@ pub enum RunBound {
     Rest,
 }
 
+impl RunBound {
+    /// Returns the cause that the log has of a run that ended here by itself. `None` where the record tells none.
+    pub(crate) fn cause(self) -> Option<String> {
+        (self != Self::Rest).then(|| self.to_string())
+    }
+}
+
 impl fmt::Display for RunBound {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         to.write_str(match self {

@@ -8,6 +8,10 @@ use crate::export::PlotError;
 /// # Errors
 /// Returns the [`PlotError`] of a picture that cannot be drawn.
 pub(crate) fn tube_svg(title: &str, points: &[(f64, f64, f64)]) -> Result<String, PlotError> {
+    if points.is_empty() {
+        let reason = "this tube has no calibration on record; calibrate it first".to_owned();
+        return Err(PlotError { reason });
+    }
     let days = points.iter().map(|(day, ..)| *day).fold(0.0, f64::max);
     let room = (0.03 * days).max(0.5);
     let curve = |label, colour, style, value: fn(&(f64, f64, f64)) -> f64| Curve {

@@ -56,8 +56,14 @@ pub struct RackPumpReport {
     pub steps_not_begun: usize,
     /// True if the pump has completed every step.
     pub completed: bool,
-    /// True if a dose is unfinished: its rest is on record.
+    /// True if a dose is unfinished and on record.
     pub unfinished: bool,
+    /// True if the unfinished dose is a flow over time, of which no rest can be made.
+    #[serde(skip)]
+    pub over_time: bool,
+    /// Time of the last step that a motion that failed has told, s. `None` without one.
+    #[serde(skip)]
+    pub(in crate::rack) failed_end_s: Option<f64>,
     /// Reason why the pump failed; null if it did not.
     pub error: Option<String>,
     /// Warnings for the user, those of the doses included.
@@ -109,6 +115,8 @@ impl RackPumpReport {
             steps_not_begun: steps - doses.len(),
             completed: steps_completed == steps,
             unfinished: doses.last().is_some_and(|dose| dose.unfinished),
+            over_time: false,
+            failed_end_s: None,
             error: None,
             warnings,
             doses,
@@ -117,7 +125,8 @@ impl RackPumpReport {
 
     /// Adds the fault of a motion whose whole plan is as unsure as `expanded_ml`. Of the part that was made nobody
     /// knows more, so it is as unsure as the plan, and half the range of its volume comes on top, as in the log.
-    pub(in crate::rack) fn failed(&mut self, error: &DoseError, expanded_ml: f64) {
+    /// `over_time` tells that the motion was a flow over time.
+    pub(in crate::rack) fn failed(&mut self, error: &DoseError, expanded_ml: f64, over_time: bool) {
         self.error = Some(with_sources(error));
         self.completed = false;
         self.unfinished = matches!(
@@ -126,6 +135,7 @@ impl RackPumpReport {
                 | DoseError::SlowDisk { .. }
                 | DoseError::NotJournalled { .. }
         );
+        self.over_time = self.unfinished && over_time;
         let (least_ml, most_ml) = error.delivered_ml().unwrap_or((0.0, 0.0));
         if self.unfinished || (least_ml, most_ml) != (0.0, 0.0) {
             self.steps_not_begun = self.steps_not_begun.saturating_sub(1);

@@ -119,6 +119,7 @@ impl RackReport {
         };
         let ends = pumps.iter().flat_map(|row| &row.doses);
         let ends = ends.filter_map(|dose| Some(dose.begin_s + dose.dose.measured_motion_s?));
+        let ends = ends.chain(pumps.iter().filter_map(|row| row.failed_end_s));
         let ended_s =
             ends.fold(None, |last: Option<f64>, end_s| Some(last.map_or(end_s, |last| last.max(end_s))));
         let times = pumps.iter().filter_map(|row| row.doses.first()?.dose.time);

@@ -66,6 +66,7 @@ impl RackPumpReport {
         };
         let carry = self.carry_ml.map_or(String::new(), |carry| format!(", carry {}", microlitres(carry)));
         let state = match (&self.error, self.unfinished) {
+            (Some(_), true) if self.over_time => ", FAILED, the unfinished flow over time has no rest",
             (Some(_), true) => ", FAILED, the rest of the unfinished step is on record",
             (Some(_), false) => ", FAILED",
             (None, true) => ", the rest of the unfinished step is on record",

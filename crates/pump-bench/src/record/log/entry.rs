@@ -88,7 +88,8 @@ impl LogEntry {
             requested_ml: intent.requested_ml,
             until_stopped: is_endless,
             delivered_ml: delivered.middle_ml,
-            delivered_range_ml: (!is_exact || is_endless).then_some(delivered.range_ml()),
+            delivered_range_ml: Some(delivered.range_ml())
+                .filter(|(least_ml, most_ml)| !is_exact || is_endless && least_ml < most_ml),
             expanded_uncertainty_ml: uncertainty_ml.map(|ml| if is_exact { ml } else { ml + half_ml }),
             carry_ml: 0.0,
             end,

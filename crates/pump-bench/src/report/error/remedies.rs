@@ -51,6 +51,9 @@ impl DoseError {
             }
             Self::SlowDisk { .. } => vec![Remedy::FasterDisk, Remedy::ThenSeeStatus],
             Self::Panicked => vec![Remedy::SeeStatusThenFinish],
+            Self::Drive { error, unfinished: true, over_time: true, .. } => {
+                then(error.known_remedies(), Remedy::Accept)
+            }
             Self::Drive { error, unfinished: true, .. } => {
                 then(error.known_remedies(), Remedy::SeeStatusThenFinish)
             }

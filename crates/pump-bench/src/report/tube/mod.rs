@@ -8,13 +8,16 @@ use crate::bench::Bench;
 use crate::calibration::{DRIFT_NEEDS, Drift, FactorAtTime, Stored};
 use crate::dosing::{DoseError, TubeLife};
 use crate::numbers::significant;
-use crate::record::{LogLine, Stamp, Wear};
+use crate::record::{Clock, LogLine, Stamp, SystemClock, Wear};
 
 /// Coverage factor of the uncertainties (GUM, 6.2).
 const COVERAGE: f64 = 2.0;
 
 /// Length of a day, in s.
 const DAY_S: f64 = 86_400.0;
+
+/// Length of a day, in s.
+const WHOLE_DAY_S: u64 = 86_400;
 
 /// Life of a tube (`schema` `tube/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,6 +53,9 @@ pub struct TubeReport {
     pub expanded_drift_per_30_days: Option<f64>,
     /// First date on which the upper bound of the drift exceeds the last calibration's uncertainty; null if unknown.
     pub calibrate_again_by: Option<String>,
+    /// Days by which that date has passed.
+    #[serde(skip)]
+    overdue_days: u64,
 }
 
 /// Calibration of a tube.
@@ -99,6 +105,7 @@ impl TubeReport {
         let drift = Drift::of(&factors.iter().map(|(_, factor)| *factor).collect::<Vec<_>>());
         let last_factor = factors.last().map_or(1.0, |(_, factor)| factor.factor);
         let by = drift.and_then(|drift| drift.days).zip(factors.last());
+        let by_s = by.map(|(days, (_, last))| last.unix_s.saturating_add((days * DAY_S) as u64));
         let wear = state.wear;
         Ok(Self {
             schema: "tube/1",
@@ -115,8 +122,9 @@ impl TubeReport {
             drift_per_30_days: drift.map(|drift| 30.0 * drift.per_day / last_factor),
             expanded_drift_per_30_days: drift
                 .map(|drift| COVERAGE * 30.0 * drift.standard_per_day / last_factor),
-            calibrate_again_by: by.map(|(days, (_, last))| {
-                Stamp::new(last.unix_s.saturating_add((days * DAY_S) as u64), 0).date()
+            calibrate_again_by: by_s.map(|by_s| Stamp::new(by_s, 0).date()),
+            overdue_days: by_s.map_or(0, |by_s| {
+                (SystemClock.now().unix_s / WHOLE_DAY_S).saturating_sub(by_s / WHOLE_DAY_S)
             }),
             calibrations: factors
                 .iter()
@@ -163,8 +171,13 @@ impl TubeReport {
         let drift = percent(self.drift_per_30_days).zip(percent(self.expanded_drift_per_30_days));
         text += &match (drift, &self.calibrate_again_by) {
             (Some((drift, unsure)), Some(by)) => format!(
-                "drift {drift} % ± {unsure} % in 30 days (k = 2)\ncalibrate again by {by}: from then on the drift may \
-                 exceed the uncertainty of the last calibration\n"
+                "drift {drift} % ± {unsure} % in 30 days (k = 2)\ncalibrate again by {by}{}: from then on the drift \
+                 may exceed the uncertainty of the last calibration\n",
+                match self.overdue_days {
+                    0 => String::new(),
+                    1 => ", which was yesterday".to_owned(),
+                    days => format!(", which was {days} days ago"),
+                }
             ),
             (Some((drift, unsure)), None) => format!("drift {drift} % ± {unsure} % in 30 days (k = 2)\n"),
             (None, _) if self.calibrations.len() >= DRIFT_NEEDS => format!(

@@ -16,15 +16,17 @@ const NEAR: f64 = 0.01;
 /// Plans with their steps and the time by which each is late.
 pub(super) struct TimeSearch {
     time_s: f64,
+    /// Flow that was asked for, in mL/s, positive.
+    flow_ml_s: f64,
     best: Prepared,
     /// Steps of the plans so far, and the time by which each is late, in s.
     seen: Vec<(u64, f64)>,
 }
 
 impl TimeSearch {
-    pub(super) fn from(first: Prepared, time_s: f64) -> Self {
+    pub(super) fn from(first: Prepared, time_s: f64, flow_ml_s: f64) -> Self {
         let seen = vec![(first.plan.steps().unsigned_abs(), first.plan.profile().duration_s() - time_s)];
-        Self { time_s, best: first, seen }
+        Self { time_s, flow_ml_s, best: first, seen }
     }
 
     /// Takes a plan into account.
@@ -81,7 +83,10 @@ impl TimeSearch {
     /// [`PlanError::TimeTooShort`] if no plan comes near.
     pub(super) fn found(self) -> Result<Prepared, DoseError> {
         let (late_s, asked_s) = (self.late_s(), self.time_s);
-        if late_s.abs() <= self.step_s().max(NEAR * asked_s) {
+        // A run too short for its ramps is slower than asked for, and its steps take longer.
+        let plan = &self.best.plan;
+        let asked_step_s = self.best.model.average_flow_ml_s(plan.step_rad()) / self.flow_ml_s;
+        if late_s.abs() <= asked_step_s.max(NEAR * asked_s) {
             return Ok(self.best);
         }
         Err(PlanError::TimeTooShort { asked_s, fastest_s: self.best.plan.profile().duration_s() }.into())
