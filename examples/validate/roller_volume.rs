@@ -7,7 +7,7 @@ use pump_model::{Geometry, Pump, Variant, VolumeFit, VolumePoint};
 
 use crate::page::Section;
 use crate::paper::{
-    CODE, DIMENSIONS, ENGAGEMENT_DEG, PAPER, POINTS, POLYNOMIAL, REFERENCE, ROLLER_ML, TABLE_1,
+    CODE, DIMENSIONS, ENGAGEMENT_DEG, POINTS, POLYNOMIAL, REFERENCE, ROLLER_ML, ROLLER_TEST, ROLLERS, TABLE_1,
 };
 use crate::row::{Bound, Row, figure};
 
@@ -40,7 +40,7 @@ pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
         rows.push(Row::input(
             "number of rollers NU",
             "",
-            (rollers, PAPER),
+            (rollers, ROLLERS),
             f64::from(pump.geometry().rollers),
         ));
     }
@@ -81,7 +81,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let curve = *Pump::three_roller().roller_volume();
     let phi_deg = curve.engagement_deg();
     let mut rows = vec![
-        Row::input("engagement angle phi", "deg", (ENGAGEMENT_DEG, PAPER), phi_deg)
+        Row::input("engagement angle phi", "deg", (ENGAGEMENT_DEG, ROLLER_TEST), phi_deg)
             .bounded(Bound::Absolute(1e-12)),
         Row::computed(
             "roller volume V_r, integral of g",
@@ -100,7 +100,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         Row::computed(
             "roller volume V_r against the largest measured mean",
             "mL",
-            (POINTS[14].1, PAPER),
+            (POINTS[14].1, CODE),
             curve.total_ml(),
             Bound::Percent(0.1),
         ),
@@ -114,11 +114,13 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     ];
     for (order, (theirs, ours)) in POLYNOMIAL.into_iter().zip(found).enumerate() {
         let name = format!("coefficient of theta^{}, fitted again", 5 - order);
-        rows.push(Row::computed(name, "mL/deg^n", (theirs, PAPER), ours, Bound::Percent(2e-3)));
+        rows.push(Row::computed(name, "mL/deg^n", (theirs, CODE), ours, Bound::Percent(2e-3)));
     }
     let mut after = String::from(
-        "The paper prints the points with seven decimals. A new fit can therefore differ from the printed \
-         coefficients by the deviations above. The table sets our fit beside each measured mean, mL:\n\n| \
+        "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither \
+         points nor coefficients. The means of the seven and the coefficients come from the data of the \
+         authors' code. The means are rounded to seven decimals here, so a new fit differs from the \
+         coefficients by the deviations above. The table sets our fit beside each mean, mL:\n\n| \
          theta, deg | measured | fit | fit \
          - measured |\n| --- | --- | --- | --- |\n",
     );
