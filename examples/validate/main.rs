@@ -100,7 +100,7 @@ mod tests {
             row.split_whitespace().map(|word| word.parse().unwrap()).collect()
         };
         let (cold, warm) = (first("FT3"), first("FT4"));
-        assert_eq!(([cold[2], cold[4]], [warm[2], warm[4]]), ([213.185, warm[4]], [213.185, cold[4]]));
+        assert_eq!((cold[2], cold[4]), (warm[2], warm[4]));
         assert_eq!((cold[3], warm[3]), (212.545, 211.479));
     }
 
@@ -114,6 +114,18 @@ mod tests {
         }
         let refused = runs::run("FT6").unwrap_err().to_string();
         assert!(refused.contains("allowed: FT1, FT2") && refused.contains("PT2, roller-volume"), "{refused}");
+    }
+
+    #[test]
+    fn the_citation_names_this_version_and_the_paper_of_the_page() {
+        let citation = fs::read_to_string(docs().with_file_name("CITATION.cff")).unwrap();
+        let page = fs::read_to_string(docs().join("validation.md")).unwrap();
+        let value =
+            |key: &str| citation.lines().find_map(|line| line.trim_start().strip_prefix(key)).unwrap();
+        assert_eq!(value("version: "), env!("CARGO_PKG_VERSION"));
+        assert_eq!(value("- name: "), "pump-dose contributors");
+        let doi = value("doi: ");
+        assert!(doi.ends_with("2011.13167") && page.contains(&format!("https://doi.org/{doi}")), "{doi}");
     }
 
     #[test]

@@ -19,8 +19,8 @@ pub(crate) const DENSITIES: &str = "Section 4.2, Eq. 19";
 pub(crate) const RESISTANCE_TEST: &str = "Section 4.2, Eq. 17";
 /// Place of the measurement of C.
 pub(crate) const COMPLIANCE_TEST: &str = "Section 4.2, Eq. 20";
-/// Places of the waveform to which L was fitted.
-pub(crate) const INERTANCE_TEST: &str = "Section 4.2, Fig. 15";
+/// Place of the fit of L.
+pub(crate) const INERTANCE_TEST: &str = "Section 4.2";
 /// Place of the results of the flow tests as numbers. Fig. 12 draws them.
 pub(crate) const FLOW_RESULTS: &str = "Section 5.1";
 /// Place of the correlations of pressures as numbers. Fig. 14 draws them.

@@ -231,7 +231,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
                   segment off. The law's two parameters were fitted to the published means, NRMSE and \
                   deviations, so its agreement with them is no evidence. NRMSE is over the mean.\n\nThe built-in \
                   pumps turn no faster than the paper's flow tests (Table 2). Its pressure tests reach 200 \
-                  r/min. The published means are of largest volumes, see [below]\
+                  r/min. It says that the largest of ten volumes stands for each speed, see [below]\
                   (#where-the-paper-contradicts-itself).\n\n";
     Ok(Section { title: "Volume against speed", before: before.into(), rows: all, after })
 }
