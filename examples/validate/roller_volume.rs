@@ -73,6 +73,31 @@ pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
     Ok(Section { title: "Dimensions", before: String::new(), rows, after: String::new() })
 }
 
+/// Returns a table of our fit, mL/deg^n with the highest order first, beside each measured mean.
+fn beside_the_means(found: &[f64; 6]) -> String {
+    let mut text = String::from(
+        "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither \
+         points nor coefficients. The means of the seven and the coefficients come from the data of the \
+         authors' code. The means are rounded to seven decimals here, so a new fit differs from the \
+         coefficients by the deviations above. The table sets our fit beside each mean, mL:\n\n| \
+         theta, deg | measured | fit | fit \
+         - measured |\n| --- | --- | --- | --- |\n",
+    );
+    for point in points() {
+        let fitted = at(found, point.angle_deg);
+        text += &format!(
+            "| {} | {} | {} | {} |\n",
+            point.angle_deg,
+            point.volume_ml,
+            figure(fitted, 5),
+            figure(fitted - point.volume_ml, 2)
+        );
+    }
+    text += "\n![Roller volume over angle: measured points, fit, drawing; fitted less measured]\
+              (validation/roller-volume.svg)\n";
+    text
+}
+
 /// Returns the section of the page about V(theta), V_r and phi.
 pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let points = points();
@@ -116,25 +141,6 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         let name = format!("coefficient of theta^{}, fitted again", 5 - order);
         rows.push(Row::computed(name, "mL/deg^n", (theirs, CODE), ours, Bound::Percent(2e-3)));
     }
-    let mut after = String::from(
-        "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither \
-         points nor coefficients. The means of the seven and the coefficients come from the data of the \
-         authors' code. The means are rounded to seven decimals here, so a new fit differs from the \
-         coefficients by the deviations above. The table sets our fit beside each mean, mL:\n\n| \
-         theta, deg | measured | fit | fit \
-         - measured |\n| --- | --- | --- | --- |\n",
-    );
-    for point in points {
-        let fitted = at(&found, point.angle_deg);
-        after += &format!(
-            "| {} | {} | {} | {} |\n",
-            point.angle_deg,
-            point.volume_ml,
-            figure(fitted, 5),
-            figure(fitted - point.volume_ml, 2)
-        );
-    }
-    after += "\n![Roller volume over angle: measured points, fit, drawing; fitted less measured]\
-              (validation/roller-volume.svg)\n";
+    let after = beside_the_means(&found);
     Ok(Section { title: "Roller volume", before: String::new(), rows, after })
 }
