@@ -39,7 +39,9 @@ fn roller_volume() -> Result<String, Box<dyn Error>> {
     Ok(format!(
         "**V_r, {ROLLER_ML} mL against {} mL (Table 1 and Eq. 11 against Fig. 9).** Table 1 says {ROLLER_ML} for \
          Eq. 11. The measured means of the authors' code end at {} mL. The polynomial through them, whose curve \
-         Fig. 9 draws, has {} mL at phi, and the flow that a roller displaces adds up to {} mL. With Table 1 a revolution of three rollers is {} mL. With the integral it is {} mL, {} % less. This model \
+         Fig. 9 draws, has {} mL at phi, and the flow that a roller displaces adds up to {} mL. With \
+         Table 1 a revolution of three rollers is {} mL. With the integral it is {} mL, {} % less. This \
+         model \
          uses the integral, so that pulses and volume per revolution agree. The variant `published` scales it \
          to {ROLLER_ML} mL.",
         figure(measured.roller_volume().total_ml(), 5),

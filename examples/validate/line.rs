@@ -76,7 +76,8 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
                   3), which contains the water in the reservoir (Section 2), and from the level of 30 cm \
                   (Section 4.1).\n\n";
     let after = "The paper's authors found R by flows and pressures (Eq. 17), C by a syringe (Eqs. 20 and 21) and \
-                 L by the simulation nearest to the test at 100 r/min (Section 4.2). `dose identify` finds them from your data by these methods \
+                 L by the simulation nearest to the test at 100 r/min (Section 4.2). `dose identify` \
+                 finds them from your data by these methods \
                  ([identification.md](identification.md)).\n";
     Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
 }

@@ -224,7 +224,8 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         .taken(),
     );
     after += "The paper draws the volumes at each speed (Fig. 12) and prints no numbers of them. The measured line \
-              in the picture is therefore their mean alone.\n\n![Volume of ten revolutions over speed: measured mean, linear model, speed \
+              in the picture is therefore their mean alone.\n\n![Volume of ten revolutions over speed: \
+              measured mean, linear model, speed \
               law](validation/volumes.svg)\n";
     let before = "The linear model gives one volume of a revolution at every speed. In the speed law the \
                   volume of a segment of tube depends on the inlet pressure at which a roller cuts the \
