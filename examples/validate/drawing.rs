@@ -7,7 +7,7 @@ use pump_model::units::{degrees, radians};
 use pump_model::{Drawing, Geometry, Line, Pump, RollerVolume, Variant};
 
 use crate::page::Section;
-use crate::paper::{MEASURED, PAPER, POINTS, REFERENCE};
+use crate::paper::{CODE, FLOW_RESULTS, MEASURED, POINTS, REFERENCE};
 use crate::row::{Bound, Row};
 
 /// Returns the section of the page about drawings.
@@ -30,7 +30,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         rows.push(row("full contact", "deg", contact, degrees(drawing.engagement_rad()), 0.05));
         rows.push(row("lumen closed", "deg", closure, degrees(drawing.closure_rad()), 0.005));
         let name_end = format!("{name}: V(50.53 deg)");
-        rows.push(Row::computed(name_end, "mL", (end_ml, PAPER), at_end_ml, Bound::Percent(2.65)));
+        rows.push(Row::computed(name_end, "mL", (end_ml, CODE), at_end_ml, Bound::Percent(2.65)));
         rows.push(row("deviation of V(50.53 deg)", "%", end, 100.0 * (at_end_ml / end_ml - 1.0), 0.05));
         let ours = rmse(pairs).ok_or("there are points")?;
         rows.push(row("RMSE over the measured points", "mL", rms, ours, 6e-4));
@@ -43,7 +43,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
             rows.push(Row::computed(
                 name,
                 "mL",
-                (measured.ten_revolutions_ml, PAPER),
+                (measured.ten_revolutions_ml, FLOW_RESULTS),
                 ours,
                 Bound::Percent(1.405),
             ));
@@ -55,7 +55,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         (-11.0, REFERENCE),
         "not computed here",
     ));
-    let before = "The paper leaves the roller volume without a measurement to later work. The rows below take \
-                  it from the drawing. No figure of the measured volume goes into them.\n\n";
+    let before = "The paper leaves the roller volume without a measurement to later work (Section 6). The rows \
+                  below take it from the drawing. No figure of the measured volume goes into them.\n\n";
     Ok(Section { title: "Roller volume from the drawing", before: before.into(), rows, after: String::new() })
 }

@@ -4,10 +4,12 @@ use std::error::Error;
 
 use libm::{log, sqrt};
 use pump_model::units::TURN_RAD;
-use pump_model::{Fluid, Hose, Line};
+use pump_model::{Fluid, Hose, Line, paper};
 
 use crate::page::Section;
-use crate::paper::{CODE, LINE, PAPER, REFERENCE};
+use crate::paper::{
+    CODE, COMPLIANCE_TEST, DENSITIES, INERTANCE_TEST, LINE, REFERENCE, RESISTANCE_TEST, TABLE_3, WATER,
+};
 use crate::row::{Bound, Row};
 
 /// Hose that meets R and L of the paper's line. Its bore is that of the pump's tube. Length and K are chosen.
@@ -23,7 +25,8 @@ pub(crate) const HOSE: Hose = Hose {
 
 /// Returns the paper's water: 997 kg/m³ at 25 °C.
 pub(crate) fn water() -> Result<Fluid, Box<dyn Error>> {
-    Ok(Fluid { density_kg_m3: 997.0, ..Fluid::water(25.0)? })
+    let (degc, density_kg_m3) = WATER[0];
+    Ok(Fluid { density_kg_m3, ..Fluid::water(degc)? })
 }
 
 /// Returns the section of the page about lines.
@@ -33,10 +36,21 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         [line.reservoir_kpa, line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml];
     let reference = |value| (value, REFERENCE);
     let mut rows = Vec::new();
-    for ((name, unit, paper, code), ours) in LINE.into_iter().zip(ours) {
-        rows.push(Row::input(name, unit, (paper, PAPER), ours));
+    for ((name, unit, table, code), ours) in LINE.into_iter().zip(ours) {
+        rows.push(Row::input(name, unit, (table, TABLE_3), ours));
         rows.push(Row::computed(name, unit, (code, CODE), ours, Bound::Percent(0.03)));
     }
+    // 997 kg/m³ and 9.80665 m/s² over 0.3 m are 2.933 kPa.
+    rows.push(
+        Row::computed(
+            "ambient pressure P_atm, P_res less 30 cm of water",
+            "kPa",
+            reference(85.704),
+            paper::AMBIENT_KPA,
+            Bound::Absolute(5e-3),
+        )
+        .taken(),
+    );
     let damping = line.damping_ratio();
     let hertz = line.natural_rad_s() * sqrt(1.0 - damping * damping) / TURN_RAD;
     let decay = line.slowest_decay_per_s();
@@ -46,19 +60,24 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let fall_s = log(1000.0) / decay;
     rows.push(Row::computed("fall to 0.1 %", "s", reference(0.52), fall_s, Bound::Absolute(5e-3)));
     rows.extend(hose_rows(&line)?);
-    for (degc, theirs) in [(25.0, 997.0), (40.0, 992.0)] {
+    for (degc, theirs) in WATER {
         let ours = Fluid::water(degc)?.density_kg_m3;
         let name = format!("density of water at {degc} °C");
-        rows.push(Row::computed(name, "kg/m³", (theirs, PAPER), ours, Bound::Percent(0.03)));
+        rows.push(Row::computed(name, "kg/m³", (theirs, DENSITIES), ours, Bound::Percent(0.03)));
     }
-    rows.push(Row::missing("points (flow, pressure) behind R", PAPER, "needs raw data"));
-    rows.push(Row::missing("points (volume, pressure) behind C", PAPER, "needs raw data"));
-    rows.push(Row::missing("waveform at 100 r/min behind L", PAPER, "needs raw data"));
+    rows.push(Row::missing("points (flow, pressure) behind R", RESISTANCE_TEST, "needs raw data"));
+    rows.push(Row::missing("points (volume, pressure) behind C", COMPLIANCE_TEST, "needs raw data"));
+    rows.push(Row::missing("waveform at 100 r/min behind L", INERTANCE_TEST, "needs raw data"));
     let before = "The hose is ours. Its bore of 10 mm, its length of 0.331 m and its K = 5.75 were chosen so \
-                  that it has the paper's L, and the paper's R at 210 mL/s. The length and the flow of the \
-                  paper's line are not available here, nor are its Reynolds numbers.\n\n";
-    let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a \
-                 waveform. `dose identify` finds them from your data by these methods \
+                  that it has the paper's L, and the paper's R at 210 mL/s. The paper measured R at roughly 210 \
+                  mL/s (Section 5.2), by a kinetic pump over one minute (Section 4.2). Its inlet-line and \
+                  outlet-line have equal dimensions (Section 4.1). It prints neither a length nor a Reynolds \
+                  number.\n\nThe paper does not print the ambient pressure either. It follows from P_res (Table \
+                  3), which contains the water in the reservoir (Section 2), and from the level of 30 cm \
+                  (Section 4.1).\n\n";
+    let after = "The paper's authors found R by flows and pressures (Eq. 17), C by a syringe (Eqs. 20 and 21) and \
+                 L by the simulation nearest to the test at 100 r/min (Section 4.2). `dose identify` \
+                 finds them from your data by these methods \
                  ([identification.md](identification.md)).\n";
     Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
 }
@@ -74,7 +93,7 @@ fn hose_rows(line: &Line) -> Result<Vec<Row>, Box<dyn Error>> {
         Row::computed(
             "L of the hose",
             "kPa s²/mL",
-            (line.inertance_kpa_s2_ml, PAPER),
+            (line.inertance_kpa_s2_ml, TABLE_3),
             HOSE.inertance_kpa_s2_ml(&water),
             Bound::Percent(0.1),
         )
@@ -89,7 +108,7 @@ fn hose_rows(line: &Line) -> Result<Vec<Row>, Box<dyn Error>> {
         Row::computed(
             "R of the hose at 210 mL/s",
             "kPa s/mL",
-            (line.resistance_kpa_s_ml, PAPER),
+            (line.resistance_kpa_s_ml, TABLE_3),
             friction.resistance_kpa_s_ml(210.0),
             Bound::Percent(0.1),
         )
@@ -109,7 +128,7 @@ fn hose_rows(line: &Line) -> Result<Vec<Row>, Box<dyn Error>> {
     rows.push(Row::computed(
         "C of the hose against the measured C",
         "mL/kPa",
-        (line.compliance_ml_kpa, PAPER),
+        (line.compliance_ml_kpa, TABLE_3),
         HOSE.compliance_ml_kpa(&water),
         Bound::Percent(27.0),
     ));

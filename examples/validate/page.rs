@@ -116,15 +116,15 @@ const INTRODUCTION: &str = "\
 deviation is within its bound.
 
 The paper is McIntyre, van Schoor, Uren, Kloppers, \"Modelling the pulsatile flow rate and pressure response of a \
-roller-type peristaltic pump\", Sensors and Actuators A (preprint arXiv 2011.13167). Its raw curves were not \
-published, so no measurement is reproduced here point by point. The measured volumes over speed and the measured \
-pressures cannot be set beside ours.
+roller-type peristaltic pump\", Sensors and Actuators A (preprint [arXiv 2011.13167]\
+(https://doi.org/10.48550/arXiv.2011.13167)). It draws its measured curves and prints no table of them, so no \
+measurement is reproduced here point by point. The measured volumes over speed (Fig. 12) and the measured pressures \
+(Figs. 15 and 16) cannot be set beside ours.
 
-- The column *source* names the origin of a figure. *Table 1* and *paper* are figures of the paper. The place of a \
-*paper* figure could not be looked up. The contents of the paper's Table 2 are not available here, so its figures \
-have no table of their own. *authors' code* is Main.m of \
-github.com/MPMcIntyre/Roller-pump-model-and-simulation. A *reference* is not the paper's. It was computed once \
-outside this code, from the paper's equations and data. The paper may print some references as well.
+- The column *source* names the origin of a figure. A section, an equation, a table or a figure is the place in the \
+preprint. *authors' code* is github.com/MPMcIntyre/Roller-pump-model-and-simulation, its Main.m or its measured \
+data. A *reference* is not the paper's, and the paper does not print it. It was computed once outside this code, \
+from the paper's equations and data.
 - The column *done* says how a figure was checked. *computed*: our figure follows from other inputs. *input*: the \
 model takes the figure as it is. *fitted*: our figure was adjusted to published figures and is no evidence. \
 *needs raw data*: the figure cannot be checked.

@@ -1,12 +1,31 @@
 //! Figures of others, with their sources: McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile
 //! flow rate and pressure response of a roller-type peristaltic pump", Sensors and Actuators A (preprint
-//! arXiv 2011.13167), and their published code.
+//! arXiv 2011.13167, doi:10.48550/arXiv.2011.13167), and their published code. Sections, equations, tables
+//! and figures are numbered as in the preprint.
 
-/// Source of a figure in the paper's table of dimensions.
+/// Place of the pump's dimensions.
 pub(crate) const TABLE_1: &str = "Table 1";
-/// Source of a figure elsewhere in the paper, whose tables, figures and pages could not be looked up.
-pub(crate) const PAPER: &str = "paper";
-/// Source of a figure in Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
+/// Place of the specifications of the tests.
+pub(crate) const TABLE_2: &str = "Table 2";
+/// Place of the lines' values.
+pub(crate) const TABLE_3: &str = "Table 3";
+/// Places of the numbers of rollers.
+pub(crate) const ROLLERS: &str = "Section 3.1, Table 2";
+/// Place of the measurement of the roller volume.
+pub(crate) const ROLLER_TEST: &str = "Section 3.3";
+/// Place of the densities of water.
+pub(crate) const DENSITIES: &str = "Section 4.2, Eq. 19";
+/// Place of the measurement of R.
+pub(crate) const RESISTANCE_TEST: &str = "Section 4.2, Eq. 17";
+/// Place of the measurement of C.
+pub(crate) const COMPLIANCE_TEST: &str = "Section 4.2, Eq. 20";
+/// Place of the fit of L.
+pub(crate) const INERTANCE_TEST: &str = "Section 4.2";
+/// Place of the results of the flow tests as numbers. Fig. 12 draws them.
+pub(crate) const FLOW_RESULTS: &str = "Section 5.1";
+/// Place of the correlations of pressures as numbers. Fig. 14 draws them.
+pub(crate) const PRESSURE_RESULTS: &str = "Section 5.2";
+/// Source of a figure in github.com/MPMcIntyre/Roller-pump-model-and-simulation.
 pub(crate) const CODE: &str = "authors' code";
 /// Source of a figure that was computed outside this code from the paper's equations and data.
 pub(crate) const REFERENCE: &str = "reference";
@@ -26,7 +45,8 @@ pub(crate) const ROLLER_ML: f64 = 2.06;
 /// Engagement angle phi, deg.
 pub(crate) const ENGAGEMENT_DEG: f64 = 50.53;
 
-/// Mean of seven measured roller volumes: angle in deg, volume in mL.
+/// Means of seven measured roller volumes, from the data of the authors' code: angle in deg, volume in mL. The
+/// paper draws their curve alone (Fig. 9).
 pub(crate) const POINTS: [(f64, f64); 15] = [
     (0.0, 0.0),
     (3.37, 0.0207143),
@@ -45,7 +65,8 @@ pub(crate) const POINTS: [(f64, f64); 15] = [
     (50.53, 2.1064286),
 ];
 
-/// Coefficients of the volume V in mL over deg, highest order first.
+/// Coefficients of the volume V in mL over deg, highest order first, as the authors' code fits them. The paper
+/// draws V alone (Fig. 9).
 pub(crate) const POLYNOMIAL: [f64; 6] = [
     1.315_768_247_757_037_1e-8,
     -1.238_105_747_404_483_3e-6,
@@ -55,16 +76,19 @@ pub(crate) const POLYNOMIAL: [f64; 6] = [
     -2.870_791_521_667_906e-4,
 ];
 
+/// Temperature of the water in °C and its density in kg/m³, at room temperature and in FT4.
+pub(crate) const WATER: [(f64, f64); 2] = [(25.0, 997.0), (40.0, 992.0)];
+
 /// Figures that were measured of a pump.
 pub(crate) struct Measured {
     pub rollers: u32,
-    /// Fastest speed, r/min. The speeds begin at 10 r/min.
+    /// Fastest speed of the flow tests, r/min. The speeds begin at 10 r/min.
     pub fastest_rpm: u32,
     /// Volume of ten revolutions, mean over the speeds, mL.
     pub ten_revolutions_ml: f64,
-    /// NRMSE of the linear model, %.
+    /// NRMSE of the linear model, %: with three rollers against the average of the three-roller tests.
     pub nrmse_percent: f64,
-    /// Largest deviation of the linear model, %.
+    /// Largest deviation of the linear model, roughly, %.
     pub largest_percent: f64,
     /// Mean Pearson correlation of measured and modelled pressures at inlet and outlet.
     pub pearson: [f64; 2],
@@ -90,7 +114,7 @@ pub(crate) const MEASURED: [Measured; 2] = [
     },
 ];
 
-/// Values of the line: name, unit, value in the paper, value in the authors' code.
+/// Values of the line: name, unit, value in Table 3, value in the authors' code.
 pub(crate) const LINE: [(&str, &str, f64, f64); 4] = [
     ("reservoir pressure P_res", "kPa", 88.637, 88.6372),
     ("resistance R", "kPa s/mL", 0.1108, 0.1108),

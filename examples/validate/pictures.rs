@@ -100,7 +100,7 @@ fn flows() -> Result<String, Box<dyn Error>> {
 fn volumes() -> Result<String, Box<dyn Error>> {
     let mut panels = Vec::new();
     for (measured, label) in MEASURED.iter().zip(["three rollers, mL", "two rollers, mL"]) {
-        let volumes = Volumes::of(measured.rollers, measured.fastest_rpm)?;
+        let volumes = Volumes::of(measured.rollers, 10, measured.fastest_rpm)?;
         let level = |ml: f64| volumes.rpm.iter().map(|rpm| (*rpm, ml)).collect();
         let law = volumes.rpm.iter().copied().zip(volumes.law_ml.iter().copied()).collect();
         panels.push(Panel {

@@ -161,7 +161,7 @@ fn a_start_up_below_the_pressure_at_which_the_tube_collapses_is_warned_of() {
 fn the_fastest_run_holds_every_limit_and_says_what_binds() {
     let user = User::new();
     let report = user.json(&["simulate", "--rate", "max", "--duration", "2s"]);
-    // The paper tested three rollers up to 170 r/min.
+    // The paper's flow tests of three rollers end at 170 r/min.
     assert_eq!(report["limited_by"], "speed");
     assert!((number(&report, "speed_rpm") - 170.0).abs() < 1e-9);
     assert_eq!(report["warnings"].as_array().unwrap().len(), 0, "{}", report["warnings"]);

@@ -118,13 +118,14 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
     }
 }
 
-/// Returns the motor, with the speeds at which McIntyre et al. tested this number of rollers.
+/// Returns the motor, with the speeds of the flow tests of McIntyre et al. with this number of rollers.
 fn motor(rollers: u32) -> MotorTable {
     MotorTable {
         steps_per_rev: 12_800,
         full_steps_per_rev: 200,
         gear: 1.0,
-        // As tested in McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
+        // Flow tests in Table 2 of McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2. Their pressure
+        // tests reach 200.
         max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },
         max_acceleration_rad_s2: 500.0,
         torque_curve_rpm_n_m: None,
@@ -153,7 +154,7 @@ fn water() -> FluidTable {
 /// Returns the uncertainties that follow from the figures of McIntyre et al.
 fn uncertainty() -> UncertaintyTable {
     UncertaintyTable {
-        // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, McIntyre et al.
+        // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, McIntyre et al., Section 5.1.
         model_percent: 2.4,
         // The NRMSE is over all speeds, the one with 9.02 % among them.
         speed_percent: None,

@@ -14,5 +14,5 @@ pub use pressure_record::{Begin, Turning, identified_line};
 pub use tables::{Waveforms, flow_points_of_csv, injection_of_csv, waveforms_of_csv};
 
 /// Pearson's correlation below which a fit gets a warning, since half of the variance is then left over.
-/// McIntyre et al. report more for every speed from 50 r/min on.
+/// McIntyre et al. report more above 50 r/min (Section 5.2).
 const WEAK_PEARSON: f64 = 0.7;
