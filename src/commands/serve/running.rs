@@ -49,14 +49,8 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
     let state_dir = args.record.folder(&config)?;
     let table = config.service().clone();
     let address = address(args, &table)?;
-    let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
-    let token = token_file.map(|path| secret("token", path)).transpose()?;
     let local = pump_service::new_token().map_err(refused)?;
-    let access = Access::new(address, token, local.clone(), table.hosts.clone());
-    let access = access.map_err(|error| match error {
-        AccessError::NoToken(_) => refused(format!("{error}: --token-file, or token_file in [service]")),
-        error => refused(error),
-    })?;
+    let access = access(args, &table, address, &local)?;
     let schedule = args.schedule.as_ref().or(table.schedule.as_ref()).cloned();
     let interrupt = Interrupt::watch()?;
     let place = Place::take(&state_dir)?;
@@ -129,6 +123,22 @@ fn address(args: &ServeArgs, table: &ServiceTable) -> Result<SocketAddr, Failure
     text.parse().map_err(|_| {
         let allowed = "an address and a port, as 127.0.0.1:8737 or [::1]:8737";
         refused(format!("cannot listen at `{text}`; allowed: {allowed}")).value(text).allowed(allowed)
+    })
+}
+
+/// The rules of who may use the service at this address. `local` is the token of commands on this machine.
+fn access(
+    args: &ServeArgs,
+    table: &ServiceTable,
+    address: SocketAddr,
+    local: &str,
+) -> Result<Access, Failure> {
+    let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
+    let token = token_file.map(|path| secret("token", path)).transpose()?;
+    let access = Access::new(address, token, local.to_owned(), table.hosts.clone());
+    access.map_err(|error| match error {
+        AccessError::NoToken(_) => refused(format!("{error}: --token-file, or token_file in [service]")),
+        error => refused(error),
     })
 }
 
