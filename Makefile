@@ -52,10 +52,12 @@ $(BROWSER)/installed: tests/browser/requirements.txt
 	$(BROWSER)/bin/pip install --quiet -r $<
 	touch $@
 
-# The service at a real MQTT broker; `make test` leaves these tests out where there is none.
+# The service at a real MQTT broker, and behind a real proxy with TLS; `make test` leaves these tests out where there is
+# none.
 mqtt:
 	command -v mosquitto || test -x /usr/sbin/mosquitto || (apt-get update && apt-get install -y --no-install-recommends mosquitto)
-	MQTT_NEEDED=1 cargo test --locked --features serve --test serve -- mqtt
+	command -v nginx || test -x /usr/sbin/nginx || (apt-get update && apt-get install -y --no-install-recommends nginx-light)
+	MQTT_NEEDED=1 PROXY_NEEDED=1 cargo test --locked --features serve --test serve -- mqtt proxy
 
 # Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults: clock

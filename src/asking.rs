@@ -140,7 +140,7 @@ impl Service {
         };
         let interrupt = Interrupt::watch().ok();
         let lines = lines(answer);
-        let (mut order, mut bar, mut stopped) = (None, None, false);
+        let (mut order, mut bar, mut whole_s, mut stopped) = (None, None, None, false);
         loop {
             let line = lines.recv_timeout(LOOK);
             let signal = interrupt.as_ref().and_then(Interrupt::signal);
@@ -158,7 +158,7 @@ impl Service {
                     return ExitCode::from(1);
                 }
                 Ok(Line::Order(id)) => order = Some(id),
-                Ok(Line::Progress(progress)) => show(&mut bar, &progress),
+                Ok(Line::Progress(progress)) => show(&mut bar, &mut whole_s, &progress),
                 Ok(said) => {
                     if let Some(bar) = bar.take() {
                         MotionBar::end(&bar);
@@ -198,8 +198,12 @@ fn lines(answer: Response<ureq::Body>) -> Receiver<Line> {
     take
 }
 
-/// Shows a line of progress as the bar of a motion.
-fn show(bar: &mut Option<MotionBar>, progress: &Value) {
+/// Shows a line of progress as the bar of a motion. `whole_s` is the time of the present one, which its plan has told.
+fn show(bar: &mut Option<MotionBar>, whole_s: &mut Option<f64>, progress: &Value) {
+    if let Some(plan) = progress.get("plan") {
+        *whole_s = plan.get("motion_s").and_then(Value::as_f64);
+        return;
+    }
     let number = |key: &str| progress.get(key).and_then(Value::as_f64);
     let (Some(steps), Some(of_steps), Some(delivered_ml)) =
         (number("steps"), number("of_steps"), number("delivered_ml"))
@@ -207,7 +211,7 @@ fn show(bar: &mut Option<MotionBar>, progress: &Value) {
         return;
     };
     let of_ml = number("of_ml").unwrap_or(f64::INFINITY);
-    let bar = bar.get_or_insert_with(|| MotionBar::new("", of_steps as u64, of_ml, None, false));
+    let bar = bar.get_or_insert_with(|| MotionBar::new("", of_steps as u64, of_ml, *whole_s, false));
     bar.made(steps as u64, || Reached { delivered_ml, angle_rad: 0.0 });
     let _ = std::io::stderr().flush();
 }

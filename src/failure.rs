@@ -192,6 +192,11 @@ impl Failure {
         self.how == How::Refused
     }
 
+    /// True if nothing moved: the command was refused, whatever stands in the way.
+    pub(crate) fn is_any_refusal(&self) -> bool {
+        matches!(self.how, How::Refused | How::Busy | How::Unfinished | How::Stands { moved: false })
+    }
+
     /// True if the motor's controller cannot be used or failed.
     pub(crate) fn is_of_drive(&self) -> bool {
         self.facts.kind == ErrorKind::Drive

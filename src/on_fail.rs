@@ -1,5 +1,6 @@
 //! The command of the shell that is run once a dose has failed: it tells a person.
 
+use std::env;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::{ExitStatus, Stdio};
@@ -25,11 +26,18 @@ pub(crate) struct OnFail {
     pump: String,
     /// The rack's name; none for a pump by itself.
     rack: Option<String>,
+    /// True if a refusal is told by the program that ordered.
+    only_faults: bool,
 }
 
 impl OnFail {
     pub(crate) fn new(command: &str, pump: &str) -> Self {
-        Self { command: command.to_owned(), pump: pump.to_owned(), rack: None }
+        Self { command: command.to_owned(), pump: pump.to_owned(), rack: None, only_faults: false }
+    }
+
+    /// The command for faults alone, where the supervising program tells who ordered of a refusal.
+    pub(crate) fn unless_answered(self) -> Self {
+        Self { only_faults: env::var_os("DOSE_ANSWERED").is_some(), ..self }
     }
 
     /// The command for the failure of a rack, which is named by its file or by its name in the configuration. The pump
@@ -41,6 +49,9 @@ impl OnFail {
 
     /// Runs the command with the reason of a failure. Its own failure is a warning: the dose has failed anyway.
     pub(crate) fn tell(&self, failure: &Failure) {
+        if self.only_faults && failure.is_any_refusal() {
+            return;
+        }
         let warned = match self.run(failure) {
             Ok(Some(status)) if status.success() => return,
             Ok(Some(status)) => format!("ended with {status}"),

@@ -1,6 +1,6 @@
 //! Commands that ask the running service.
 
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use serde_json::json;
 
@@ -27,6 +27,24 @@ fn a_command_beside_a_service_says_what_it_says_alone() {
     assert!(orders.iter().all(|order| order["origin"] == "command"), "{orders:?}");
     let states: Vec<&str> = orders.iter().rev().map(|order| order["state"].as_str().unwrap()).collect();
     assert_eq!(states, ["done", "done", "done", "refused", "refused"]);
+}
+
+#[test]
+fn a_command_beside_a_service_says_how_long_its_motion_takes_yet() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let typed = laboratory.dose(&[]);
+    let program = typed.get_program().to_str().unwrap();
+    // `script` gives the command a terminal.
+    let words = format!("stty cols 100; exec {program} 3mL --rate 1mL/s --pump acid");
+    let mut command = Command::new("script");
+    command.args(["-qec", &words, "/dev/null"]).env("DOSE_CONFIG", laboratory.path("config.toml"));
+    command.env("HOME", laboratory.path("")).env("TERM", "xterm").env_remove("DOSE_SERVICE");
+    let made = command.stdin(Stdio::null()).output().unwrap();
+    let text = String::from_utf8_lossy(&made.stdout);
+    assert!(made.status.success(), "{text}");
+    assert!(text.contains(" of 3.0") && text.contains(" second") && text.contains(" left"), "{text}");
+    assert_eq!(service.get("/api/v1/orders").1[0]["origin"], "command");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use crate::laboratory::{Laboratory, PATIENCE};
+use crate::laboratory::{Laboratory, PATIENCE, Service};
 
 /// Sends bytes and reads the answer to its end, or to the end of the patience.
 fn raw(url: &str, bytes: &[u8]) -> String {
@@ -59,6 +59,57 @@ fn another_site_cannot_dose() {
     assert!(post(&format!("host: {host}\r\n{json}")).starts_with("HTTP/1.1 202 "));
 }
 
+/// Logs in at the page. Returns the cookie.
+fn logged_in(service: &Service, token: &str) -> String {
+    let login = json!({"token": token}).to_string();
+    let host = service.url.trim_start_matches("http://");
+    let request = format!(
+        "POST /login HTTP/1.1\r\nhost: {host}\r\ncontent-type: application/json\r\nconnection: close\r\n\
+         content-length: {}\r\n\r\n{login}",
+        login.len()
+    );
+    let answer = raw(&service.url, request.as_bytes());
+    let cookie = answer.lines().find(|line| line.starts_with("set-cookie: ")).unwrap();
+    assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"), "{cookie}");
+    cookie.trim_start_matches("set-cookie: ").split(';').next().unwrap().to_owned()
+}
+
+#[test]
+fn a_login_outlives_a_restart_and_a_kill_and_ends_for_all_or_with_the_token() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    fs::write(laboratory.path("token"), "0123456789abcdef\n").unwrap();
+    let mut service = laboratory.serve(&["--token-file", "token"]);
+    let phone = logged_in(&service, "0123456789abcdef");
+    let may = |service: &Service, cookie: &str| service.get_with("/api/v1/pumps", &[("cookie", cookie)]).0;
+    assert_eq!(may(&service, &phone), 200);
+    service.end();
+    let mut service = laboratory.serve_again(&service);
+    assert_eq!(may(&service, &phone), 200, "after a restart");
+    let tablet = logged_in(&service, "0123456789abcdef");
+    service.kill();
+    let mut service = laboratory.serve_again(&service);
+    assert_eq!((may(&service, &phone), may(&service, &tablet)), (200, 200), "after a kill");
+    let stopped = service.post_with("/api/v1/stop", &json!({}), &[("cookie", &phone)]);
+    assert_eq!(stopped.0, 200, "{}", stopped.1);
+    // No file tells a cookie.
+    for file in ["history.sqlite", "history.sqlite-wal"] {
+        let bytes = fs::read(laboratory.path("records").join(file)).unwrap();
+        let value = phone.split_once('=').unwrap().1;
+        assert!(!String::from_utf8_lossy(&bytes).contains(value), "{file}");
+    }
+
+    fs::write(laboratory.path("token"), "fedcba9876543210\n").unwrap();
+    service.end();
+    let mut service = laboratory.serve_again(&service);
+    assert_eq!(may(&service, &phone), 401, "the token was changed");
+    let phone = logged_in(&service, "fedcba9876543210");
+    let tablet = logged_in(&service, "fedcba9876543210");
+    assert_eq!(service.post_with("/logout", &json!({}), &[("cookie", &tablet)]).0, 200);
+    assert_eq!(may(&service, &phone), 401, "all were logged out");
+    service.end();
+    assert_eq!(may(&laboratory.serve_again(&service), &phone), 401);
+}
+
 #[test]
 fn other_computers_need_the_token_and_people_log_in() {
     let laboratory = Laboratory::new(&["acid"], "");
@@ -82,21 +133,8 @@ fn other_computers_need_the_token_and_people_log_in() {
     assert_eq!(status, 202, "{order}");
 
     assert_eq!(service.post("/login", &json!({"token": "wrong"})).0, 401);
-    let login = r#"{"token": "0123456789abcdef"}"#;
-    let host = service.url.trim_start_matches("http://");
-    let request = format!(
-        "POST /login HTTP/1.1\r\nhost: {host}\r\ncontent-type: application/json\r\nconnection: close\r\n\
-         content-length: {}\r\n\r\n{login}",
-        login.len()
-    );
-    let answer = raw(&service.url, request.as_bytes());
-    let cookie = answer.lines().find(|line| line.starts_with("set-cookie: ")).unwrap();
-    assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"), "{cookie}");
-    let cookie = cookie.trim_start_matches("set-cookie: ").split(';').next().unwrap();
-    let request = format!(
-        "GET /api/v1/pumps HTTP/1.1\r\nhost: {host}\r\ncookie: {cookie}\r\nconnection: close\r\n\r\n"
-    );
-    assert!(raw(&service.url, request.as_bytes()).starts_with("HTTP/1.1 200 "));
+    let cookie = logged_in(&service, "0123456789abcdef");
+    assert_eq!(service.get_with("/api/v1/pumps", &[("cookie", &cookie)]).0, 200);
     // A command of the same user on this machine needs no token.
     assert_eq!(laboratory.run(&["1mL"]).status.code(), Some(0));
 }

@@ -71,11 +71,33 @@ impl Laboratory {
         serde_json::from_slice(&told.stdout).unwrap()
     }
 
+    /// Gives the configuration a command `on_fail`, which adds a line to the file `told`: pump, exit code and kind.
+    pub(crate) fn tell_failures(&self) {
+        let (config, line) = (self.path("config.toml"), "$DOSE_FAIL_PUMP $DOSE_FAIL_CODE $DOSE_FAIL_KIND");
+        let text = fs::read_to_string(&config).unwrap();
+        fs::write(
+            &config,
+            text.replacen("[pumps]", &format!("on_fail = \"echo {line} >> told\"\n[pumps]"), 1),
+        )
+        .unwrap();
+    }
+
+    /// The lines that `on_fail` has told.
+    pub(crate) fn told(&self) -> Vec<String> {
+        let told = fs::read_to_string(self.path("told")).unwrap_or_default();
+        told.lines().map(str::to_owned).collect()
+    }
+
     /// The doses of a pump on record.
     pub(crate) fn log(&self, pump: &str) -> Vec<Value> {
         let told = self.run(&["log", "--pump", pump, "--format", "json"]);
         let lines = String::from_utf8(told.stdout).unwrap();
         lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    }
+
+    /// Everything that the services of this laboratory have said on standard error.
+    pub(crate) fn said(&self) -> String {
+        fs::read_to_string(self.path("said")).unwrap()
     }
 
     /// Starts a service with these words beside its address.
@@ -93,7 +115,8 @@ impl Laboratory {
     fn start(&self, words: Vec<String>) -> Service {
         let typed: Vec<&str> = words.iter().map(String::as_str).collect();
         let mut command = self.dose(&typed);
-        let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let said = fs::OpenOptions::new().create(true).append(true).open(self.path("said")).unwrap();
+        let child = command.stdout(Stdio::null()).stderr(said).spawn().unwrap();
         let place = self.path("records/serve.json");
         let told = || -> Option<String> {
             let place: Value = serde_json::from_str(&fs::read_to_string(&place).ok()?).ok()?;
@@ -106,7 +129,12 @@ impl Laboratory {
 
 impl Service {
     pub(crate) fn get(&self, path: &str) -> Answer {
-        answer(agent().get(format!("{}{path}", self.url)).call())
+        self.get_with(path, &[])
+    }
+
+    pub(crate) fn get_with(&self, path: &str, headers: &[(&str, &str)]) -> Answer {
+        let request = agent().get(format!("{}{path}", self.url));
+        answer(headers.iter().fold(request, |request, (name, value)| request.header(*name, *value)).call())
     }
 
     pub(crate) fn post(&self, path: &str, body: &Value) -> Answer {

@@ -12,4 +12,5 @@ mod kills;
 mod laboratory;
 mod mqtt;
 mod orders;
+mod proxy;
 mod schedule;

@@ -94,6 +94,23 @@ fn a_motion_tells_its_progress_and_is_stopped() {
 }
 
 #[test]
+fn a_pump_that_stands_says_why_and_the_last_note_is_kept() {
+    let more = "[[service.input]]\nname = \"leak\"\npumps = [\"acid\"]\nsilent = \"10min\"\n";
+    let Some((broker, laboratory)) = place(more) else { return };
+    let service = laboratory.serve(&[]);
+    let ear = broker.ear();
+    assert!(ear.state("acid", "idle")["reason"].is_null());
+    let bad = json!({"ok": false, "reason": "water under the rack"});
+    assert_eq!(service.post("/api/v1/inputs/leak", &bad).0, 200);
+    assert_eq!(ear.state("acid", "stands")["reason"], "leak: water under the rack");
+    let words = "acid stands until a person clears it: leak: water under the rack";
+    ear.hears("pump-dose/notes", |note| note.json()["text"] == words);
+    // Whoever comes later hears it too.
+    let later = broker.ear().hears("pump-dose/notes", |note| note.is_retained);
+    assert_eq!(later.json()["text"], words);
+}
+
+#[test]
 fn a_stop_right_after_a_dose_finds_it() {
     let Some((broker, laboratory)) = place("") else { return };
     let service = laboratory.serve(&[]);
@@ -231,7 +248,7 @@ fn home_assistant_finds_the_pumps_and_a_changed_volume_alone_does_not_dose() {
     ear.status("online");
     let documents: Vec<Message> =
         ear.all().into_iter().filter(|message| message.topic.starts_with("homeassistant/")).collect();
-    assert_eq!(documents.len(), 2 * 7, "{documents:?}");
+    assert_eq!(documents.len(), 2 * 8, "{documents:?}");
     let told = |topic: &Value| !ear.at(topic.as_str().unwrap()).is_empty();
     let mut names = Vec::new();
     for message in &documents {

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::laboratory::{Laboratory, wait_for};
+use crate::laboratory::{Laboratory, signal, wait_for};
 
 #[test]
 fn a_dose_over_http_is_the_dose_of_the_command() {
@@ -27,6 +27,31 @@ fn a_dose_over_http_is_the_dose_of_the_command() {
         assert_eq!(dose[key], typed[key], "{key}");
     }
     assert_eq!(laboratory.log("acid").len(), 1);
+}
+
+#[test]
+fn a_dose_whose_process_is_killed_is_told_to_everyone() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    laboratory.tell_failures();
+    let service = laboratory.serve(&[]);
+    let id = service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
+    service.moves("acid");
+    let holder = laboratory.status("acid")["in_use_by"].to_string();
+    let process: String = holder.chars().filter(char::is_ascii_digit).collect();
+    signal(process.parse().unwrap(), "KILL");
+    let order = service.ended(&id);
+    let error = &order["error"];
+    assert_eq!((&order["state"], &order["code"]), (&json!("failed"), &json!(1)), "{order}");
+    assert_eq!((&error["schema"], &error["kind"]), (&json!("error/1"), &json!("killed")), "{order}");
+    assert_eq!(error["moved"], true, "{order}");
+    assert!(error["message"].as_str().unwrap().contains("SIGKILL"), "{order}");
+    wait_for("on_fail", || (laboratory.told() == ["acid 1 killed"]).then_some(()));
+    let notes = service.get("/api/v1/notes").1;
+    let note = &notes[0];
+    assert_eq!(note["pump"], "acid", "{notes}");
+    assert!(note["text"].as_str().unwrap().contains(&id), "{notes}");
+    // The journal has the bounds of what was delivered.
+    assert!(!laboratory.status("acid")["unfinished"].is_null());
 }
 
 #[test]

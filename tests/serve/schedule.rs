@@ -3,8 +3,9 @@
 use std::fs;
 
 use pump_service::schedule::{TimeZone, Timestamp};
+use serde_json::{Value, json};
 
-use crate::laboratory::{Laboratory, wait_for};
+use crate::laboratory::{Laboratory, Service, wait_for};
 
 /// The time of day `in_s` seconds from now, UTC.
 fn soon(in_s: i64) -> String {
@@ -46,21 +47,100 @@ fn a_dose_comes_by_the_clock_once() {
 #[test]
 fn an_entry_that_would_be_refused_at_night_is_told_at_once() {
     let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
-    let entry = |name: &str, what: &str| format!("[[entry]]\nname = \"{name}\"\n{what}\nat = \"03:00\"\n");
+    // Entries of one pump at one time would be refused together.
+    let entry = |hour: u32, what: &str| {
+        let name = char::from_digit(10 + hour, 36).unwrap();
+        format!("[[entry]]\nname = \"{name}\"\n{what}\nat = \"0{hour}:00\"\n")
+    };
     let text = "schema = \"schedule/1\"\n".to_owned()
-        + &entry("a", "pump = \"nope\"\ndose = \"2mL\"")
-        + &entry("b", "pump = \"acid\"\ndose = \"5gal\"")
-        + &entry("c", "rack = \"night\"")
-        + &entry("d", "pump = \"acid\"\ndose = \"2mL\"").replace("03:00", "05:00");
+        + &entry(0, "pump = \"nope\"\ndose = \"2mL\"")
+        + &entry(1, "pump = \"acid\"\ndose = \"5gal\"")
+        + &entry(2, "rack = \"night\"")
+        + &entry(3, "pump = \"acid\"\ndose = \"2mL\"")
+        + &entry(4, "pump = \"acid\"\ndose = \"2mL\"\noptions = { rats = \"1mL/s\" }")
+        + &entry(5, "pump = \"acid\"\ndose = \"2mL\"\noptions = { rate = \"900mL/s\" }")
+        + &entry(6, "pump = \"acid\"\nprime = \"900000mL\"\nenabled = false");
+    fs::write(laboratory.path("schedule.toml"), &text).unwrap();
+    let service = laboratory.serve(&[]);
+    let doubts = || {
+        let next = service.get("/api/v1/schedule").1["next"].clone();
+        let next = next.as_array().unwrap().iter();
+        next.map(|next| next["doubt"].as_str().map(str::to_owned)).collect::<Vec<_>>()
+    };
+    let found = wait_for("the trials", || Some(doubts()).filter(|found| found.iter().any(Option::is_some)));
+    let whys = [Some("nope"), Some("5gal"), Some("night"), None, Some("--rats"), Some("900"), None];
+    let notes = service.get("/api/v1/notes").1.to_string();
+    for (index, (found, why)) in found.iter().zip(whys).enumerate() {
+        let name = char::from(b'a' + u8::try_from(index).unwrap());
+        assert_eq!(found.is_some(), why.is_some(), "{name}: {found:?}");
+        let words = format!("{name}: its runs will be refused: ");
+        assert_eq!(notes.contains(&words), why.is_some(), "{name}: {notes}");
+        if let (Some(found), Some(why)) = (found, why) {
+            assert!(found.contains(why), "{name}: {found}");
+            // A log of the service has the line too.
+            wait_for("the line", || laboratory.said().contains(&format!("{words}{found}\n")).then_some(()));
+        }
+    }
+    assert!(laboratory.log("acid").is_empty(), "nothing moved");
+    // An entry that is mended is in doubt no more.
+    fs::write(laboratory.path("schedule.toml"), text.replace("rats", "rate")).unwrap();
+    wait_for("the mended entry", || {
+        let found = doubts();
+        (found[4].is_none() && found[5].is_some()).then_some(())
+    });
+}
+
+#[test]
+fn a_scheduled_dose_that_fails_after_its_begin_is_noted() {
+    let laboratory = Laboratory::new(&["acid", "base"], "[service]\nschedule = \"schedule.toml\"\n");
+    let at = soon(4);
+    let entry = |pump: &str| {
+        format!(
+            "[[entry]]\nname = \"{pump}-night\"\npump = \"{pump}\"\ndose = \"40mL\"\nat = \"{at}\"\n\
+             options = {{ rate = \"1mL/s\" }}\n"
+        )
+    };
+    let text = "schema = \"schedule/1\"\nzone = \"UTC\"\n".to_owned() + &entry("acid") + &entry("base");
+    fs::write(laboratory.path("schedule.toml"), text).unwrap();
+    let mut service = laboratory.serve(&[]);
+    ["acid", "base"].into_iter().for_each(|pump| service.moves(pump));
+    let failed = |service: &Service, pump: &str, why: &str| {
+        let notes = service.get("/api/v1/notes").1;
+        let is_it = |note: &&Value| {
+            let text = note["text"].as_str().unwrap();
+            note["pump"] == pump && text.starts_with(&format!("{pump}-night at ")) && text.contains(why)
+        };
+        notes.as_array().unwrap().iter().find(is_it).map(drop)
+    };
+    let (status, _) = service.post("/api/v1/pumps/acid/stop", &json!({"reason": "the hose is off"}));
+    assert_eq!(status, 200);
+    wait_for("the note of a stop", || failed(&service, "acid", ": failed: "));
+    // The end of the service is told too, for the morning after.
+    assert_eq!(service.end(), Some(0));
+    assert!(laboratory.said().contains("schedule: base: base-night at "), "{}", laboratory.said());
+    let service = laboratory.serve_again(&service);
+    assert!(failed(&service, "base", ": failed: ").is_some(), "{}", service.get("/api/v1/notes").1);
+}
+
+#[test]
+fn on_fail_hears_of_a_scheduled_dose_that_is_not_made_and_not_of_a_typing_error() {
+    let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
+    laboratory.tell_failures();
+    let text = format!(
+        "schema = \"schedule/1\"\nzone = \"UTC\"\n[[entry]]\nname = \"a\"\npump = \"acid\"\n\
+         dose = \"2mL\"\nat = \"{}\"\noptions = {{ rate = \"900mL/s\" }}\n",
+        soon(5)
+    );
     fs::write(laboratory.path("schedule.toml"), text).unwrap();
     let service = laboratory.serve(&[]);
-    let (_, notes) = service.get("/api/v1/notes");
-    let told: Vec<&str> = notes.as_array().unwrap().iter().filter_map(|note| note["text"].as_str()).collect();
-    for (entry, why) in [("a", "nope"), ("b", "5gal"), ("c", "no rack `night`")] {
-        let words = format!("{entry}: its runs will be refused: ");
-        assert!(told.iter().any(|text| text.starts_with(&words) && text.contains(why)), "{entry}: {told:?}");
-    }
-    assert!(!told.iter().any(|text| text.starts_with("d: ")), "{told:?}");
+    let (status, refused) =
+        service.post("/api/v1/pumps/acid/dose", &json!({"volume": "2mL", "options": {"rate": "800mL/s"}}));
+    assert_eq!((status, &refused["code"]), (422, &json!(2)), "{refused}");
+    assert!(laboratory.told().is_empty(), "{:?}", laboratory.told());
+    wait_for("on_fail of the schedule", || (!laboratory.told().is_empty()).then_some(()));
+    assert_eq!(laboratory.told(), [format!("acid 2 {}", refused["kind"].as_str().unwrap())]);
+    let notes = service.get("/api/v1/notes").1.to_string();
+    assert!(notes.contains(": not made: "), "{notes}");
 }
 
 #[test]
@@ -96,9 +176,7 @@ fn a_schedule_that_is_changed_is_read_anew_and_a_wrong_one_leaves_the_old_in_for
         wait_for(words, || service.get("/api/v1/notes").1.to_string().contains(words).then_some(()));
     };
     told("at is `25:00`");
-    let at = |service: &crate::laboratory::Service| {
-        service.get("/api/v1/schedule").1["schedule"]["entry"][0]["at"].to_string()
-    };
+    let at = |service: &Service| service.get("/api/v1/schedule").1["schedule"]["entry"][0]["at"].to_string();
     assert!(at(&service).contains("03:00"));
     fs::write(&file, text.replace("03:00", "04:00")).unwrap();
     told("read anew");

@@ -31,6 +31,8 @@ pub mod schedule;
 #[cfg(feature = "serve")]
 pub mod service;
 #[cfg(feature = "serve")]
+mod shell;
+#[cfg(feature = "serve")]
 pub mod worker;
 
 /// Makes a token that nobody guesses: 64 hexadecimal digits.

@@ -1,6 +1,8 @@
 //! `dose serve`: the service that several people and programs share the pumps of one machine with.
 
 #[cfg(feature = "serve")]
+mod notes;
+#[cfg(feature = "serve")]
 mod place;
 #[cfg(feature = "serve")]
 mod running;
@@ -54,8 +56,8 @@ impl ServeArgs {
         let Self { listen, token_file, schedule, pace, config, record } = self;
         let _ = (listen, token_file, schedule, pace, config, record);
         Err(Failure::refused(
-            "this `dose` was built without the service; take a released one, or build it with `cargo run --features \
-             serve --bin dose -- serve`",
+            "this `dose` was built without the service; build it with `cargo run --features serve --bin dose -- \
+             serve`",
         ))
     }
 }

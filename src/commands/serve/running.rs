@@ -22,6 +22,7 @@ use tokio::net::TcpListener;
 use tokio::runtime::Builder;
 
 use super::ServeArgs;
+use super::notes::Notes;
 use super::place::Place;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -32,6 +33,9 @@ const USUAL_ADDRESS: &str = "127.0.0.1:8737";
 
 /// Longest time that the motors have to stand once the service ends.
 const LONGEST_END: Duration = Duration::from_secs(30);
+
+/// Longest time that the runs of the schedule have to tell their ends once the motors stand.
+const LONGEST_WORD: Duration = Duration::from_secs(2);
 
 /// Time between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(20);
@@ -45,14 +49,8 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
     let state_dir = args.record.folder(&config)?;
     let table = config.service().clone();
     let address = address(args, &table)?;
-    let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
-    let token = token_file.map(|path| secret("token", path)).transpose()?;
     let local = pump_service::new_token().map_err(refused)?;
-    let access = Access::new(address, token, local.clone(), table.hosts.clone());
-    let access = access.map_err(|error| match error {
-        AccessError::NoToken(_) => refused(format!("{error}: --token-file, or token_file in [service]")),
-        error => refused(error),
-    })?;
+    let access = access(args, &table, address, &local)?;
     let schedule = args.schedule.as_ref().or(table.schedule.as_ref()).cloned();
     let interrupt = Interrupt::watch()?;
     let place = Place::take(&state_dir)?;
@@ -62,8 +60,10 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
     let fast = args.pace == Some(Pace::Fast);
     let runtime = Builder::new_multi_thread().worker_threads(THREADS).enable_all().build();
     let runtime = runtime.map_err(|error| refused(format!("the service cannot begin: {error}")))?;
-    runtime.block_on(async {
-        let service = Service::new(Setup { config, state_dir, program, fast, history }).map_err(refused)?;
+    let (tell_notes, notes) = Notes::begin();
+    let ended = runtime.block_on(async {
+        let setup = Setup { config, state_dir, program, fast, history, notes: tell_notes };
+        let service = Service::new(setup).map_err(refused)?;
         let listener = TcpListener::bind(address).await.map_err(|error| {
             refused(format!("cannot listen at {address}: {error}; name another with --listen")).value(address)
         })?;
@@ -82,13 +82,17 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
         tokio::spawn(async move { guarding.run().await });
         let (ended, until) = tokio::sync::oneshot::channel::<()>();
         let until = async move { drop(until.await) };
+        let shown = runner.clone();
         let answering =
-            tokio::spawn(serve(listener, service.clone(), access, runner, guard, Limits::default(), until));
+            tokio::spawn(serve(listener, service.clone(), access, shown, guard, Limits::default(), until));
         while interrupt.signal().is_none() {
             tokio::time::sleep(LOOK).await;
         }
         say("stopping every pump; the records are written once they stand\n");
         let stand = service.end("the end of the service", LONGEST_END).await;
+        if let Some(runner) = runner {
+            runner.end(LONGEST_WORD).await;
+        }
         if let Some(link) = link {
             link.end().await;
         }
@@ -96,7 +100,11 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
         drop(ended);
         let _ = answering.await;
         if stand { Ok(()) } else { Err(unsettled()) }
-    })
+    });
+    // The tasks end with their runtime, and the notes with the last task.
+    drop(runtime);
+    notes.end();
+    ended
 }
 
 fn unsettled() -> Failure {
@@ -115,6 +123,22 @@ fn address(args: &ServeArgs, table: &ServiceTable) -> Result<SocketAddr, Failure
     text.parse().map_err(|_| {
         let allowed = "an address and a port, as 127.0.0.1:8737 or [::1]:8737";
         refused(format!("cannot listen at `{text}`; allowed: {allowed}")).value(text).allowed(allowed)
+    })
+}
+
+/// The rules of who may use the service at this address. `local` is the token of commands on this machine.
+fn access(
+    args: &ServeArgs,
+    table: &ServiceTable,
+    address: SocketAddr,
+    local: &str,
+) -> Result<Access, Failure> {
+    let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
+    let token = token_file.map(|path| secret("token", path)).transpose()?;
+    let access = Access::new(address, token, local.to_owned(), table.hosts.clone());
+    access.map_err(|error| match error {
+        AccessError::NoToken(_) => refused(format!("{error}: --token-file, or token_file in [service]")),
+        error => refused(error),
     })
 }
 

@@ -58,7 +58,7 @@ impl OnFailOption {
     pub(crate) fn or_configured(&self, pump: &PumpOption, is_unattended: bool) -> Option<OnFail> {
         let configured = || {
             let config = pump.config().ok().filter(|_| is_unattended)?;
-            Some(OnFail::new(config.on_fail()?, pump.name(&config)))
+            Some(OnFail::new(config.on_fail()?, pump.name(&config)).unless_answered())
         };
         self.named(pump).or_else(configured)
     }

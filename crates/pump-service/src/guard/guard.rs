@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use jiff::Timestamp;
 use tokio::sync::Notify;
 
-use super::command;
 use super::error::GuardError;
 use super::input::{Input, InputView, Word};
 use super::stand::{KIND, put_to_stand, tell_of_stand};
 use crate::service::{Service, Stillness};
+use crate::shell::command;
 
 /// Time between two looks at the clock and at the pumps.
 const LOOK: Duration = Duration::from_millis(100);

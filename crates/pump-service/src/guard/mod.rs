@@ -1,7 +1,6 @@
 //! The guard: inputs that must be alive, as a leak sensor. One that is not well, or silent for too long, stops its
 //! pumps and puts them to stand. Only a person lets them go on, by a clearing that is on record.
 
-mod command;
 mod error;
 mod guard;
 mod input;

@@ -5,10 +5,10 @@ use std::time::Duration;
 use pump_bench::report::ErrorKind;
 use tokio::time::{Instant, sleep};
 
-use super::command;
 use crate::history::{OrderRecord, OrderState};
 use crate::order::{Order, OrderId, Origin, Task};
 use crate::service::{Pump, Refusal, Service, error_report};
+use crate::shell::Failed;
 
 /// Kind of the notes of the guard.
 pub(super) const KIND: &str = "guard";
@@ -79,32 +79,11 @@ async fn ordered(service: &Service, pump: &Pump, reason: &str) -> Result<OrderRe
     Ok(record.record)
 }
 
-/// Runs the configuration's `on_fail` for a pump that was put to stand. Its own failure is told.
+/// Runs the configuration's `on_fail` for a pump that was put to stand.
 pub(super) async fn tell_of_stand(service: &Service, pump: &str, reason: &str) {
-    let Some(on_fail) = service.config().on_fail().map(str::to_owned) else { return };
-    let kind = ErrorKind::Safety.to_string();
     let message = format!("the guard has put pump {pump} to stand: {reason}");
-    let input = format!("{}\n", error_report(5, &kind, &message));
-    let (named, ending) = (pump.to_owned(), service.clone());
-    let ran = tokio::task::spawn_blocking(move || {
-        let variables = [
-            ("DOSE_FAIL_PUMP", named.as_str()),
-            ("DOSE_FAIL_RACK", ""),
-            ("DOSE_FAIL_CODE", "5"),
-            ("DOSE_FAIL_KIND", kind.as_str()),
-            ("DOSE_FAIL_LEAST_ML", ""),
-            ("DOSE_FAIL_MOST_ML", ""),
-        ];
-        command::run(&on_fail, &variables, &input, || ending.is_ending())
-    });
-    let failed = match ran.await {
-        Ok(Ok(ended)) => match ended.status {
-            Some(status) if status.success() => return,
-            Some(status) => format!("ended with {status}: {}", ended.line),
-            None => format!("was ended after {:?}", command::LONGEST),
-        },
-        Ok(Err(error)) => format!("could not be run: {error}"),
-        Err(error) => format!("could not be run: {error}"),
-    };
-    service.note(KIND, Some(pump), &format!("the command `on_fail` of the configuration {failed}"));
+    let report = error_report(5, ErrorKind::Safety.as_str(), &message);
+    let (pump, rack) = (pump.to_owned(), String::new());
+    // An order that was stopped before may have delivered something.
+    service.on_fail(KIND, Failed { pump, rack, report, has_nothing: false }).await;
 }

@@ -40,6 +40,9 @@ CREATE TABLE IF NOT EXISTS planned (
 CREATE TABLE IF NOT EXISTS words (
     name TEXT PRIMARY KEY, value TEXT NOT NULL
 ) STRICT;
+CREATE TABLE IF NOT EXISTS logins (
+    mark TEXT NOT NULL UNIQUE, begun TEXT NOT NULL
+) STRICT;
 ";
 
 /// Columns of an order, as [`order`] reads them.
@@ -301,11 +304,14 @@ impl History {
         self.file.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn read<T>(&self, read: impl FnOnce(&Connection) -> rusqlite::Result<T>) -> Result<T, HistoryError> {
+    pub(super) fn read<T>(
+        &self,
+        read: impl FnOnce(&Connection) -> rusqlite::Result<T>,
+    ) -> Result<T, HistoryError> {
         read(&self.locked()).map_err(|source| HistoryError::File { path: self.path.clone(), source })
     }
 
-    fn execute(&self, sql: &str, values: impl rusqlite::Params) -> Result<(), HistoryError> {
+    pub(super) fn execute(&self, sql: &str, values: impl rusqlite::Params) -> Result<(), HistoryError> {
         self.read(|file| file.execute(sql, values).map(drop))
     }
 }

@@ -5,6 +5,7 @@
 
 mod error;
 mod history;
+mod logins;
 mod record;
 
 pub use self::error::HistoryError;

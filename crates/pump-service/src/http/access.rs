@@ -8,7 +8,8 @@ use axum::http::{HeaderMap, Method, StatusCode};
 use thiserror::Error;
 
 use super::failure::Failure;
-use super::session::{SESSION_COOKIE, Sessions};
+use super::session::{self, SESSION_COOKIE};
+use crate::history::History;
 
 /// Shortest token, in bytes.
 const SHORTEST_TOKEN: usize = 16;
@@ -37,7 +38,6 @@ pub struct Access {
     local: String,
     /// Names and addresses by which the service may be called.
     hosts: BTreeSet<String>,
-    pub(super) sessions: Sessions,
 }
 
 impl Access {
@@ -66,7 +66,7 @@ impl Access {
                 IpAddr::V6(ip) => format!("[{ip}]"),
             });
         }
-        Ok(Self { token, local, hosts, sessions: Sessions::default() })
+        Ok(Self { token, local, hosts })
     }
 
     /// Returns true if people log in.
@@ -114,14 +114,14 @@ impl Access {
         }
     }
 
-    /// Refuses a request without a token or a login, where one is needed.
-    pub(super) fn check_token(&self, headers: &HeaderMap) -> Result<(), Failure> {
+    /// Refuses a request without a token or a login of the history, where one is needed.
+    pub(super) fn check_token(&self, headers: &HeaderMap, history: &History) -> Result<(), Failure> {
         let Some(token) = &self.token else { return Ok(()) };
         let bearer = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
         let bearer = bearer.and_then(|value| value.strip_prefix("Bearer "));
         if bearer.is_some_and(|given| is_same(given, token))
             || self.is_local(headers)
-            || self.is_logged_in(headers)
+            || is_logged_in(headers, history, token)?
         {
             return Ok(());
         }
@@ -136,19 +136,23 @@ impl Access {
         bearer.is_some_and(|given| is_same(given, &self.local))
     }
 
-    /// Returns true if the request has the cookie of a login.
-    pub(super) fn is_logged_in(&self, headers: &HeaderMap) -> bool {
-        let cookies = headers.get_all(COOKIE).iter().filter_map(|cookie| cookie.to_str().ok());
-        let named = |pair: &&str| pair.trim().starts_with(SESSION_COOKIE);
-        let sessions = cookies.flat_map(|cookies| cookies.split(';')).filter(|pair| named(pair));
-        let values = sessions.filter_map(|pair| pair.trim().split_once('=')).map(|(_, value)| value);
-        values.into_iter().any(|value| self.sessions.has(value))
+    /// Begins a login with this token, and returns the value of its cookie. `None` if it is not the service's token.
+    pub(super) fn log_in(&self, given: &str, history: &History) -> Result<Option<String>, Failure> {
+        let token = self.token.as_ref().filter(|token| is_same(given, token));
+        token.map(|token| session::begin(history, token)).transpose()
     }
+}
 
-    /// Returns true if this is the token of the page's login.
-    pub(super) fn is_token(&self, given: &str) -> bool {
-        self.token.as_ref().is_some_and(|token| is_same(given, token))
+/// Returns true if the request has the cookie of a login that holds.
+fn is_logged_in(headers: &HeaderMap, history: &History, token: &str) -> Result<bool, Failure> {
+    let cookies = headers.get_all(COOKIE).iter().filter_map(|cookie| cookie.to_str().ok());
+    let pairs = cookies.flat_map(|cookies| cookies.split(';')).filter_map(|pair| pair.trim().split_once('='));
+    for (_, value) in pairs.filter(|(name, _)| *name == SESSION_COOKIE) {
+        if session::holds(history, token, value)? {
+            return Ok(true);
+        }
     }
+    Ok(false)
 }
 
 /// Compares in a time that tells nothing of the place of the first difference.
@@ -176,6 +180,10 @@ mod tests {
         let listen = "127.0.0.1:8737".parse().unwrap();
         Access::new(listen, token.map(str::to_owned), "local-token".to_owned(), ["pumps.lab".to_owned()])
             .unwrap()
+    }
+
+    fn history() -> History {
+        History::open(std::path::Path::new(":memory:")).unwrap()
     }
 
     fn headers(pairs: &[(&'static str, &'static str)]) -> HeaderMap {
@@ -225,13 +233,30 @@ mod tests {
 
     #[test]
     fn only_the_whole_token_opens() {
-        let access = access(Some("0123456789abcdef"));
-        assert!(access.check_token(&headers(&[("authorization", "Bearer 0123456789abcdef")])).is_ok());
-        assert!(access.check_token(&headers(&[("authorization", "Bearer local-token")])).is_ok());
+        let (access, history) = (access(Some("0123456789abcdef")), history());
+        let opens =
+            |given: &'static str| access.check_token(&headers(&[("authorization", given)]), &history).is_ok();
+        assert!(opens("Bearer 0123456789abcdef"));
+        assert!(opens("Bearer local-token"));
         for given in ["Bearer 0123456789abcde", "Bearer ", "0123456789abcdef", "Basic 0123456789abcdef"] {
-            let pair = [("authorization", given)];
-            assert!(access.check_token(&headers(&pair)).is_err(), "{given}");
+            assert!(!opens(given), "{given}");
         }
-        assert!(access.check_token(&HeaderMap::new()).is_err());
+        assert!(access.check_token(&HeaderMap::new(), &history).is_err());
+    }
+
+    #[test]
+    fn a_login_ends_with_its_token_and_with_every_login() {
+        let (token, history) = ("0123456789abcdef", history());
+        let first = access(Some(token));
+        assert_eq!(first.log_in("0123456789abcdee", &history).unwrap(), None);
+        let value = first.log_in(token, &history).unwrap().unwrap();
+        let cookie = HeaderValue::from_str(&format!("a=b; {SESSION_COOKIE}={value}")).unwrap();
+        let headers = HeaderMap::from_iter([(COOKIE, cookie)]);
+        assert!(first.check_token(&headers, &history).is_ok());
+        // The same token after a restart, and another one.
+        assert!(access(Some(token)).check_token(&headers, &history).is_ok());
+        assert!(access(Some("fedcba9876543210")).check_token(&headers, &history).is_err());
+        history.end_logins().unwrap();
+        assert!(first.check_token(&headers, &history).is_err());
     }
 }

@@ -15,6 +15,7 @@ use super::bodies::body;
 use super::failure::Failure;
 use super::session::{HOLDS, SESSION_COOKIE};
 use super::shared::Shared;
+use crate::service::Refusal;
 
 /// Time that a login with a wrong token takes, so that nobody tries many.
 const WRONG_TAKES: Duration = Duration::from_secs(1);
@@ -48,21 +49,18 @@ struct LoginBody {
 /// Tells whether a login is needed, and whether there is one.
 pub(super) async fn is_logged_in(State(shared): State<Shared>, headers: HeaderMap) -> Json<Value> {
     let needed = shared.access.needs_login();
-    let may = !needed || shared.access.check_token(&headers).is_ok();
+    let may = !needed || shared.access.check_token(&headers, shared.service.history()).is_ok();
     Json(json!({"needed": needed, "may": may}))
 }
 
 /// Begins a login, whose cookie no other site can use.
 pub(super) async fn log_in(State(shared): State<Shared>, bytes: Bytes) -> Result<impl IntoResponse, Failure> {
     let LoginBody { token } = body(&bytes)?;
-    if !shared.access.is_token(token.trim()) {
+    let Some(session) = shared.access.log_in(token.trim(), shared.service.history())? else {
         tokio::time::sleep(WRONG_TAKES).await;
         let message = "this is not the service's token; it is in the file that the service was started with";
         return Err(Failure::new(StatusCode::UNAUTHORIZED, "token", message));
-    }
-    let session = shared.access.sessions.begin();
-    let session =
-        session.map_err(|error| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "service", error))?;
+    };
     let seconds = HOLDS.as_secs();
     let cookie = format!("{SESSION_COOKIE}={session}; Path=/; HttpOnly; SameSite=Strict; Max-Age={seconds}");
     Ok(([(SET_COOKIE, cookie)], Json(json!({"needed": true, "may": true}))))
@@ -73,8 +71,8 @@ pub(super) async fn log_out(
     State(shared): State<Shared>,
     headers: HeaderMap,
 ) -> Result<impl IntoResponse, Failure> {
-    shared.access.check_token(&headers)?;
-    shared.access.sessions.end_all();
+    shared.access.check_token(&headers, shared.service.history())?;
+    shared.service.history().end_logins().map_err(Refusal::from)?;
     let cookie = format!("{SESSION_COOKIE}=; Path=/; HttpOnly; SameSite=Strict; Max-Age=0");
     Ok(([(SET_COOKIE, cookie)], Json(json!({"needed": true, "may": false}))))
 }

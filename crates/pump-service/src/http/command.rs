@@ -50,7 +50,7 @@ pub(super) async fn command(
     }
     let CommandBody { pump, words, folder, attended } = body(&bytes)?;
     let (hearer, mut lines) = unbounded_channel();
-    let seat = Seat { folder: Some(folder), is_attended: attended };
+    let seat = Seat { folder: Some(folder), is_attended: attended, is_answered: false };
     let service = shared.service.clone();
     let id = service.place_command(&pump, words, seat, hearer)?;
     let (give, take) = channel::<Result<String, std::io::Error>>(WAITING);

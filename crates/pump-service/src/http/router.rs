@@ -141,7 +141,7 @@ fn check(shared: &Shared, request: &Request) -> Result<(), Failure> {
 }
 
 async fn needs_token(State(shared): State<Shared>, request: Request, next: Next) -> Response {
-    match shared.access.check_token(request.headers()) {
+    match shared.access.check_token(request.headers(), shared.service.history()) {
         Ok(()) => next.run(request).await,
         Err(failure) => failure.into_response(),
     }

@@ -1,45 +1,41 @@
-//! Logins of people at the page.
+//! Logins of people at the page. They hold over a restart of the service, and end with its token.
 
-use std::collections::VecDeque;
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::fmt::Write;
 
+use axum::http::StatusCode;
+use jiff::{SignedDuration, Timestamp};
+use sha2::{Digest, Sha256};
+
+use super::failure::Failure;
+use crate::history::History;
 use crate::order::random_hex;
+use crate::service::Refusal;
 
 /// Name of the cookie.
 pub(super) const SESSION_COOKIE: &str = "dose-session";
 
-/// Most logins at a time: a further one ends the oldest.
-const MOST: usize = 200;
-
 /// Time for which a login holds.
-pub(super) const HOLDS: Duration = Duration::from_secs(30 * 24 * 3600);
+pub(super) const HOLDS: SignedDuration = SignedDuration::from_hours(30 * 24);
 
-/// The logins that hold. The end of the service ends them all.
-#[derive(Debug, Default)]
-pub(super) struct Sessions(Mutex<VecDeque<(String, Instant)>>);
+/// Begins a login with this token. Returns the value of its cookie.
+pub(super) fn begin(history: &History, token: &str) -> Result<String, Failure> {
+    let failed = |error| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "service", error);
+    let value = random_hex::<32>().map_err(failed)?;
+    history.begin_login(&mark(token, &value), Timestamp::now()).map_err(Refusal::from)?;
+    Ok(value)
+}
 
-impl Sessions {
-    /// Begins a login. Returns the value of its cookie.
-    pub(super) fn begin(&self) -> Result<String, getrandom::Error> {
-        let value = random_hex::<32>()?;
-        let mut sessions = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if sessions.len() == MOST {
-            sessions.pop_front();
-        }
-        sessions.push_back((value.clone(), Instant::now()));
-        Ok(value)
-    }
+/// Returns true if the login of this cookie holds.
+pub(super) fn holds(history: &History, token: &str, value: &str) -> Result<bool, Failure> {
+    let since = Timestamp::now().checked_sub(HOLDS).unwrap_or(Timestamp::MIN);
+    Ok(history.has_login(&mark(token, value), since).map_err(Refusal::from)?)
+}
 
-    /// Returns true if the login of this cookie holds.
-    pub(super) fn has(&self, value: &str) -> bool {
-        let mut sessions = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        sessions.retain(|(_, begun)| begun.elapsed() < HOLDS);
-        sessions.iter().any(|(session, _)| session == value)
-    }
-
-    /// Ends every login.
-    pub(super) fn end_all(&self) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
-    }
+/// The mark of a login on record. Whoever reads it learns no cookie, and another token has other marks.
+fn mark(token: &str, value: &str) -> String {
+    let digest = Sha256::new().chain_update(token).chain_update([0]).chain_update(value).finalize();
+    digest.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }

@@ -41,7 +41,7 @@ pub(super) fn documents(prefix: &str, topics: &Topics, pump: &Pump) -> Vec<(Stri
 }
 
 /// Values that are read of a pump.
-fn sensors(topics: &Topics, name: &str) -> [Entity; 4] {
+fn sensors(topics: &Topics, name: &str) -> [Entity; 5] {
     let state = topics.of(name, "state");
     let value = |key: &str| format!("{{{{ value_json.{key} }}}}");
     let problems = PROBLEMS.map(|word| format!("'{word}'")).join(", ");
@@ -56,8 +56,12 @@ fn sensors(topics: &Topics, name: &str) -> [Entity; 4] {
         "suggested_display_precision": 0, "entity_category": "diagnostic"});
     let problem = json!({"name": "Problem", "state_topic": state, "device_class": "problem",
         "value_template": is_problem});
+    // Home Assistant takes no state of more than 255 letters.
+    let reason = json!({"name": "Reason", "state_topic": state, "entity_category": "diagnostic",
+        "value_template": "{{ (value_json.reason or value_json.error or '')[:250] }}"});
     [
         ("sensor", "state", told),
+        ("sensor", "reason", reason),
         ("sensor", "delivered", delivered),
         ("sensor", "tube", tube),
         ("binary_sensor", "problem", problem),

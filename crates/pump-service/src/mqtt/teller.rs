@@ -119,7 +119,7 @@ impl<'a> Teller<'a> {
     async fn take(&mut self, event: &Event) -> Result<(), ClientError> {
         if event.name == "note" {
             let topic = self.settings.topics.notes();
-            return self.client.publish(topic, QoS::AtLeastOnce, false, event.data.to_string()).await;
+            return self.keep(topic, event.data.to_string()).await;
         }
         let Ok(value) = serde_json::from_str::<Value>(&event.data) else { return Ok(()) };
         let text = |key: &str| value.get(key).and_then(Value::as_str).unwrap_or_default();

@@ -33,7 +33,7 @@ impl Topics {
         format!("{}/status", self.root)
     }
 
-    /// Topic of what a person should know.
+    /// Topic of what a person should know, which keeps the last one.
     pub(super) fn notes(&self) -> String {
         format!("{}/notes", self.root)
     }

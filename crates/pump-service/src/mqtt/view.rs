@@ -1,5 +1,6 @@
 //! The state of a pump as its topic has it.
 
+use pump_bench::report::StandStatus;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -29,6 +30,8 @@ pub(super) struct State<'a> {
     asked_ml: Option<f64>,
     order: Option<&'a OrderId>,
     task: Option<&'static str>,
+    /// Reason why the pump stands; null if it does not.
+    reason: Option<String>,
     /// Reason why the record cannot be read.
     error: Option<&'a str>,
 }
@@ -48,6 +51,7 @@ impl<'a> State<'a> {
             asked_ml: of_last("requested_ml"),
             order: view.order.as_ref(),
             task: view.task,
+            reason: status.and_then(|status| status.safety.stand.as_ref()).map(reason),
             error: view.error.as_deref(),
         }
     }
@@ -55,6 +59,17 @@ impl<'a> State<'a> {
     /// Returns the state as one line of JSON.
     pub(super) fn text(&self) -> String {
         serde_json::to_string(self).unwrap_or_else(|error| unreachable!("plain data: {error}"))
+    }
+}
+
+/// Returns the words of a stand: those of its order, or the limit with its volumes.
+fn reason(stand: &StandStatus) -> String {
+    match &stand.reason {
+        Some(reason) => reason.as_str().to_owned(),
+        None => {
+            let StandStatus { limit, used_ml, allowed_ml, .. } = stand;
+            format!("limit of the {limit}: {used_ml:.2} mL were pumped, {allowed_ml:.2} mL are allowed")
+        }
     }
 }
 

@@ -1,28 +1,32 @@
-//! Faults of an entry that only the service's configuration can tell.
+//! Faults of an entry that its command tells before the night in which it is due.
 
-use pump_bench::units::dose_amount;
+use std::time::Duration;
 
-use crate::schedule::{Action, Entry};
+use crate::order::Choice;
+use crate::schedule::Entry;
 use crate::service::Service;
+use crate::worker::message_of;
 
-/// Returns the reason why the runs of an entry would be refused: a pump or a rack that the configuration does not have,
-/// or a volume that nobody can read. `None` if none is known.
-pub(super) fn doubt(entry: &Entry, service: &Service) -> Option<String> {
-    let (pump, volume) = match entry.action() {
-        Action::Dose { pump, volume, .. } | Action::Prime { pump, volume } => (pump, volume),
-        Action::Rack { rack } => {
-            let racks = service.config().racks();
-            let known: Vec<&str> = racks.keys().map(String::as_str).collect();
-            return (!racks.contains_key(rack))
-                .then(|| format!("the configuration has no rack `{rack}`; it has {}", list(&known)));
-        }
+use super::run::order;
+
+/// Longest time that a trial takes.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// Returns the reason why the runs of an entry would be refused, as their command says that is tried out and moves
+/// nothing. `None` if it would not be, or for what passes: a pump that is in use, stands or has an unfinished dose.
+pub(super) async fn doubt(entry: &Entry, service: &Service) -> Option<String> {
+    let mut order = order(entry);
+    order.options.insert("dry-run".to_owned(), Choice::Switch(true));
+    let tried = match tokio::time::timeout(LONGEST, service.try_out(&order)).await {
+        Ok(tried) => tried,
+        Err(_) => return Some(format!("it could not be tried out within {LONGEST:?}")),
     };
-    if let Err(refusal) = service.pump(pump) {
-        return Some(refusal.to_string());
+    match tried {
+        Err(refusal) => Some(refusal.to_string()),
+        Ok(ended) if matches!(ended.code, 0 | 3..=5) => None,
+        Ok(ended) => Some(match &ended.error {
+            Some(report) => message_of(report).to_owned(),
+            None => format!("its trial gave exit code {} and no reason", ended.code),
+        }),
     }
-    dose_amount(volume).err().map(|error| error.to_string())
-}
-
-fn list(names: &[&str]) -> String {
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

@@ -1,5 +1,6 @@
 //! The file of a schedule, and the time since which it is in force.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -25,6 +26,10 @@ pub(super) struct Loaded {
     pub(super) since: Timestamp,
     /// Time at which its file was written.
     pub(super) written: Option<SystemTime>,
+    /// Reasons why the runs of entries would be refused, by their names.
+    pub(super) doubts: BTreeMap<String, String>,
+    /// True once every entry was tried out.
+    pub(super) is_tried: bool,
 }
 
 impl Loaded {
@@ -47,6 +52,6 @@ impl Loaded {
                 now
             }
         };
-        Ok(Self { schedule, since, written: file.modified().ok() })
+        Ok(Self { schedule, since, written: file.modified().ok(), doubts: BTreeMap::new(), is_tried: false })
     }
 }

@@ -3,14 +3,23 @@
 use std::time::Duration;
 
 use jiff::Timestamp;
+use serde_json::Value;
 
-use crate::history::OrderState;
+use crate::history::{OrderRecord, OrderState};
 use crate::order::{Choice, Options, Order, OrderId, Origin, Task};
 use crate::schedule::{Action, Due, Entry, Setting};
-use crate::service::{Refusal, Service};
+use crate::service::{Refusal, Service, error_report};
+use crate::shell::Failed;
+use crate::worker::message_of;
 
 /// Time between two tries of a run that waits for its pump.
 const APART: Duration = Duration::from_secs(1);
+
+/// Time between two looks at an order that runs.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Kind of the notes of the schedule.
+pub(super) const KIND: &str = "schedule";
 
 /// A run of an entry as an order, and until when it waits for its pump.
 #[derive(Debug)]
@@ -33,73 +42,75 @@ impl Run {
         }
     }
 
-    /// Gives the order, and waits for a pump in use as the entry says. What was not made is told. Returns the order
-    /// that was begun.
-    async fn make(&self, service: &Service, now: fn() -> Timestamp) -> Option<OrderId> {
+    /// Gives the order, waits for a pump in use as the entry says, and then for the end. Returns true if all was done.
+    /// What was not made or not done is told.
+    async fn make(&self, service: &Service, now: fn() -> Timestamp) -> bool {
         let Self { order, origin, words, waits_until } = self;
-        let pump = order.pump.clone();
-        let told = |text: &str| service.note("schedule", Some(&pump), &format!("{words}: {text}"));
-        loop {
-            let placed = service.place(order.clone(), origin, None).await;
-            let (is_busy, why) = match placed {
-                Ok(placed) if placed.record.state == OrderState::Refused => {
-                    let error = placed.record.error.as_ref().and_then(|error| error.get("message"));
-                    let why =
-                        error.and_then(|message| message.as_str()).unwrap_or("it was refused").to_owned();
-                    (placed.record.code == Some(3), why)
-                }
-                Ok(placed) => {
+        let told = |text: &str| service.note(KIND, Some(&order.pump), &format!("{words}: {text}"));
+        let report = loop {
+            let (is_busy, report) = match service.place(order.clone(), origin, None).await {
+                Ok(placed) if placed.record.state != OrderState::Refused => {
                     told("begun");
-                    return Some(placed.record.id);
+                    match ended(service, &placed.record.id).await {
+                        Ok(record) if record.state == OrderState::Done => return true,
+                        Ok(record) if record.state == OrderState::Refused => break reason(record),
+                        Ok(record) => {
+                            // The command, or the one who saw it killed, has told the failure to `on_fail`.
+                            told(&format!("{}: {}", record.state.word(), message_of(&reason(record))));
+                        }
+                        Err(refusal) => told(&format!("its end cannot be read: {refusal}")),
+                    }
+                    return false;
                 }
-                Err(refusal @ Refusal::Busy { .. }) => (true, refusal.to_string()),
-                Err(refusal) => (false, refusal.to_string()),
+                Ok(placed) => (placed.record.code == Some(3), reason(placed.record)),
+                Err(refusal) => (matches!(refusal, Refusal::Busy { .. }), refusal.report()),
             };
             if !is_busy || waits_until.is_none_or(|until| now() >= until) {
-                told(&format!("not made: {why}"));
-                return None;
+                break report;
             }
             tokio::time::sleep(APART).await;
-        }
+        };
+        told(&format!("not made: {}", message_of(&report)));
+        service.on_fail(KIND, Failed { has_nothing: true, ..Failed::of(order, report) }).await;
+        false
     }
 }
 
 /// Makes runs of one pump one after the other, the earliest first. The runs behind one that did not end as it should
 /// are left out and told: a person stopped it, or something is wrong.
 pub(super) async fn in_turn(runs: Vec<Run>, service: Service, now: fn() -> Timestamp) {
-    let mut runs = runs.into_iter().peekable();
+    let mut runs = runs.into_iter();
     while let Some(run) = runs.next() {
-        let begun = run.make(&service, now).await;
-        if runs.peek().is_none() {
-            return;
-        }
-        let is_done = match begun {
-            Some(order) => ended(&service, &order).await == Some(OrderState::Done),
-            None => false,
-        };
-        if !is_done {
+        if !run.make(&service, now).await {
             for left in runs {
                 let text = format!("{}: left out, because {} was not made to its end", left.words, run.words);
-                service.note("schedule", Some(&left.order.pump), &text);
+                service.note(KIND, Some(&left.order.pump), &text);
             }
             return;
         }
     }
 }
 
-/// Waits for the end of an order. `None` if the service ends before it, or cannot tell.
-async fn ended(service: &Service, order: &OrderId) -> Option<OrderState> {
-    while !service.is_ending() {
-        match service.order(order).ok()??.state {
-            OrderState::Running => tokio::time::sleep(APART).await,
-            state => return Some(state),
+/// Waits for the end of an order, which the end of the service brings too.
+async fn ended(service: &Service, order: &OrderId) -> Result<OrderRecord, Refusal> {
+    loop {
+        match service.order(order)? {
+            Some(record) if record.state != OrderState::Running => return Ok(record),
+            _ => tokio::time::sleep(LOOK).await,
         }
     }
-    None
+}
+
+/// The reason why an order was refused or failed, `error/1`.
+fn reason(record: OrderRecord) -> Value {
+    let code = record.code.and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+    let unknown =
+        || error_report(code, "command", &format!("the command gave no reason, and exit code {code}"));
+    record.error.unwrap_or_else(unknown)
 }
 
 /// The order of an entry.
-fn order(entry: &Entry) -> Order {
+pub(super) fn order(entry: &Entry) -> Order {
     let mut options: Options = entry
         .options()
         .iter()

@@ -3,17 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use jiff::Timestamp;
 use serde_json::{Value, json};
 use thiserror::Error;
+use tokio::task::JoinSet;
 
 use super::doubt::doubt;
 use super::loaded::Loaded;
-use super::run::{Run, in_turn};
+use super::run::{KIND, Run, in_turn};
 use crate::history::HistoryError;
-use crate::schedule::{Missed, ScheduleError};
+use crate::schedule::{Entry, Missed, ScheduleError};
 use crate::service::Service;
 
 /// Time between two looks at the clock and at the file.
@@ -53,6 +54,8 @@ pub struct Runner {
     loaded: Mutex<Loaded>,
     /// Entries that wait for a clock that was set back, and were told.
     told_ahead: Mutex<Vec<String>>,
+    /// Runs that were begun.
+    runs: Mutex<JoinSet<()>>,
 }
 
 impl Runner {
@@ -63,35 +66,71 @@ impl Runner {
     /// [`RunnerError`] if the schedule is refused or the history cannot be used.
     pub fn new(path: &Path, service: Service, now: fn() -> Timestamp) -> Result<Self, RunnerError> {
         let loaded = Mutex::new(Loaded::read(path, service.history(), now())?);
-        let runner = Self { path: path.to_owned(), service, now, loaded, told_ahead: Mutex::default() };
-        runner.tell_doubts(&runner.loaded());
-        Ok(runner)
-    }
-
-    /// Tells the entries whose runs would be refused, before the night in which they are due.
-    fn tell_doubts(&self, loaded: &Loaded) {
-        for entry in loaded.schedule.entries().iter().filter(|entry| entry.enabled()) {
-            if let Some(why) = doubt(entry, &self.service) {
-                let text = format!("{}: its runs will be refused: {why}", entry.name());
-                self.service.note("schedule", None, &text);
-            }
-        }
+        let (told_ahead, runs) = (Mutex::default(), Mutex::default());
+        Ok(Self { path: path.to_owned(), service, now, loaded, told_ahead, runs })
     }
 
     /// Gives the orders as they are due, and reads the file anew when it changes, until the service ends.
     pub async fn run(&self) {
+        tokio::join!(self.keep_time(), self.keep_doubts());
+    }
+
+    /// Waits for the runs that were begun to end and to be told, once the service ends, `longest` at most.
+    pub async fn end(&self, longest: Duration) {
+        let mut runs = std::mem::take(&mut *self.runs());
+        let all = async { while runs.join_next().await.is_some() {} };
+        if tokio::time::timeout(longest, all).await.is_err() {
+            self.service.note(KIND, None, "the service ended before all runs of the schedule did");
+        }
+    }
+
+    async fn keep_time(&self) {
         while !self.service.is_ending() {
             self.reload();
             if let Err(error) = self.step() {
-                self.service.note(
-                    "schedule",
-                    None,
-                    &format!("{error}; nothing of the schedule is run meanwhile"),
-                );
+                let text = format!("{error}; nothing of the schedule is run meanwhile");
+                self.service.note(KIND, None, &text);
                 tokio::time::sleep(60 * LOOK).await;
             }
             tokio::time::sleep(LOOK).await;
         }
+    }
+
+    /// Tries each entry out once for each state of the file, and tells those whose runs would be refused before the
+    /// night in which they are due.
+    async fn keep_doubts(&self) {
+        while !self.service.is_ending() {
+            let (entries, written) = {
+                let loaded = self.loaded();
+                let enabled = |entry: &&Entry| !loaded.is_tried && entry.enabled();
+                let entries: Vec<Entry> = loaded.schedule.entries().iter().filter(enabled).cloned().collect();
+                (entries, loaded.written)
+            };
+            let mut doubts = BTreeMap::new();
+            for entry in &entries {
+                if let Some(why) = doubt(entry, &self.service).await {
+                    doubts.insert(entry.name().to_owned(), why);
+                }
+            }
+            if !entries.is_empty() && !self.service.is_ending() {
+                self.take_doubts(doubts, written);
+            }
+            tokio::time::sleep(LOOK).await;
+        }
+    }
+
+    /// Keeps and tells the doubts about a schedule, unless its file was read anew meanwhile.
+    fn take_doubts(&self, doubts: BTreeMap<String, String>, written: Option<SystemTime>) {
+        let mut loaded = self.loaded();
+        if loaded.written != written || loaded.is_tried {
+            return;
+        }
+        for (name, why) in &doubts {
+            let pump = loaded.schedule.entries().iter().find(|entry| entry.name() == name);
+            let pump = pump.and_then(|entry| entry.action().pump());
+            self.service.note(KIND, pump, &format!("{name}: its runs will be refused: {why}"));
+        }
+        (loaded.doubts, loaded.is_tried) = (doubts, true);
     }
 
     /// Gives the orders that are due now, and tells what was missed.
@@ -115,7 +154,9 @@ impl Runner {
             by_pump.entry(due.entry.action().pump().unwrap_or("")).or_default().push(Run::of(due, now));
         }
         for runs in by_pump.into_values() {
-            tokio::spawn(in_turn(runs, self.service.clone(), self.now));
+            let mut all = self.runs();
+            while all.try_join_next().is_some() {}
+            all.spawn(in_turn(runs, self.service.clone(), self.now));
         }
         let mut told = self.told_ahead.lock().unwrap_or_else(PoisonError::into_inner);
         told.retain(|name| catchup.ahead.iter().any(|ahead| ahead.entry.name() == name));
@@ -127,7 +168,7 @@ impl Runner {
                     "{name} waits until {}, its last run on record: the clock was set back",
                     ahead.recorded
                 );
-                self.service.note("schedule", ahead.entry.action().pump(), &text);
+                self.service.note(KIND, ahead.entry.action().pump(), &text);
             }
         }
         Ok(())
@@ -146,7 +187,7 @@ impl Runner {
                 format!("{}: {count} runs from {first} to {last} were missed and are left out", entry.name())
             }
         };
-        self.service.note("schedule", entry.action().pump(), &text);
+        self.service.note(KIND, entry.action().pump(), &text);
         Ok(())
     }
 
@@ -160,27 +201,31 @@ impl Runner {
         match Loaded::read(&self.path, self.service.history(), (self.now)()) {
             Ok(read) => {
                 *loaded = read;
-                self.service.note("schedule", None, "the schedule was read anew and is in force");
-                self.tell_doubts(&loaded);
+                self.service.note(KIND, None, "the schedule was read anew and is in force");
             }
             Err(error) => {
                 // Told once for each state of the file.
                 loaded.written = written;
-                self.service.note("schedule", None, &format!("{error}; the schedule before stays in force"));
+                self.service.note(KIND, None, &format!("{error}; the schedule before stays in force"));
             }
         }
     }
 
-    /// Returns the schedule in force, its file, and the next time of each entry.
+    /// Returns the schedule in force, its file, and for each entry its next time and the doubt about it.
     pub fn shown(&self) -> Value {
         let loaded = self.loaded();
         let now = (self.now)();
         let next = loaded.schedule.entries().iter().map(|entry| {
             let due = loaded.schedule.next(entry.name(), now);
-            json!({"entry": entry.name(), "at": due.map(|due| due.planned), "words": due.map(|due| due.to_string())})
+            let (at, words) = (due.map(|due| due.planned), due.map(|due| due.to_string()));
+            json!({"entry": entry.name(), "at": at, "words": words, "doubt": loaded.doubts.get(entry.name())})
         });
         let next: Vec<Value> = next.collect();
         json!({"file": self.path.display().to_string(), "schedule": loaded.schedule, "next": next})
+    }
+
+    fn runs(&self) -> MutexGuard<'_, JoinSet<()>> {
+        self.runs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn loaded(&self) -> MutexGuard<'_, Loaded> {

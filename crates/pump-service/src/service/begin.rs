@@ -8,7 +8,7 @@ use super::placing::Refusal;
 use super::service::Service;
 use crate::history::{Key, OrderRecord, OrderState};
 use crate::order::{Order, OrderId, Origin, Task, option};
-use crate::worker::{Line, Seat, Worker};
+use crate::worker::{Ended, Line, Seat, Worker};
 
 /// An order as it was asked for.
 pub(super) struct Asked<'a> {
@@ -40,7 +40,8 @@ impl Service {
         {
             return Ok(Begun::Before(Box::new(before)));
         }
-        let words = self.words(&live, &order)?;
+        let words = self.words(&order)?;
+        self.check_free(&live, &order)?;
         let id = OrderId::random()?;
         self.history().begin(&id, &order, &origin.to_string(), key.as_ref(), now)?;
         let record = OrderRecord::begun(id.clone(), order, origin.to_string(), now);
@@ -68,20 +69,35 @@ impl Service {
         })
     }
 
-    /// Returns the words of an order's command, or the reason why it is not begun now.
-    fn words(&self, live: &Orders, order: &Order) -> Result<Vec<String>, Refusal> {
+    /// Refuses an order of a pump that is kept still or carries out another one.
+    fn check_free(&self, live: &Orders, order: &Order) -> Result<(), Refusal> {
+        self.check_still(order)?;
+        let is_of_it = |other: &&Live| !order.pump.is_empty() && other.record.order.pump == order.pump;
+        live.values().find(is_of_it).map_or(Ok(()), |other| {
+            Err(Refusal::Busy { pump: order.pump.clone(), order: other.record.id.clone() })
+        })
+    }
+
+    /// Carries out an order that moves nothing and leaves no trace, as a dry run. Returns how it ended.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal`] if the order cannot be put into words, or its command cannot be run.
+    pub(crate) async fn try_out(&self, order: &Order) -> Result<Ended, Refusal> {
+        let seat = Seat { is_answered: true, ..Seat::default() };
+        let worker = Worker::start(self.program(), &self.words(order)?, &seat).map_err(Refusal::Start)?;
+        let (_never, stops) = unbounded_channel();
+        worker.run(stops, |_, _| {}).await.map_err(Refusal::Start)
+    }
+
+    /// Returns the words of an order's command.
+    fn words(&self, order: &Order) -> Result<Vec<String>, Refusal> {
         let mut words = order.words()?;
         let is_typed = matches!(order.task, Task::Command { .. });
         if order.pump.is_empty() && (is_typed || matches!(order.task, Task::Rack { .. })) {
-            self.check_still(order)?;
             return Ok(words);
         }
         let pump = self.pump(&order.pump)?;
-        self.check_still(order)?;
-        if let Some(other) = live.values().find(|other| other.record.order.pump == order.pump) {
-            let (pump, order) = (order.pump.clone(), other.record.id.clone());
-            return Err(Refusal::Busy { pump, order });
-        }
         let pace = option("pace", "");
         let has_pace = words.iter().any(|word| word.starts_with(pace.trim_end_matches('=')));
         if order.task.moves() && !has_pace && pump.bench().is_simulated() {

@@ -1,6 +1,7 @@
 //! The pumps of one configuration, and the orders that are carried out now.
 
 mod begin;
+mod carrying;
 mod error;
 mod event;
 mod live;
@@ -14,9 +15,9 @@ mod view;
 
 pub use self::error::ServiceError;
 pub use self::event::Event;
-pub(crate) use self::placing::error_report;
 pub use self::placing::{Placed, Refusal};
 pub use self::pump::Pump;
 pub use self::service::{Service, Setup};
 pub(crate) use self::still::Stillness;
 pub use self::view::PumpView;
+pub(crate) use crate::worker::error_report;

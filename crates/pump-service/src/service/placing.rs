@@ -1,10 +1,11 @@
 //! An order that is taken, or refused.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use thiserror::Error;
 
 use crate::history::{HistoryError, OrderRecord};
 use crate::order::{OrderError, OrderId};
+use crate::worker::error_report;
 
 /// Order that was taken. It runs, or has ended already.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,12 +100,4 @@ impl Refusal {
     pub fn report(&self) -> Value {
         error_report(self.code(), self.kind(), &self.to_string())
     }
-}
-
-/// Returns an `error/1` of something that did not move.
-pub(crate) fn error_report(code: u8, kind: &str, message: &str) -> Value {
-    json!({
-        "schema": "error/1", "code": code, "kind": kind, "message": message, "value": null, "allowed": null,
-        "moved": false,
-    })
 }

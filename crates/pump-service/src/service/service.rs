@@ -9,7 +9,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 use pump_bench::config::Config;
 use tokio::sync::broadcast::{self, Receiver, Sender};
-use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender};
+use tokio::sync::mpsc::UnboundedSender;
 use tokio::time::{Instant, sleep_until};
 
 use super::begin::{Asked, Begun};
@@ -22,9 +22,9 @@ use super::refresh;
 use super::still::{Still, Stillness};
 use super::taken_over;
 use super::view::PumpView;
-use crate::history::{EventRecord, History, Key, OrderRecord, OrderState};
+use crate::history::{EventRecord, History, Key, OrderRecord};
 use crate::order::{Order, OrderId, Origin, Task};
-use crate::worker::{Ended, Line, Program, Seat, Worker};
+use crate::worker::{Line, Program, Seat};
 
 /// Events that a slow watcher may be behind before it is told everything anew.
 const BEHIND: usize = 1024;
@@ -48,6 +48,8 @@ pub struct Setup {
     pub fast: bool,
     /// History of the orders.
     pub history: History,
+    /// Hearer of each note, also of those of the service's begin.
+    pub notes: UnboundedSender<EventRecord>,
 }
 
 /// Service of the pumps of one configuration. A copy is the same service.
@@ -65,6 +67,7 @@ struct Inner {
     events: Sender<Event>,
     is_ending: AtomicBool,
     still: Still,
+    notes: UnboundedSender<EventRecord>,
 }
 
 impl Service {
@@ -76,7 +79,7 @@ impl Service {
     ///
     /// [`ServiceError`] if a pump cannot be used or the history cannot be written.
     pub fn new(setup: Setup) -> Result<Self, ServiceError> {
-        let Setup { config, state_dir, program, fast, history } = setup;
+        let Setup { config, state_dir, program, fast, history, notes } = setup;
         let mut names: Vec<String> = config.pumps().keys().cloned().collect();
         if names.is_empty() {
             names.push(config.default_pump().to_owned());
@@ -86,8 +89,8 @@ impl Service {
         let history = Arc::new(history);
         let (events, live) = (broadcast::channel(BEHIND).0, Mutex::default());
         let (is_ending, still) = (AtomicBool::new(false), Still::default());
-        let service =
-            Self(Arc::new(Inner { config, pumps, program, fast, history, live, events, is_ending, still }));
+        let inner = Inner { config, pumps, program, fast, history, live, events, is_ending, still, notes };
+        let service = Self(Arc::new(inner));
         if service.history().is_new() {
             service.take_over()?;
         }
@@ -209,7 +212,9 @@ impl Service {
         {
             return Err(Refusal::Key(text.len()));
         }
-        let asked = Asked { order, origin, key, seat: Seat::default(), hearer: None };
+        // Who asks over HTTP is answered, and the schedule tells what it could not make.
+        let is_answered = matches!(origin, Origin::Http | Origin::Schedule(_));
+        let asked = Asked { order, origin, key, seat: Seat { is_answered, ..Seat::default() }, hearer: None };
         let (id, stops, worker) = match self.begin(asked)? {
             Begun::New { id, stops, worker } => (id, stops, worker),
             Begun::Before(record) => return Ok(Placed { record: *record, repeated: true }),
@@ -259,68 +264,6 @@ impl Service {
         }
     }
 
-    /// Carries an order out to its end, and records that.
-    async fn carry_out(&self, id: OrderId, worker: Worker, stops: UnboundedReceiver<String>) {
-        let ended = worker.run(stops, |line, text| self.hear(&id, line, text)).await;
-        let ended = ended.unwrap_or_else(|error| {
-            let text = format!("the end of the command cannot be learned: {error}");
-            self.hear(&id, &Line::Message(text.clone()), &text);
-            Ended { code: 1, error: None }
-        });
-        let Some(mut record) = self.live().get(&id).map(|live| live.record.clone()) else { return };
-        record.ended = Some(Timestamp::now());
-        record.code = Some(ended.code);
-        record.state = OrderState::ended(ended.code, record.error.as_ref());
-        let service = self.clone();
-        let done = tokio::task::spawn_blocking(move || {
-            let recorded = service.history().end(&record);
-            if let Err(error) = recorded {
-                service.note("service", Some(&record.order.pump), &error.to_string());
-            }
-            let of_pump = service.0.pumps.get(&record.order.pump);
-            let of_rack = of_pump.is_none().then(|| service.pumps()).into_iter().flatten();
-            let changed: Vec<&Pump> = of_pump.into_iter().chain(of_rack).collect();
-            for pump in &changed {
-                pump.refresh();
-            }
-            service.live().remove(&record.id);
-            service.tell("order", &record.brief());
-            changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
-        });
-        if let Err(error) = done.await {
-            self.note("service", None, &format!("the end of order {id} was not recorded: {error}"));
-        }
-    }
-
-    /// Takes a line of an order's command, and tells it.
-    fn hear(&self, id: &OrderId, line: &Line, text: &str) {
-        let mut live = self.live();
-        let Some(order) = live.get_mut(id) else { return };
-        order.take(line, text);
-        let pump = order.record.order.pump.clone();
-        match line {
-            Line::Progress(value) => {
-                let mut value = value.clone();
-                if let Some(object) = value.as_object_mut() {
-                    object.insert("order".to_owned(), id.as_str().into());
-                    let name = self.name_of(object.get("pump").and_then(|id| id.as_str()), &pump);
-                    object.insert("name".to_owned(), name.into());
-                }
-                self.tell("progress", &value);
-            }
-            Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) => {
-                self.tell("order", &order.shown().brief());
-            }
-        }
-    }
-
-    /// Returns the name of the pump that a line is about: a rack's lines are about several.
-    fn name_of(&self, id: Option<&str>, ordered: &str) -> String {
-        let named = |pump: &&Pump| id.is_some_and(|id| pump.bench().file().pump.id == id);
-        let of_id = || self.pumps().find(named).map(|pump| pump.name().to_owned());
-        if self.0.pumps.contains_key(ordered) { ordered.to_owned() } else { of_id().unwrap_or_default() }
-    }
-
     /// Stops the orders of a pump, or all orders. Returns the orders that were asked to stop. Each motor decelerates,
     /// and stands with its volume on record.
     pub fn stop(&self, pump: Option<&str>, reason: &str) -> Vec<OrderId> {
@@ -366,14 +309,14 @@ impl Service {
     /// Records and tells something that a person should know.
     pub fn note(&self, kind: &str, pump: Option<&str>, text: &str) {
         let pump = pump.filter(|pump| !pump.is_empty()).map(str::to_owned);
-        let event =
+        let mut event =
             EventRecord { time: Timestamp::now(), kind: kind.to_owned(), pump, text: text.to_owned() };
         if let Err(error) = self.history().note(&event) {
-            let text = format!("{} ({error})", event.text);
-            self.tell("note", &EventRecord { text, ..event });
-            return;
+            event.text = format!("{} ({error})", event.text);
         }
         self.tell("note", &event);
+        // A hearer that has gone hears nothing; the note is on record.
+        let _ = self.0.notes.send(event);
     }
 
     /// Tells every watcher.

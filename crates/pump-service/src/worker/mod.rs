@@ -7,9 +7,11 @@
 mod line;
 mod output;
 mod program;
+mod report;
 mod worker;
 
 pub use self::line::Line;
 pub(crate) use self::output::{LogFormat, log_words, output};
 pub use self::program::Program;
+pub(crate) use self::report::{error_report, message_of};
 pub use self::worker::{Ended, Seat, Worker};

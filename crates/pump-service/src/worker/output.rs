@@ -10,6 +10,7 @@ use tokio::sync::mpsc::{Receiver, channel};
 
 use super::line::Line;
 use super::program::Program;
+use super::report::killed;
 use super::worker::Ended;
 use crate::order::{OrderError, option, plain_text};
 
@@ -79,7 +80,9 @@ pub(crate) async fn output(
                 Line::Error(error) => Some(error),
                 _ => None,
             });
-            return Ok(Err(Ended { code: status.code().unwrap_or(1), error }));
+            let was_killed = status.code().is_none();
+            let error = if was_killed { Some(killed(status)) } else { error };
+            return Ok(Err(Ended { code: status.code().unwrap_or(1), error, was_killed }));
         }
     }
     let (give, take) = channel(WAITING);

@@ -10,6 +10,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
 use super::line::Line;
 use super::program::Program;
+use super::report::{killed, message_of};
 
 /// Longest line that a process may tell, in bytes.
 const LONGEST_LINE: usize = 4 << 20;
@@ -19,8 +20,10 @@ const LONGEST_LINE: usize = 4 << 20;
 pub struct Ended {
     /// Exit code of the command; 1 if the process was killed.
     pub code: i32,
-    /// Reason of the failure, `error/1`, if the command told one.
+    /// Reason of the failure, `error/1`, if the command told one or was killed.
     pub error: Option<Value>,
+    /// True if a signal has ended the process, so that it did nothing more.
+    pub was_killed: bool,
 }
 
 /// Where a command is typed, and whether a person is there.
@@ -30,6 +33,8 @@ pub struct Seat {
     pub folder: Option<PathBuf>,
     /// True if a person sits at the terminal.
     pub is_attended: bool,
+    /// True if the one who ordered is told of a refusal: the command of the configuration hears of faults alone.
+    pub is_answered: bool,
 }
 
 /// A line, and its text.
@@ -56,6 +61,9 @@ impl Worker {
         }
         if seat.is_attended {
             command.env("DOSE_ATTENDED", "1");
+        }
+        if seat.is_answered {
+            command.env("DOSE_ANSWERED", "1");
         }
         let mut child = command.env("DOSE_SUPERVISED", "1").spawn()?;
         let (tell, lines) = unbounded_channel();
@@ -105,7 +113,13 @@ impl Worker {
             }
         }
         let status = self.child.wait().await?;
-        Ok(Ended { code: status.code().unwrap_or(1), error })
+        let was_killed = status.code().is_none();
+        if was_killed {
+            let report = killed(status);
+            tell(&Line::Error(report.clone()), &format!("error: {}", message_of(&report)));
+            error = Some(report);
+        }
+        Ok(Ended { code: status.code().unwrap_or(1), error, was_killed })
     }
 
     /// Stops the motion. A process that has ended hears nothing.

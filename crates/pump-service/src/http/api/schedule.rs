@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use super::super::shared::Shared;
 
-/// The schedule that is in force, and the next time of each entry.
+/// The schedule that is in force, and the next time of each entry, with the doubt about it.
 #[utoipa::path(get, path = "/api/v1/schedule", tag = "schedule",
-    responses((status = 200, description = "`schedule/1` as JSON, and the next times", body = Object)))]
+    responses((status = 200, description = "`schedule/1` as JSON; in `next` for each entry its name, `at` \
+        and `words` of its next time, and `doubt`: why its runs will be refused, or null", body = Object)))]
 pub(in super::super) async fn schedule(State(shared): State<Shared>) -> Json<Value> {
     Json(match shared.schedule.as_ref() {
         Some(schedule) => schedule.shown(),

@@ -1,4 +1,4 @@
-//! A command of the user that the guard runs, and its end.
+//! A command of the user that the service runs, and its end.
 
 use std::io::{self, BufRead, BufReader, Read, Write, pipe, sink};
 use std::process::{ExitStatus, Stdio};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use pump_bench::shell::{end_with_its_group, shell_command};
 
 /// Longest time that a command has.
-pub(super) const LONGEST: Duration = Duration::from_secs(10);
+pub(crate) const LONGEST: Duration = Duration::from_secs(10);
 
 /// Time between two looks at a command.
 const LOOK: Duration = Duration::from_millis(10);
@@ -22,11 +22,11 @@ const LAST_LINE: Duration = Duration::from_millis(200);
 
 /// End of a command.
 #[derive(Debug)]
-pub(super) struct Ended {
+pub(crate) struct Ended {
     /// Status of the command. `None` if it was ended because it took too long, or because the service ends.
-    pub(super) status: Option<ExitStatus>,
+    pub(crate) status: Option<ExitStatus>,
     /// First line of its output or of its errors; empty without one.
-    pub(super) line: String,
+    pub(crate) line: String,
 }
 
 /// Runs a command of the shell with further variables and `input` on its standard input. It is ended after 10 s, and as
@@ -35,7 +35,7 @@ pub(super) struct Ended {
 /// # Errors
 ///
 /// The system's error if the command cannot be started or looked at.
-pub(super) fn run(
+pub(crate) fn run(
     command: &str,
     variables: &[(&str, &str)],
     input: &str,

@@ -1,0 +1,92 @@
+//! An order from its begin to its end: what its command tells, and what becomes of that.
+
+use jiff::Timestamp;
+use tokio::sync::mpsc::UnboundedReceiver;
+
+use super::pump::Pump;
+use super::service::Service;
+use crate::history::OrderState;
+use crate::order::OrderId;
+use crate::shell::{Failed, on_fail};
+use crate::worker::{Ended, Line, Worker, message_of};
+
+impl Service {
+    /// Carries an order out to its end, and records that.
+    pub(super) async fn carry_out(&self, id: OrderId, worker: Worker, stops: UnboundedReceiver<String>) {
+        let ended = worker.run(stops, |line, text| self.hear(&id, line, text)).await;
+        let ended = ended.unwrap_or_else(|error| {
+            let text = format!("the end of the command cannot be learned: {error}");
+            self.hear(&id, &Line::Message(text.clone()), &text);
+            Ended { code: 1, error: None, was_killed: false }
+        });
+        let Some(mut record) = self.live().get(&id).map(|live| live.record.clone()) else { return };
+        record.ended = Some(Timestamp::now());
+        record.code = Some(ended.code);
+        record.state = OrderState::ended(ended.code, record.error.as_ref());
+        let failed = ended.error.filter(|_| ended.was_killed).map(|report| Failed::of(&record.order, report));
+        let service = self.clone();
+        let done = tokio::task::spawn_blocking(move || {
+            let recorded = service.history().end(&record);
+            if let Err(error) = recorded {
+                service.note("service", Some(&record.order.pump), &error.to_string());
+            }
+            let of_pump = service.pump(&record.order.pump).ok();
+            let of_rack = of_pump.is_none().then(|| service.pumps()).into_iter().flatten();
+            let changed: Vec<&Pump> = of_pump.into_iter().chain(of_rack).collect();
+            for pump in &changed {
+                pump.refresh();
+            }
+            service.live().remove(&record.id);
+            service.tell("order", &record.brief());
+            changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
+        });
+        if let Err(error) = done.await {
+            self.note("service", None, &format!("the end of order {id} was not recorded: {error}"));
+        }
+        // The command could not tell its end itself.
+        if let Some(failed) = failed {
+            let text = format!("order {id}: {}", message_of(&failed.report));
+            self.note("service", Some(&failed.pump), &text);
+            self.on_fail("service", failed).await;
+        }
+    }
+
+    /// Takes a line of an order's command, and tells it.
+    fn hear(&self, id: &OrderId, line: &Line, text: &str) {
+        let mut live = self.live();
+        let Some(order) = live.get_mut(id) else { return };
+        order.take(line, text);
+        let pump = order.record.order.pump.clone();
+        match line {
+            Line::Progress(value) => {
+                let mut value = value.clone();
+                if let Some(object) = value.as_object_mut() {
+                    object.insert("order".to_owned(), id.as_str().into());
+                    let name = self.name_of(object.get("pump").and_then(|id| id.as_str()), &pump);
+                    object.insert("name".to_owned(), name.into());
+                }
+                self.tell("progress", &value);
+            }
+            Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) => {
+                self.tell("order", &order.shown().brief());
+            }
+        }
+    }
+
+    /// Returns the name of the pump that a line is about: a rack's lines are about several.
+    fn name_of(&self, id: Option<&str>, ordered: &str) -> String {
+        let named = |pump: &&Pump| id.is_some_and(|id| pump.bench().file().pump.id == id);
+        let of_id = || self.pumps().find(named).map(|pump| pump.name().to_owned());
+        if self.pump(ordered).is_ok() { ordered.to_owned() } else { of_id().unwrap_or_default() }
+    }
+
+    /// Runs the configuration's `on_fail` for a failure that no process of the command tells. A failure of its own is
+    /// a note of this kind.
+    pub(crate) async fn on_fail(&self, kind: &str, failed: Failed) {
+        let Some(command) = self.config().on_fail().filter(|_| !self.is_ending()) else { return };
+        let (service, pump) = (self.clone(), failed.pump.clone());
+        if let Some(text) = on_fail(command.to_owned(), failed, move || service.is_ending()).await {
+            self.note(kind, Some(&pump), &text);
+        }
+    }
+}

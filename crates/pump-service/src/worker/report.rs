@@ -1,0 +1,31 @@
+//! Failures as `error/1`.
+
+use std::process::ExitStatus;
+
+use serde_json::{Value, json};
+
+/// Returns an `error/1` of something that did not move.
+pub(crate) fn error_report(code: u8, kind: &str, message: &str) -> Value {
+    report(code, kind, message, false)
+}
+
+/// Returns the `error/1` of a process that a signal has ended, so that it could not tell its own.
+pub(super) fn killed(status: ExitStatus) -> Value {
+    let message = format!(
+        "the process of the order was killed ({status}), by a person or for lack of memory; the pump's record has the \
+         bounds of what was delivered"
+    );
+    report(1, "killed", &message, true)
+}
+
+fn report(code: u8, kind: &str, message: &str, moved: bool) -> Value {
+    json!({
+        "schema": "error/1", "code": code, "kind": kind, "message": message, "value": null, "allowed": null,
+        "moved": moved,
+    })
+}
+
+/// Returns the words of an `error/1`.
+pub(crate) fn message_of(report: &Value) -> &str {
+    report.get("message").and_then(Value::as_str).unwrap_or("there is no reason on record")
+}
