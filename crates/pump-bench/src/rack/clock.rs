@@ -258,7 +258,7 @@ mod tests {
             let waits = scope.spawn(|| clock.meet(0, 4, &[0, 1]));
             // An earlier step's share is another one.
             assert_eq!(clock.meet(1, 3, &[1]), ControlFlow::Continue(()));
-            std::thread::sleep(3 * SLICE);
+            sleep(3 * SLICE);
             assert!(!waits.is_finished());
             assert_eq!(clock.meet(1, 4, &[0, 1]), ControlFlow::Continue(()));
             assert_eq!(waits.join().unwrap(), ControlFlow::Continue(()));
