@@ -4,6 +4,8 @@
 mod place;
 #[cfg(feature = "serve")]
 mod running;
+#[cfg(feature = "serve")]
+pub(crate) mod secret;
 
 use std::path::PathBuf;
 
