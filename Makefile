@@ -143,6 +143,7 @@ packages:
 bench: $(VENV)/installed
 	cargo bench --locked -p pump-bench --bench log
 	cargo run --locked --release -p pump-benches
+	cargo bench --locked --features serve --bench serve
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 
