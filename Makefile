@@ -147,6 +147,7 @@ bench: $(VENV)/installed
 	cargo clippy --locked -p pump-benches --all-targets -- -D warnings
 	cargo bench --locked -p pump-bench --bench log
 	cargo run --locked --release -p pump-benches
+	cargo bench --locked --features serve --bench serve
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 

@@ -72,9 +72,15 @@ enum Parsed {
     Asked(ExitCode),
 }
 
+/// The words after the program's name.
+#[cfg(feature = "serve")]
+fn typed(words: &[OsString]) -> Vec<String> {
+    words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect()
+}
+
 fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
     #[cfg(feature = "serve")]
-    let typed: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let (typed, json) = (typed(&words), arguments::asks_for_json(&words));
     let mut definitions = cli::command();
     definitions.build();
     let arranged = arguments::arrange(words.into_iter(), &definitions).map_err(Unparsed::Refused)?;
@@ -86,7 +92,7 @@ fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
         let cli = Cli::from_arg_matches(&matches)?;
         // A command that cannot be understood is refused here, before anybody is asked.
         #[cfg(feature = "serve")]
-        if let Some(code) = asking::ask(&matches, &typed) {
+        if let Some(code) = asking::ask(&matches, &typed, json) {
             return Ok(Parsed::Asked(code));
         }
         Ok(Parsed::Here(Box::new(cli)))

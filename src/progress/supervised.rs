@@ -12,6 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use pump_bench::DoseReport;
+use pump_bench::rack::RackReport;
 use pump_model::units::degrees;
 use serde::Serialize;
 
@@ -74,12 +75,19 @@ struct Line<'a> {
 #[derive(Debug, Serialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 enum Told<'a> {
-    /// A motion begins. `plan` is its report before it.
-    Begun { plan: &'a DoseReport },
+    /// A motion begins, or a rack, whose `pump` is empty. `plan` is its report before it.
+    Begun { plan: Plan<'a> },
     /// A motion goes on.
     Moving { steps: u64, of_steps: u64, delivered_ml: f64, of_ml: Option<f64>, angle_deg: f64 },
     /// A batch waits for its next dose.
     Waiting { next_s: f64, number: u64, count: u64 },
+}
+
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Plan<'a> {
+    Dose(&'a DoseReport),
+    Rack(&'a RackReport),
 }
 
 /// The lines of one motion.
@@ -120,7 +128,14 @@ impl Lines {
 pub(crate) fn begun(plan: impl FnOnce() -> DoseReport) {
     if tells() {
         let plan = plan();
-        tell(&plan.pump, Told::Begun { plan: &plan });
+        tell(&plan.pump, Told::Begun { plan: Plan::Dose(&plan) });
+    }
+}
+
+/// Tells that a rack begins by this plan.
+pub(crate) fn rack_begun(plan: &RackReport) {
+    if tells() {
+        tell("", Told::Begun { plan: Plan::Rack(plan) });
     }
 }
 

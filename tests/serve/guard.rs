@@ -50,7 +50,7 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
     let (status, listed) = service.get("/api/v1/inputs");
     assert_eq!(status, 200);
     let waiting = json!([{"schema": "input/1", "name": "leak", "pumps": ["acid"], "state": "waiting", "reason": null,
-        "last": null, "told": true, "silent_s": 600.0}]);
+        "last": null, "word": null, "age_s": null, "alive": false, "topic": null, "told": true, "silent_s": 600.0}]);
     assert_eq!(listed, waiting);
     let slow = json!({"rate": "0.5mL/s"});
     let (acid, base) = (service.dose("acid", "200mL", &slow), service.dose("base", "200mL", &slow));
@@ -59,6 +59,8 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
 
     let bad = tell(&service, "leak", false, Some("water under the rack"));
     assert_eq!((&bad["state"], &bad["reason"]), (&json!("bad"), &json!("leak: water under the rack")));
+    assert_eq!((&bad["word"], &bad["alive"]), (&json!("bad"), &json!(true)));
+    assert!(bad["age_s"].as_f64().unwrap() < 60.0, "{bad}");
     // From that answer on nothing begins, whether the stand is on record or not.
     let (status, refused) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL"}));
     assert_eq!((status, &refused["code"], &refused["kind"]), (423, &json!(5), &json!("safety")), "{refused}");
@@ -199,7 +201,22 @@ fn an_input_with_a_wrong_value_is_refused_with_its_key_and_value() {
         ),
         ("name = \"a\"\nsilent = \"0.01s\"", "the time is `0.01s`; allowed: 0.1s to 24h"),
         ("name = \"a\"\nsilent = \"30\"", "silent = \"30\""),
-        ("name = \"a\"\ntopic = \"x\"", "unknown field `topic`"),
+        (
+            "name = \"a\"\ntopic = \"x\"",
+            "topic of the [[service.input]] `a` is `x`; allowed: a table [service.mqtt]",
+        ),
+        (
+            "name = \"a\"\ntopic = \"x/+\"",
+            "topic of the [[service.input]] `a` is `x/+`; allowed: words with `/`",
+        ),
+        (
+            "name = \"a\"\ntopic = \"x\"\ncommand = \"true\"",
+            "topic of the [[service.input]] `a` is `x`; allowed: no `command` beside it",
+        ),
+        (
+            "name = \"a\"\ntopic = \"pump-dose/x\"\n[service.mqtt]\nbroker = \"localhost:1883\"",
+            "is `pump-dose/x`; allowed: a topic that is not below `pump-dose`",
+        ),
         ("name = \"a\"\n[[service.input]]\nname = \"a\"", "is `a`; allowed: a name that no other input has"),
     ] {
         let laboratory = Laboratory::new(&["acid"], &input(keys));

@@ -224,3 +224,36 @@ fn a_thousand_connections_are_bounded_and_leave_the_service_whole() {
     assert_eq!(answered, 200);
     service.ended(&service.dose("acid", "1mL", &json!({})));
 }
+
+#[test]
+fn a_stop_is_answered_where_streams_and_idle_clients_have_every_place() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let id = service.dose("acid", "200mL", &json!({"rate": "0.5mL/s"}));
+    service.moves("acid");
+    let host = service.url.trim_start_matches("http://").to_owned();
+    let mut streams = Vec::new();
+    let is_held = |stream: &mut TcpStream| {
+        stream.write_all(format!("GET /events HTTP/1.1\r\nhost: {host}\r\n\r\n").as_bytes()).unwrap();
+        let mut first = [0; 12];
+        stream.read_exact(&mut first).unwrap();
+        first.starts_with(b"HTTP/1.1 200")
+    };
+    loop {
+        let mut stream = connect(&service.url);
+        if !is_held(&mut stream) {
+            break;
+        }
+        streams.push(stream);
+    }
+    // Connections that were used before may still have a place each.
+    assert!((240..=256).contains(&streams.len()), "{}", streams.len());
+    // More than there are in reserve say nothing.
+    let idle: Vec<TcpStream> = (0..200).map(|_| connect(&service.url)).collect();
+    let (status, stopped) = service.post("/api/v1/stop", &json!({}));
+    assert_eq!((status, &stopped["stopped"]), (200, &json!([id])), "{stopped}");
+    assert_eq!(service.get("/api/v1/pumps").0, 503, "only a stop has a place");
+    drop((streams, idle));
+    crate::laboratory::wait_for("a place", || (service.get("/api/v1/pumps").0 == 200).then_some(()));
+    assert_eq!(service.ended(&id)["code"], 143);
+}

@@ -4,6 +4,7 @@
 mod end;
 mod profile;
 mod rack;
+mod rack_lines;
 
 use std::path::PathBuf;
 

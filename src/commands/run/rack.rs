@@ -10,12 +10,13 @@ use pump_bench::notice::Notice;
 use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackProgress, RackReport};
 use pump_bench::safety::UnfinishedPolicy;
 
+use super::rack_lines::RackLines;
 use crate::advice;
 use crate::commands::delivery::{before_dose, unprinted};
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
 use crate::options::dosing::DosingOptions;
-use crate::progress::supervised::{self, Lines, Reached};
+use crate::progress::supervised;
 use crate::terminal::{announce, print_json, tell, waiting, warn};
 use crate::told_commands::{completed, meaning};
 
@@ -78,7 +79,8 @@ impl RackArgs {
         let interrupt = Interrupt::watch()?;
         let rack = rack.stopping_on(interrupt::stop_request()).unattended(options.unattended.is_unattended());
         let moved = finish_interrupted((name, &rack), &places, options, &interrupt)?;
-        let shown = Shown::new(&rack, &places, json);
+        let lines = supervised::tells().then(|| RackLines::begin(&rack));
+        let shown = Shown::new(&rack, &places, json, lines);
         let report = rack.run(|progress| shown.show(&progress));
         shown.bar.finish_and_clear();
         let report = report.map_err(|error| refused(error).after_earlier_motion(moved))?;
@@ -213,14 +215,15 @@ struct Told {
     warned: BTreeSet<String>,
     /// Volume of each pump and that of its whole step, in mL, and the number of the step.
     volumes: BTreeMap<String, (f64, f64, usize)>,
-    /// Lines to a supervising program, of each pump and step.
-    lines: BTreeMap<(String, usize), Option<Lines>>,
+    /// Lines to a supervising program, if there is one.
+    lines: Option<RackLines>,
 }
 
 impl<'a> Shown<'a> {
-    fn new(rack: &'a Rack, places: &'a Places, json: bool) -> Self {
+    fn new(rack: &'a Rack, places: &'a Places, json: bool, lines: Option<RackLines>) -> Self {
         let bar = if json { ProgressBar::hidden() } else { waiting("checking every pump") };
-        Self { rack, places, json, bar, told: Mutex::default() }
+        let told = Mutex::new(Told { lines, ..Told::default() });
+        Self { rack, places, json, bar, told }
     }
 
     /// Shows the progress of a pump. That a motor moves is said before it does.
@@ -239,14 +242,7 @@ impl<'a> Shown<'a> {
                 }
             }
         }
-        if let Some(member) = member.filter(|_| supervised::tells()) {
-            let lines = told.lines.entry((progress.pump.to_owned(), progress.step));
-            let lines = lines.or_insert_with(|| {
-                Lines::of(&member.bench.file().pump.id, progress.steps, progress.whole_ml)
-            });
-            let reached = || Reached { delivered_ml: progress.volume_ml, angle_rad: progress.angle_rad };
-            lines.iter().for_each(|lines| lines.made(progress.made, reached));
-        }
+        told.lines.iter_mut().for_each(|lines| lines.show(progress));
         if self.bar.is_hidden() {
             return;
         }

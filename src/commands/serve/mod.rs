@@ -6,6 +6,8 @@ mod notes;
 mod place;
 #[cfg(feature = "serve")]
 mod running;
+#[cfg(feature = "serve")]
+pub(crate) mod secret;
 
 use std::path::PathBuf;
 

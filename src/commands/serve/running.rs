@@ -1,7 +1,6 @@
 //! The service from its begin to its end.
 
 use std::ffi::OsString;
-use std::fs;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,9 +23,10 @@ use tokio::runtime::Builder;
 use super::ServeArgs;
 use super::notes::Notes;
 use super::place::Place;
+use super::secret;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{say, tell, warn};
+use crate::terminal::{say, tell};
 
 /// Address of a service without another one.
 const USUAL_ADDRESS: &str = "127.0.0.1:8737";
@@ -76,8 +76,8 @@ pub(super) fn run(args: &ServeArgs) -> Result<(), Failure> {
         if let Some(runner) = runner.clone() {
             tokio::spawn(async move { runner.run().await });
         }
-        let link = mqtt.map(|settings| Link::begin(service.clone(), settings));
         let guard = Guard::new(service.clone());
+        let link = mqtt.map(|settings| Link::begin(service.clone(), guard.clone(), settings));
         let guarding = guard.clone();
         tokio::spawn(async move { guarding.run().await });
         let (ended, until) = tokio::sync::oneshot::channel::<()>();
@@ -134,7 +134,7 @@ fn access(
     local: &str,
 ) -> Result<Access, Failure> {
     let token_file = args.token_file.as_ref().or(table.token_file.as_ref());
-    let token = token_file.map(|path| secret("token", path)).transpose()?;
+    let token = token_file.map(|path| secret::read("token", path)).transpose()?;
     let access = Access::new(address, token, local.to_owned(), table.hosts.clone());
     access.map_err(|error| match error {
         AccessError::NoToken(_) => refused(format!("{error}: --token-file, or token_file in [service]")),
@@ -144,29 +144,9 @@ fn access(
 
 /// The broker that a configuration names, with its user's password.
 fn settings(table: &MqttTable, history: &History) -> Result<Settings, Failure> {
-    let password = table.password_file.as_ref().map(|path| secret("password", path)).transpose()?;
+    let password = table.password_file.as_ref().map(|path| secret::read("password", path)).transpose()?;
     Settings::new(table, password, history).map_err(refused)
 }
-
-/// The token or the password of a file: its first line.
-fn secret(what: &str, path: &Path) -> Result<String, Failure> {
-    let text = fs::read_to_string(path).map_err(|error| Failure::unread(path, &error))?;
-    warn_of_readers(what, path);
-    Ok(text.lines().next().unwrap_or_default().trim().to_owned())
-}
-
-/// Warns of a secret that other users can read.
-#[cfg(unix)]
-fn warn_of_readers(what: &str, path: &Path) {
-    use std::os::unix::fs::PermissionsExt;
-    if path.metadata().is_ok_and(|file| file.permissions().mode() & 0o077 != 0) {
-        let path = path.display();
-        warn(&[format!("other users of this computer can read the {what}; `chmod 600 {path}` keeps it")]);
-    }
-}
-
-#[cfg(not(unix))]
-fn warn_of_readers(_: &str, _: &Path) {}
 
 /// The path of this program, which carries out the orders too.
 fn own_path() -> Result<PathBuf, Failure> {

@@ -217,6 +217,9 @@ impl ConfigKeys {
                 ..WrongValue::new(key, value, reason)
             });
         }
+        if let Some((value, allowed)) = self.service.wrong_url() {
+            return Err(WrongValue::new("[service] url", value, allowed));
+        }
         if let Some((key, value, allowed)) = self.service.mqtt.as_ref().and_then(MqttTable::wrong) {
             return Err(WrongValue::new(&format!("[service.mqtt] {key}"), value, allowed));
         }
@@ -242,7 +245,9 @@ impl ConfigKeys {
         let usual = [self.default_pump.as_deref().unwrap_or(DEFAULT_PUMP)];
         let pumps = if names.is_empty() { &usual[..] } else { names };
         let inputs = &self.service.inputs;
-        if let Some([key, value, allowed]) = inputs.iter().find_map(|input| input.wrong(pumps, is_name)) {
+        let mqtt = self.service.mqtt.as_ref();
+        let wrong = inputs.iter().find_map(|input| input.wrong(pumps, mqtt, is_name));
+        if let Some([key, value, allowed]) = wrong {
             return Err(WrongValue { key, value, allowed });
         }
         let repeats = |(number, input): &(usize, &InputTable)| {

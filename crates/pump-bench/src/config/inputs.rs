@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
+use super::mqtt::{MqttTable, TOPICS, is_topic};
 use crate::units::time_s;
 
 /// Time between two runs of an input's command, where none is said.
@@ -28,6 +29,8 @@ pub struct InputTable {
     pub pumps: Option<Vec<String>>,
     /// Command of the shell that says by its exit code 0 that all is well. Without one the input is told.
     pub command: Option<String>,
+    /// Topic of the MQTT broker at which it is told. Without one it is told over HTTP.
+    pub topic: Option<String>,
     /// Time from the end of the command to its next run.
     #[serde(default, deserialize_with = "time")]
     every: Option<Duration>,
@@ -48,8 +51,13 @@ impl InputTable {
     }
 
     /// Returns the first value that is wrong by itself or beside others: key, value, and what is allowed. `pumps` are
-    /// the names that the configuration has, and `is_name` tells names.
-    pub(super) fn wrong(&self, pumps: &[&str], is_name: fn(&str) -> bool) -> Option<[String; 3]> {
+    /// the names that the configuration has, `mqtt` is its broker, and `is_name` tells names.
+    pub(super) fn wrong(
+        &self,
+        pumps: &[&str],
+        mqtt: Option<&MqttTable>,
+        is_name: fn(&str) -> bool,
+    ) -> Option<[String; 3]> {
         let of = |key: &str, value: String, allowed: &str| {
             let key = format!("{key} of the [[service.input]] `{}`", self.name);
             Some([key, value, allowed.to_owned()])
@@ -64,6 +72,9 @@ impl InputTable {
                 String::new(),
                 "a command of the shell, or no key for an input that is told",
             );
+        }
+        if let Some((value, allowed)) = self.wrong_topic(mqtt) {
+            return of("topic", value, &allowed);
         }
         if let Some(every) = self.every.filter(|_| self.command.is_none()) {
             return of(
@@ -82,6 +93,22 @@ impl InputTable {
         }
         let unknown = named.iter().find(|name| !pumps.contains(&name.as_str()))?;
         of("pumps", unknown.clone(), &format!("names of [pumps]: {}", pumps.join(", ")))
+    }
+
+    /// Returns a topic that is wrong, and what is allowed. The service's own topics carry commands and states.
+    fn wrong_topic(&self, mqtt: Option<&MqttTable>) -> Option<(String, String)> {
+        let topic = self.topic.clone()?;
+        if self.command.is_some() {
+            return Some((topic, "no `command` beside it: one of them speaks for the input".to_owned()));
+        }
+        if !is_topic(&topic) {
+            return Some((topic, TOPICS.to_owned()));
+        }
+        let Some(root) = mqtt.map(|mqtt| mqtt.topic.as_str()) else {
+            return Some((topic, "a table [service.mqtt] with the `broker` that has the topic".to_owned()));
+        };
+        let is_own = topic.strip_prefix(root).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+        is_own.then(|| (topic, format!("a topic that is not below `{root}`, where the service's own are")))
     }
 }
 

@@ -32,19 +32,13 @@ fn usual_topic() -> String {
 }
 
 /// Topics that a configuration may name.
-const TOPICS: &str =
+pub(super) const TOPICS: &str =
     "words with `/` between them, 200 letters at most, without `+`, `#` and `$`, as pump-dose or lab/pumps";
 
 impl MqttTable {
     /// Returns the broker's host and port.
     pub fn address(&self) -> Option<(&str, u16)> {
-        let (host, port) = self.broker.rsplit_once(':')?;
-        let port = port.parse().ok().filter(|port| *port > 0)?;
-        let is_six = host.starts_with('[') && host.ends_with(']');
-        let has_colon = host.contains(':') && !is_six;
-        let letters = |c: char| c.is_alphanumeric() || "-._:[]%".contains(c);
-        let is_host = !host.is_empty() && host.len() <= MOST_LETTERS && host.chars().all(letters);
-        (is_host && !has_colon).then_some((host, port))
+        host_and_port(&self.broker)
     }
 
     /// Returns the first value that is not allowed: key, value, and what is allowed.
@@ -81,8 +75,19 @@ impl MqttTable {
     }
 }
 
+/// Reads a host and a port with `:` between them.
+pub(super) fn host_and_port(text: &str) -> Option<(&str, u16)> {
+    let (host, port) = text.rsplit_once(':')?;
+    let port = port.parse().ok().filter(|port| *port > 0)?;
+    let is_six = host.starts_with('[') && host.ends_with(']');
+    let has_colon = host.contains(':') && !is_six;
+    let letters = |c: char| c.is_alphanumeric() || "-._:[]%".contains(c);
+    let is_host = !host.is_empty() && host.len() <= MOST_LETTERS && host.chars().all(letters);
+    (is_host && !has_colon).then_some((host, port))
+}
+
 /// Returns true for a topic that names one place.
-fn is_topic(topic: &str) -> bool {
+pub(super) fn is_topic(topic: &str) -> bool {
     let is_level = |level: &str| !level.is_empty() && !level.contains(['+', '#', '$']);
     topic.len() <= MOST_LETTERS && topic.split('/').all(is_level) && !topic.chars().any(char::is_control)
 }

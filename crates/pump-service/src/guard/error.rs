@@ -19,4 +19,10 @@ pub enum GuardError {
         "input {0} has a `command`, which alone speaks for it; take that out of the configuration to tell it"
     )]
     OfCommand(String),
+    /// The input has a topic of MQTT, which alone speaks for it.
+    #[error(
+        "input {0} has a `topic`, which alone speaks for it; send its words there, or take that out of the \
+         configuration"
+    )]
+    OfTopic(String),
 }

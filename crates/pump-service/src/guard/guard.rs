@@ -9,6 +9,7 @@ use tokio::sync::Notify;
 
 use super::error::GuardError;
 use super::input::{Input, InputView, Word};
+use super::said::word_of_message;
 use super::stand::{KIND, put_to_stand, tell_of_stand};
 use crate::service::{Service, Stillness};
 use crate::shell::command;
@@ -64,7 +65,8 @@ impl Guard {
 
     /// Returns the inputs as they are.
     pub fn inputs(&self) -> Vec<InputView> {
-        self.watch().inputs.iter().map(Input::view).collect()
+        let now = Instant::now();
+        self.watch().inputs.iter().map(|input| input.view(now)).collect()
     }
 
     /// Tells whether an input is well. Once this returns for one that is not, its pumps are asked to stop, and the
@@ -72,12 +74,13 @@ impl Guard {
     ///
     /// # Errors
     ///
-    /// [`GuardError`] if there is no such input, or if its command speaks for it. Nothing has changed then.
+    /// [`GuardError`] if there is no such input, or if its command or its topic speaks for it. Nothing has changed then.
     pub fn tell(&self, name: &str, ok: bool, reason: Option<&str>) -> Result<InputView, GuardError> {
         let known = {
             let watch = self.watch();
             match watch.inputs.iter().find(|input| input.name() == name) {
                 Some(input) if input.command().is_some() => Err(GuardError::OfCommand(name.to_owned())),
+                Some(input) if input.topic().is_some() => Err(GuardError::OfTopic(name.to_owned())),
                 Some(_) => Ok(()),
                 None => {
                     let names: Vec<&str> = watch.inputs.iter().map(Input::name).collect();
@@ -91,6 +94,32 @@ impl Guard {
         self.hear(name, if ok { Word::Well } else { Word::bad(reason.unwrap_or_default()) });
         let view = self.inputs().into_iter().find(|input| input.name == name);
         Ok(view.unwrap_or_else(|| unreachable!("the input {name} was found before")))
+    }
+
+    /// Returns the topics of MQTT at which inputs are told.
+    pub(crate) fn topics(&self) -> BTreeSet<String> {
+        self.watch().inputs.iter().filter_map(Input::topic).map(str::to_owned).collect()
+    }
+
+    /// Hears a message at a topic. Returns false if no input is told there.
+    pub(crate) fn hear_message(&self, topic: &str, payload: &[u8], is_retained: bool) -> bool {
+        let names = self.told_at(|told_at| told_at == topic);
+        if let Some(word) = word_of_message(payload, is_retained) {
+            names.iter().for_each(|name| self.hear(name, word.clone()));
+        }
+        !names.is_empty()
+    }
+
+    /// Takes the topics for unheard: an input that is told there is silent until its topic is heard again.
+    pub(crate) fn miss_topics(&self, why: &str) {
+        self.told_at(|_| true).iter().for_each(|name| self.hear(name, Word::Nothing(why.to_owned())));
+    }
+
+    /// Returns the names of the inputs that are told at such a topic.
+    fn told_at(&self, is_it: impl Fn(&str) -> bool) -> Vec<String> {
+        let watch = self.watch();
+        let told = watch.inputs.iter().filter(|input| input.topic().is_some_and(&is_it));
+        told.map(|input| input.name().to_owned()).collect()
     }
 
     /// Runs the commands of the inputs, watches the clock, and puts pumps to stand, until the service ends.
@@ -153,7 +182,7 @@ impl Guard {
         let mut watch = self.watch();
         let now = Instant::now();
         watch.inputs.iter_mut().for_each(|input| input.look(now));
-        let changed = tell_changes(&mut watch);
+        let changed = tell_changes(&mut watch, now);
         let (mut still, mut stops) = (BTreeMap::new(), Vec::new());
         for pump in service.pumps() {
             let (name, reason) = (pump.name().to_owned(), watch.reason(pump.name()));
@@ -188,7 +217,7 @@ impl Guard {
         }
         for (view, text) in &changed {
             service.tell("input", view);
-            service.note(KIND, None, text);
+            text.iter().for_each(|text| service.note(KIND, None, text));
         }
         if !stops.is_empty() {
             self.0.wake.notify_one();
@@ -225,25 +254,26 @@ impl Guard {
     }
 }
 
-/// Returns the inputs that are not well any more, or are well again, with the words about that.
-fn tell_changes(watch: &mut Watch) -> Vec<(InputView, String)> {
+/// Returns the inputs that watchers are to be told of, and the words about those that are not well any more, or are well
+/// again.
+fn tell_changes(watch: &mut Watch, now: Instant) -> Vec<(InputView, Option<String>)> {
     let Watch { inputs, told, .. } = watch;
     let mut changed = Vec::new();
     for input in inputs {
-        let (name, view) = (input.name(), input.view());
-        match &view.reason {
-            Some(reason) if told.insert(name.to_owned()) => {
-                let text = format!("input {reason}; it stops {}", view.pumps.join(", "));
-                changed.push((view, text));
-            }
-            None if told.remove(name) => {
-                let text = format!(
-                    "input {name}: all is well again; each pump that stands waits for a person's clear"
-                );
-                changed.push((view, text));
-            }
-            _ => {}
+        if !input.is_news(now) {
+            continue;
         }
+        let (name, view) = (input.name(), input.view(now));
+        let text = match &view.reason {
+            Some(reason) if told.insert(name.to_owned()) => {
+                Some(format!("input {reason}; it stops {}", view.pumps.join(", ")))
+            }
+            None if told.remove(name) => Some(format!(
+                "input {name}: all is well again; each pump that stands waits for a person's clear"
+            )),
+            _ => None,
+        };
+        changed.push((view, text));
     }
     changed
 }

@@ -5,9 +5,13 @@ use std::time::{Duration, Instant};
 use jiff::Timestamp;
 use pump_bench::config::InputTable;
 use serde::Serialize;
+use utoipa::ToSchema;
 
 /// Longest reason of an input that is kept, in letters.
 const MOST_REASON: usize = 200;
+
+/// Time from one telling of an input that goes on as before to its next.
+const APART: Duration = Duration::from_secs(1);
 
 /// Word of an input.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,21 +45,33 @@ enum State {
 }
 
 /// Input as people and programs are shown it, `input/1`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[non_exhaustive]
 pub struct InputView {
     /// `input/1`.
+    #[schema(value_type = String, example = "input/1")]
     pub schema: &'static str,
     /// Name of the input.
     pub name: String,
     /// Names of its pumps.
     pub pumps: Vec<String>,
     /// `waiting` for its first word, `well`, `bad` or `silent`.
+    #[schema(value_type = String, example = "well")]
     pub state: &'static str,
+    /// Its last word, `well` or `bad`; null before the first.
+    #[schema(value_type = Option<String>, example = "well")]
+    pub word: Option<&'static str>,
+    /// Time since its last word, s; null before the first.
+    pub age_s: Option<f64>,
+    /// True if its last word is younger than `silent_s`.
+    pub alive: bool,
     /// Reason why it is not well; null while it is.
     pub reason: Option<String>,
     /// Time of its last word; null before the first.
+    #[schema(value_type = Option<String>, format = DateTime)]
     pub last: Option<Timestamp>,
+    /// Topic of MQTT at which it is told; null if it is told over HTTP, or by its command.
+    pub topic: Option<String>,
     /// True if it is told over HTTP or MQTT, false if its command speaks for it.
     pub told: bool,
     /// Time within which it must say that all is well, s.
@@ -70,16 +86,20 @@ pub(super) struct Input {
     state: State,
     /// Time at which it last said that all is well, or at which the service began.
     alive: Instant,
-    last: Option<Timestamp>,
+    /// Its last word, and the time of it.
+    last: Option<(&'static str, Instant, Timestamp)>,
     /// Reason why its command said nothing.
     trouble: Option<String>,
+    /// State and time of the last telling of it.
+    told: (State, Instant),
 }
 
 impl Input {
     /// The input of a table, as of `now`. Without pumps of its own it guards all of `pumps`.
     pub(super) fn new(table: InputTable, pumps: &[String], now: Instant) -> Self {
         let pumps = table.pumps.clone().unwrap_or_else(|| pumps.to_vec());
-        Self { table, pumps, state: State::Waiting, alive: now, last: None, trouble: None }
+        let told = (State::Waiting, now);
+        Self { table, pumps, state: State::Waiting, alive: now, last: None, trouble: None, told }
     }
 
     pub(super) fn name(&self) -> &str {
@@ -89,6 +109,11 @@ impl Input {
     /// Returns the command that speaks for it, and the time from its end to its next run.
     pub(super) fn command(&self) -> Option<(&str, Duration)> {
         Some((self.table.command.as_deref()?, self.table.every()))
+    }
+
+    /// Returns the topic at which it is told.
+    pub(super) fn topic(&self) -> Option<&str> {
+        self.table.topic.as_deref()
     }
 
     /// Returns true if it guards the pump of this name.
@@ -101,10 +126,10 @@ impl Input {
         match word {
             Word::Well => {
                 (self.state, self.alive, self.trouble) = (State::Well, now, None);
-                self.last = Some(time);
+                self.last = Some(("well", now, time));
             }
             Word::Bad(reason) => {
-                (self.state, self.last) = (State::Bad(reason), Some(time));
+                (self.state, self.last) = (State::Bad(reason), Some(("bad", now, time)));
             }
             Word::Nothing(why) => self.trouble = Some(why),
         }
@@ -116,6 +141,19 @@ impl Input {
         if is_silent && matches!(self.state, State::Waiting | State::Well) {
             self.state = State::Silent;
         }
+    }
+
+    /// Returns true if watchers are to be told of it at `now`, and takes them for told: its state has changed, or it
+    /// has spoken again and was not told of for a second.
+    pub(super) fn is_news(&mut self, now: Instant) -> bool {
+        let (state, told) = &self.told;
+        let has_spoken = self.last.is_some_and(|(_, heard, _)| heard > *told);
+        let is_due = has_spoken && now.saturating_duration_since(*told) >= APART;
+        let is_news = *state != self.state || is_due;
+        if is_news {
+            self.told = (self.state.clone(), now);
+        }
+        is_news
     }
 
     /// Returns the reason why it is not well. `None` while it is.
@@ -132,8 +170,9 @@ impl Input {
         }
     }
 
-    /// Returns what people and programs are shown.
-    pub(super) fn view(&self) -> InputView {
+    /// Returns what people and programs are shown at `now`.
+    pub(super) fn view(&self, now: Instant) -> InputView {
+        let age = self.last.map(|(_, heard, _)| now.saturating_duration_since(heard));
         let state = match self.state {
             State::Waiting => "waiting",
             State::Well => "well",
@@ -145,8 +184,12 @@ impl Input {
             name: self.table.name.clone(),
             pumps: self.pumps.clone(),
             state,
+            word: self.last.map(|(word, _, _)| word),
+            age_s: age.map(|age| age.as_secs_f64()),
+            alive: age.is_some_and(|age| age < self.table.silent()),
             reason: self.reason(),
-            last: self.last,
+            last: self.last.map(|(_, _, time)| time),
+            topic: self.table.topic.clone(),
             told: self.table.command.is_none(),
             silent_s: self.table.silent().as_secs_f64(),
         }
@@ -177,7 +220,7 @@ mod tests {
         let mut state = |word: Option<Word>, second| {
             word.into_iter().for_each(|word| input.hear(word, at(begin, second), Timestamp::UNIX_EPOCH));
             input.look(at(begin, second));
-            input.view().state
+            input.view(at(begin, second)).state
         };
         assert_eq!([state(None, 0), state(None, 29), state(None, 30)], ["waiting", "waiting", "silent"]);
         assert_eq!(
@@ -188,6 +231,37 @@ mod tests {
         assert_eq!(state(Some(Word::Nothing("no shell".to_owned())), 71), "silent");
         assert_eq!(state(Some(Word::bad("water")), 72), "bad");
         assert_eq!([state(None, 200), state(Some(Word::Well), 201)], ["bad", "well"]);
+    }
+
+    #[test]
+    fn a_view_has_the_last_word_its_age_and_whether_it_lives() {
+        let begin = Instant::now();
+        let mut input = input(begin);
+        let seen = |input: &Input, second| {
+            let InputView { word, age_s, alive, .. } = input.view(at(begin, second));
+            (word, age_s, alive)
+        };
+        assert_eq!(seen(&input, 3), (None, None, false));
+        input.hear(Word::Well, at(begin, 10), Timestamp::UNIX_EPOCH);
+        assert_eq!(seen(&input, 12), (Some("well"), Some(2.0), true));
+        input.hear(Word::bad("water"), at(begin, 20), Timestamp::UNIX_EPOCH);
+        assert_eq!(seen(&input, 49), (Some("bad"), Some(29.0), true));
+        assert_eq!(seen(&input, 50), (Some("bad"), Some(30.0), false));
+    }
+
+    #[test]
+    fn watchers_are_told_each_change_at_once_and_each_further_word_once_a_second() {
+        let begin = Instant::now();
+        let mut input = input(begin);
+        let mut is_news = |word: Option<Word>, ms| {
+            let now = begin + Duration::from_millis(ms);
+            word.into_iter().for_each(|word| input.hear(word, now, Timestamp::UNIX_EPOCH));
+            input.is_news(now)
+        };
+        assert_eq!([is_news(None, 0), is_news(Some(Word::Well), 100)], [false, true]);
+        assert_eq!([is_news(Some(Word::Well), 200), is_news(Some(Word::Well), 1100)], [false, true]);
+        assert_eq!([is_news(None, 5000), is_news(Some(Word::bad("water")), 5001)], [false, true]);
+        assert_eq!([is_news(Some(Word::bad("oil")), 5002), is_news(None, 9000)], [true, false]);
     }
 
     #[test]

@@ -4,8 +4,10 @@
 mod error;
 mod guard;
 mod input;
+mod said;
 mod stand;
 
 pub use self::error::GuardError;
 pub use self::guard::Guard;
 pub use self::input::InputView;
+pub(crate) use self::said::Said;

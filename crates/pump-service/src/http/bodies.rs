@@ -41,18 +41,6 @@ pub(super) struct ReasonBody {
     pub(super) reason: String,
 }
 
-/// Word of an input of the guard.
-#[derive(Debug, Deserialize, Serialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct InputBody {
-    /// True if all is well.
-    #[schema(example = false)]
-    pub(super) ok: bool,
-    /// Reason why not. An input that is well needs none.
-    #[schema(example = "water under the rack")]
-    pub(super) reason: Option<String>,
-}
-
 /// Reason of a stop.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]

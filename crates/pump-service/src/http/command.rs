@@ -15,8 +15,8 @@ use tokio_stream::wrappers::ReceiverStream;
 use super::bodies::body;
 use super::failure::Failure;
 use super::shared::Shared;
-use crate::order::OrderId;
-use crate::service::Service;
+use crate::order::{Order, OrderId, Task, option};
+use crate::service::{Refusal, Service};
 use crate::worker::{Line, Seat};
 
 /// Lines that wait for a slow reader.
@@ -36,6 +36,19 @@ struct CommandBody {
     attended: bool,
 }
 
+/// An order whose report is that of a typed command.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OrderBody {
+    order: Order,
+    /// True if a program reads the report.
+    json: bool,
+    /// True if the report has every detail.
+    verbose: bool,
+    /// True if a person sits at the terminal.
+    attended: bool,
+}
+
 /// Carries out a command of this machine's user. The answer is a line of JSON with the order's name, `{"order": ID}`,
 /// then one for each line of its output, `{"out": TEXT}`, `{"err": TEXT}` or `{"progress": {..}}`, and at last
 /// `{"code": CODE}`. A reader that goes away stops the command.
@@ -49,10 +62,30 @@ pub(super) async fn command(
         return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
     }
     let CommandBody { pump, words, folder, attended } = body(&bytes)?;
-    let (hearer, mut lines) = unbounded_channel();
     let seat = Seat { folder: Some(folder), is_attended: attended, is_answered: false };
-    let service = shared.service.clone();
-    let id = service.place_command(&pump, words, seat, hearer)?;
+    follow(shared.service, &pump, words, seat)
+}
+
+/// Carries out a command of somebody else who may give orders: its options are those of an order. The answer is that of
+/// [`command`].
+pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<Response, Failure> {
+    let OrderBody { order, json, verbose, attended } = body(&bytes)?;
+    if matches!(order.task, Task::Command { .. }) {
+        let message = "words of a command are no order; only this user on this machine may give them";
+        return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
+    }
+    let mut words = order.words().map_err(Refusal::from)?;
+    if !json {
+        words.retain(|word| *word != option("format", "json"));
+    }
+    words.extend(verbose.then(|| "--verbose".to_owned()));
+    follow(shared.service, &order.pump, words, Seat { folder: None, is_attended: attended, is_answered: false })
+}
+
+/// Begins a command, and answers with its lines.
+fn follow(service: Service, pump: &str, words: Vec<String>, seat: Seat) -> Result<Response, Failure> {
+    let (hearer, mut lines) = unbounded_channel();
+    let id = service.place_command(pump, words, seat, hearer)?;
     let (give, take) = channel::<Result<String, std::io::Error>>(WAITING);
     tokio::spawn(async move {
         if give.send(Ok(format!("{}\n", json!({"order": id})))).await.is_err() {

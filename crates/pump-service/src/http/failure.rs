@@ -70,7 +70,9 @@ impl From<GuardError> for Failure {
     fn from(error: GuardError) -> Self {
         match &error {
             GuardError::UnknownInput { .. } => Self::new(StatusCode::NOT_FOUND, "missing", error),
-            GuardError::OfCommand(_) => Self::new(StatusCode::UNPROCESSABLE_ENTITY, "usage", error),
+            GuardError::OfCommand(_) | GuardError::OfTopic(_) => {
+                Self::new(StatusCode::UNPROCESSABLE_ENTITY, "usage", error)
+            }
         }
     }
 }

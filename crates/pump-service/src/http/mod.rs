@@ -11,6 +11,7 @@ mod command;
 mod events;
 mod failure;
 mod metrics;
+mod reserve;
 mod router;
 mod serve;
 mod session;

@@ -20,6 +20,7 @@ use tower::ServiceExt;
 
 use super::access::Access;
 use super::failure::Failure;
+use super::reserve::{Reserve, is_stop};
 use super::router::router;
 use super::shared::Shared;
 use crate::guard::Guard;
@@ -29,13 +30,13 @@ use crate::service::Service;
 /// Pause after a connection could not be taken, as where no file descriptor is left.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Longest time in which a connection above the bound is told so.
+/// Longest time of a connection above the bound: it asks for a stop, or is told that there is no place.
 const LAST_WORD: Duration = Duration::from_secs(1);
 
 /// Bounds of the connections.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Most connections at a time. Further ones are told that the service is busy.
+    /// Most connections at a time. Further ones may stop pumps, and are told otherwise that the service is busy.
     pub connections: usize,
     /// Longest time that the head of a request may take, and that a connection may rest between two.
     pub head: Duration,
@@ -60,6 +61,7 @@ pub async fn serve(
     let version = env!("CARGO_PKG_VERSION");
     let router = router(Shared { service, access: Arc::new(access), schedule, guard, version });
     let places = Arc::new(Semaphore::new(limits.connections));
+    let mut reserve = Reserve::default();
     tokio::pin!(until);
     loop {
         let taken = tokio::select! {
@@ -85,10 +87,16 @@ pub async fn serve(
                 });
             }
             Err(_) => {
-                tokio::spawn(tokio::time::timeout(
-                    LAST_WORD,
-                    answer(stream, LAST_WORD, |_| async { Ok::<_, Infallible>(full()) }),
-                ));
+                let router = router.clone();
+                let to = move |request: Request<Incoming>| {
+                    let stop = is_stop(request.method(), request.uri().path()).then(|| router.clone());
+                    async move {
+                        let Some(router) = stop else { return Ok(last(full())) };
+                        router.oneshot(request.map(Body::new)).await.map(last)
+                    }
+                };
+                let answered = tokio::time::timeout(LAST_WORD, answer(stream, LAST_WORD, to));
+                reserve.take(tokio::spawn(answered).abort_handle());
             }
         }
     }
@@ -110,7 +118,11 @@ where
 
 fn full() -> Response {
     let message = "the service has as many connections as it takes; close some, or try again";
-    let mut response = Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", message).into_response();
+    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", message).into_response()
+}
+
+/// Makes an answer the last one of its connection.
+fn last(mut response: Response) -> Response {
     response.headers_mut().insert(CONNECTION, "close".parse().unwrap_or_else(|_| unreachable!("plain text")));
     response
 }

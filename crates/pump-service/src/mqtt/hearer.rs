@@ -13,6 +13,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use super::asked::Asked;
 use super::kept::{keep, kept};
 use super::topics::{Command, STOP, Topics};
+use crate::guard::Guard;
 use crate::history::{Key, OrderState};
 use crate::order::{Order, OrderId, Origin, Task};
 use crate::service::{Placed, Refusal, Service, error_report};
@@ -30,6 +31,7 @@ pub(super) type Retained = BTreeMap<String, Vec<u8>>;
 /// Hearer of the commands of one connection.
 pub(super) struct Hearer<'a> {
     service: &'a Service,
+    guard: &'a Guard,
     topics: &'a Topics,
     client: AsyncClient,
     retained: &'a mut Retained,
@@ -40,12 +42,13 @@ pub(super) struct Hearer<'a> {
 impl<'a> Hearer<'a> {
     pub(super) fn new(
         service: &'a Service,
+        guard: &'a Guard,
         topics: &'a Topics,
         client: AsyncClient,
         retained: &'a mut Retained,
     ) -> Self {
         let room = Arc::new(Semaphore::new(WAITING));
-        Self { service, topics, client, retained, room, has_told_flood: false }
+        Self { service, guard, topics, client, retained, room, has_told_flood: false }
     }
 
     /// Takes what has happened on the connection.
@@ -54,10 +57,13 @@ impl<'a> Hearer<'a> {
             Event::Incoming(Incoming::Publish(message)) => self.hear(&message).await,
             Event::Incoming(Incoming::SubAck(SubAck { return_codes, .. })) => {
                 let is_taken = |code: &SubscribeReasonCode| matches!(code, SubscribeReasonCode::Success(_));
-                if !return_codes.iter().all(is_taken) {
-                    let text = "the MQTT broker lets this service hear no commands; allow it to subscribe to";
-                    let text = format!("{text} {}", self.topics.filters().join(" and "));
-                    self.service.note("mqtt", None, &text);
+                let filters = self.topics.filters().into_iter().chain(self.guard.topics());
+                let refused = filters.zip(&return_codes).filter(|(_, code)| !is_taken(code));
+                let refused: Vec<String> = refused.map(|(filter, _)| filter).collect();
+                if !refused.is_empty() {
+                    let refused = refused.join(" and ");
+                    let text = "the MQTT broker lets this service not hear all of its topics; allow it to";
+                    self.service.note("mqtt", None, &format!("{text} subscribe to {refused}"));
                 }
             }
             _ => {}
@@ -68,6 +74,9 @@ impl<'a> Hearer<'a> {
     /// finds it.
     async fn hear(&mut self, message: &Publish) {
         let Ok(topic) = std::str::from_utf8(&message.topic) else { return };
+        if self.guard.hear_message(topic, &message.payload, message.retain) {
+            return;
+        }
         let Some(command) = self.topics.command(topic) else { return };
         let is_stop = command.word == STOP;
         let is_new = !message.retain || self.is_new_retained(topic, command, &message.payload);

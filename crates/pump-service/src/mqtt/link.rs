@@ -12,6 +12,7 @@ use tokio::time::{Instant, sleep, timeout};
 use super::hearer::{Hearer, Retained};
 use super::settings::Settings;
 use super::teller::Teller;
+use crate::guard::Guard;
 use crate::service::Service;
 
 /// Shortest and longest time from a lost connection to the next try.
@@ -35,10 +36,10 @@ pub struct Link {
 }
 
 impl Link {
-    /// Begins to talk to the broker.
-    pub fn begin(service: Service, settings: Settings) -> Self {
+    /// Begins to talk to the broker, and to hear the inputs of the guard there.
+    pub fn begin(service: Service, guard: Guard, settings: Settings) -> Self {
         let (end, ended) = watch::channel(false);
-        let task = tokio::spawn(async move { run(&service, &settings, ended).await });
+        let task = tokio::spawn(async move { run(&service, &guard, &settings, ended).await });
         Self { end, task }
     }
 
@@ -60,13 +61,13 @@ enum Over {
     Lost { reason: String, lasted: Duration },
 }
 
-async fn run(service: &Service, settings: &Settings, mut end: Receiver<bool>) {
+async fn run(service: &Service, guard: &Guard, settings: &Settings, mut end: Receiver<bool>) {
     let mut retained = Retained::new();
     let mut is_away = false;
     let mut wait = SHORTEST;
     loop {
         let Over::Lost { reason, lasted } =
-            connection(service, settings, &mut retained, &mut is_away, &mut end).await
+            connection(service, guard, settings, &mut retained, &mut is_away, &mut end).await
         else {
             return;
         };
@@ -78,6 +79,7 @@ async fn run(service: &Service, settings: &Settings, mut end: Receiver<bool>) {
             );
             service.note("mqtt", None, &text);
         }
+        guard.miss_topics(&format!("the MQTT broker {} was away", settings.address()));
         if lasted >= HELD {
             wait = SHORTEST;
         }
@@ -91,6 +93,7 @@ async fn run(service: &Service, settings: &Settings, mut end: Receiver<bool>) {
 /// Makes one connection, with nothing left of those before it.
 async fn connection(
     service: &Service,
+    guard: &Guard,
     settings: &Settings,
     retained: &mut Retained,
     is_away: &mut bool,
@@ -110,8 +113,8 @@ async fn connection(
         service.note("mqtt", None, &format!("the MQTT broker {} is back", settings.address()));
     }
     let lost = |reason| Over::Lost { reason, lasted: begun.elapsed() };
-    let teller = Teller::new(service, settings, client.clone());
-    let mut hearer = Hearer::new(service, &settings.topics, client, retained);
+    let teller = Teller::new(service, guard, settings, client.clone());
+    let mut hearer = Hearer::new(service, guard, &settings.topics, client, retained);
     let hearing = hear(&mut events, &mut hearer);
     tokio::pin!(hearing);
     let ended = async { drop(end.wait_for(|ends| *ends).await) };

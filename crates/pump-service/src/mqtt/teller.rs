@@ -15,6 +15,7 @@ use super::discovery::documents;
 use super::kept::kept;
 use super::settings::{OFFLINE, ONLINE, Settings};
 use super::view::{State, word_of_progress};
+use crate::guard::Guard;
 use crate::service::{Event, Service};
 
 /// Time from one message of progress of a pump to its next.
@@ -23,6 +24,7 @@ const APART: Duration = Duration::from_millis(500);
 /// Teller of one connection.
 pub(super) struct Teller<'a> {
     service: &'a Service,
+    guard: &'a Guard,
     settings: &'a Settings,
     client: AsyncClient,
     /// State of each pump as it was told last, and the word of its motion.
@@ -33,9 +35,14 @@ pub(super) struct Teller<'a> {
 
 impl<'a> Teller<'a> {
     /// A teller that has told nothing yet.
-    pub(super) fn new(service: &'a Service, settings: &'a Settings, client: AsyncClient) -> Self {
+    pub(super) fn new(
+        service: &'a Service,
+        guard: &'a Guard,
+        settings: &'a Settings,
+        client: AsyncClient,
+    ) -> Self {
         let (told, progressed) = (BTreeMap::new(), BTreeMap::new());
-        Self { service, settings, client, told, progressed }
+        Self { service, guard, settings, client, told, progressed }
     }
 
     /// Tells everything, and then what happens, until `end`. Says goodbye then.
@@ -68,14 +75,16 @@ impl<'a> Teller<'a> {
         self.client.disconnect().await
     }
 
-    /// Hears commands, and tells Home Assistant and everybody that the service is there.
+    /// Hears commands and inputs, and tells Home Assistant and everybody that the service is there.
     async fn begin(&mut self) -> Result<(), ClientError> {
         let filters = self.settings.topics.filters().map(|path| Filter {
             // A command that is sent with the retain flag has it from the first time on.
             preserve_retain: true,
             ..Filter::new(path, QoS::AtLeastOnce)
         });
-        self.client.subscribe_many(filters).await?;
+        // An input's message has the retain flag only where the broker has kept it from before.
+        let inputs = self.guard.topics().into_iter().map(|topic| Filter::new(topic, QoS::AtLeastOnce));
+        self.client.subscribe_many(filters.into_iter().chain(inputs)).await?;
         let (service, settings) = (self.service, self.settings);
         if let Some(prefix) = &settings.discovery {
             for (topic, document) in

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// - `pump`: a pump's state has changed; the data is its [`PumpView`](super::PumpView).
 /// - `progress`: a motion goes on, `progress/1` with the pump's name and the order.
 /// - `order`: an order began or ended, `order/1`.
-/// - `input`: an input of the guard says something else than before, `input/1`.
+/// - `input`: an input of the guard says something else than before, or has spoken again, `input/1`.
 /// - `note`: something happened that a person should know, with `time`, `kind`, `pump` and `text`.
 #[derive(Debug, Clone)]
 pub struct Event {

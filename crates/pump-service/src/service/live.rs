@@ -15,6 +15,9 @@ const MOST_MESSAGES: usize = 100;
 /// Most reports of an order that are kept: a batch of more keeps its last ones, and the log of the pump has all.
 const MOST_REPORTS: usize = 1000;
 
+/// Id of the plan of a rack.
+const RACK: &str = "";
+
 /// The orders that are carried out now, by their names.
 pub(super) type Orders = BTreeMap<OrderId, Live>;
 
@@ -22,7 +25,7 @@ pub(super) type Orders = BTreeMap<OrderId, Live>;
 #[derive(Debug)]
 pub(super) struct Live {
     pub(super) record: OrderRecord,
-    /// Plan of each pump's present motion, by the pump's id, until its report comes.
+    /// Plan of each pump's present motion, by the pump's id, until its report comes. That of a rack has no id.
     plans: BTreeMap<String, Value>,
     /// Last line of progress of each pump, by the pump's id.
     progress: BTreeMap<String, Value>,
@@ -51,12 +54,18 @@ impl Live {
     /// Returns true if the order is for a pump of this name and id, alone or in a rack.
     pub(super) fn is_of(&self, name: &str, id: &str) -> bool {
         let ordered = &self.record.order.pump;
-        if ordered.is_empty() { self.progress.contains_key(id) } else { ordered == name }
+        if ordered.is_empty() { self.has_told(id) } else { ordered == name }
     }
 
     /// Returns true if the order is for a pump of this name and id, or for a rack that has not told its pumps yet.
     pub(super) fn may_be_of(&self, name: &str, id: &str) -> bool {
-        self.is_of(name, id) || (self.record.order.pump.is_empty() && self.progress.is_empty())
+        self.is_of(name, id)
+            || (self.record.order.pump.is_empty() && self.progress.is_empty() && self.plans.is_empty())
+    }
+
+    /// Returns true if a line was about the pump with this id.
+    fn has_told(&self, id: &str) -> bool {
+        self.plans.contains_key(id) || self.progress.contains_key(id)
     }
 
     /// Returns the plan of the present motion, and the last line of progress, of the pump with this id.
@@ -64,10 +73,13 @@ impl Live {
         (self.plans.get(id).cloned(), self.progress.get(id).cloned())
     }
 
-    /// Returns the record with the plan of the present motion as its last report.
+    /// Returns the record with the plan of the present motion, or of the whole rack, as its last report.
     pub(super) fn shown(&self) -> OrderRecord {
         let mut record = self.record.clone();
-        record.reports.extend(self.plans.values().cloned());
+        let of_rack = self.plans.get(RACK);
+        record.reports.extend(
+            of_rack.map_or_else(|| self.plans.values().cloned().collect(), |plan| vec![plan.clone()]),
+        );
         record
     }
 
@@ -88,7 +100,12 @@ impl Live {
             }
             Line::Report(report) => {
                 let id = report.get("pump").and_then(Value::as_str).unwrap_or_default();
-                self.plans.remove(id);
+                if self.plans.contains_key(RACK) {
+                    // The report of a rack is that of all its pumps.
+                    self.plans.clear();
+                } else {
+                    self.plans.remove(id);
+                }
                 if self.record.reports.len() == MOST_REPORTS {
                     self.record.reports.remove(0);
                 }

@@ -1,8 +1,6 @@
-//! A command that asks the running service to carry it out: several people and programs then see what moves, and can
-//! stop it. The service runs the same command with the same words, so reports and exit codes are the same.
+//! A running service, as a command asks it.
 
 use std::env;
-use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -10,24 +8,21 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-use clap::ArgMatches;
 use pump_bench::config::Config;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use ureq::Agent;
 use ureq::http::Response;
 
+use crate::commands::serve::secret;
+use crate::failure::Failure;
 use crate::interrupt::{Interrupt, name};
 use crate::progress::MotionBar;
 use crate::progress::supervised::Reached;
 use crate::terminal::{print, say};
 
-/// Commands that the service carries out; the empty one is a dose.
-const ASKED: [&str; 6] = ["", "prime", "purge", "run", "resume", "accept"];
-
-/// Options with which a command is carried out by itself: they say so, move nothing, or name a motor or a balance of
-/// their own.
-const BY_ITSELF: [&str; 5] = ["no_service", "dry_run", "driver", "port", "until_scale"];
+/// Variable with the token of the service at a url.
+const TOKEN: &str = "DOSE_SERVICE_TOKEN";
 
 /// Longest time until the service answers that it has begun.
 const ANSWERS_WITHIN: Duration = Duration::from_secs(10);
@@ -35,12 +30,15 @@ const ANSWERS_WITHIN: Duration = Duration::from_secs(10);
 /// Time between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// A running service, as its file tells.
+/// A running service, as its file tells, or as a configuration names it.
 #[derive(Debug, Deserialize)]
-struct Service {
+pub(super) struct Service {
     url: String,
-    token: String,
+    token: Option<String>,
 }
+
+/// The lines of a command that began, or the `error/1` of one that was refused.
+pub(super) type Begun = Result<Response<ureq::Body>, Value>;
 
 /// A line of the service's answer.
 #[derive(Debug, Deserialize)]
@@ -53,37 +51,20 @@ enum Line {
     Code(u8),
 }
 
-/// Has the service carry the command out. Returns its exit code, or none if the command is to be carried out by itself:
-/// no service runs, it does not have this pump, or the command is not for it.
-pub(crate) fn ask(matches: &ArgMatches, words: &[String]) -> Option<ExitCode> {
-    if env::var_os("DOSE_SERVICE").is_some_and(|word| word == "off") {
-        return None;
-    }
-    let (mut leaf, mut path) = (matches, Vec::new());
-    while let Some((name, inner)) = leaf.subcommand() {
-        path.push(name);
-        leaf = inner;
-    }
-    let is_typed = |id: &str| {
-        let known = leaf.ids().any(|known| known == id);
-        known && leaf.value_source(id) == Some(clap::parser::ValueSource::CommandLine)
-    };
-    if !ASKED.contains(&path.join(" ").as_str()) || BY_ITSELF.into_iter().any(is_typed) {
-        return None;
-    }
-    let text = |id: &str| leaf.try_get_raw(id).ok().flatten().and_then(|mut values| values.next());
-    // A command that cannot find its configuration says so by itself.
-    let config = Config::of_user(text("config").map(Path::new)).ok()?;
-    let state_dir = text("state_dir").map(Into::into).or_else(|| config.state_dir().ok())?;
-    let is_rack = path == ["run"] && text("rack").is_some();
-    let pump = text("pump").and_then(|pump| pump.to_str()).unwrap_or(config.default_pump());
-    let service: Service =
-        serde_json::from_str(&fs::read_to_string(state_dir.join("serve.json")).ok()?).ok()?;
-    let answer = service.begin(if is_rack { "" } else { pump }, words)?;
-    Some(service.follow(answer))
-}
-
 impl Service {
+    /// The service whose file is beside the records in this folder. None if there is no such file.
+    pub(super) fn beside(state_dir: &Path) -> Option<Self> {
+        serde_json::from_str(&std::fs::read_to_string(state_dir.join("serve.json")).ok()?).ok()
+    }
+
+    /// The service at a url of the configuration, with the token of the environment or else of the file.
+    pub(super) fn at(url: &str, config: &Config) -> Result<Self, Failure> {
+        let of_file =
+            || config.service().token_file.as_ref().map(|path| secret::read("token", path)).transpose();
+        let token = env::var(TOKEN).ok().map_or_else(of_file, |token| Ok(Some(token)))?;
+        Ok(Self { url: url.to_owned(), token })
+    }
+
     fn agent() -> Agent {
         let config = Agent::config_builder().http_status_as_error(false).proxy(None);
         config
@@ -95,12 +76,13 @@ impl Service {
 
     fn post(&self, path: &str, body: &Value) -> Result<Response<ureq::Body>, ureq::Error> {
         let request = Self::agent().post(format!("{}{path}", self.url));
-        let request = request.header("authorization", format!("Bearer {}", self.token));
+        let bearer = self.token.iter().map(|token| format!("Bearer {token}"));
+        let request = bearer.fold(request, |request, bearer| request.header("authorization", bearer));
         request.header("content-type", "application/json").send(body.to_string())
     }
 
     /// Begins the command. Returns none if no service answers, or if it does not have the pump.
-    fn begin(&self, pump: &str, words: &[String]) -> Option<Result<Response<ureq::Body>, Value>> {
+    pub(super) fn begin(&self, pump: &str, words: &[String]) -> Option<Begun> {
         let folder = env::current_dir().ok()?;
         let attended = std::io::IsTerminal::is_terminal(&std::io::stdin());
         let body = json!({"pump": pump, "words": words, "folder": folder, "attended": attended});
@@ -108,32 +90,70 @@ impl Service {
             Ok(answer) => answer,
             // A file that an earlier service left behind names nobody who answers.
             Err(error) if is_nobody(&error) => return None,
-            Err(error) => {
-                let message = format!(
-                    "the service at {} does not answer, and may have begun the command: {error}; see `dose status`, \
-                     or move the pump from here with --no-service",
-                    self.url
-                );
-                return Some(Err(json!({"message": message, "code": 1})));
-            }
+            Err(error) => return Some(Err(self.unsettled(&error))),
         };
         match answer.status().as_u16() {
             200 => Some(Ok(answer)),
             404 => None,
-            _ => {
-                let error = answer.body_mut().read_to_string().ok();
-                Some(Err(error.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()))
-            }
+            _ => Some(Err(error_of(&mut answer).unwrap_or_default())),
         }
     }
 
+    /// Begins an order, as a command that is told by lines. Each refusal names the url: a person chose it.
+    pub(super) fn order(&self, body: &Value) -> Begun {
+        let url = &self.url;
+        let mut answer = match self.post("/api/v1/command/order", body) {
+            Ok(answer) => answer,
+            Err(error) if is_nobody(&error) || matches!(error, ureq::Error::HostNotFound) => {
+                return Err(refused(format!(
+                    "no service answers at {url}, the `url` of [service] in the configuration: {error}; nothing has \
+                     moved; start the service, correct the url, or move the pump from here with --no-service"
+                )));
+            }
+            Err(error) => return Err(self.unsettled(&error)),
+        };
+        let status = answer.status().as_u16();
+        let mut error = match (status, error_of(&mut answer)) {
+            (200, None) => return Ok(answer),
+            (401, Some(_)) => {
+                return Err(refused(format!(
+                    "the service at {url} needs its token; name a file that has it with `token_file` in [service], or \
+                     put it into {TOKEN}"
+                )));
+            }
+            (_, Some(error)) => error,
+            (_, None) => {
+                return Err(refused(format!(
+                    "no `dose serve` of this version answers at {url}, the `url` of [service] in the configuration: \
+                     its answer has the status {status}; nothing has moved; correct the url, or move the pump from \
+                     here with --no-service"
+                )));
+            }
+        };
+        let message = error.get("message").and_then(Value::as_str).unwrap_or_default();
+        let message = format!("{message} (the service at {url} says so)");
+        error["message"] = message.into();
+        Err(error)
+    }
+
+    /// The error of a request whose fate nobody knows.
+    fn unsettled(&self, error: &ureq::Error) -> Value {
+        let message = format!(
+            "the service at {} does not answer, and may have begun the command: {error}; see `dose status`, or move \
+             the pump from here with --no-service",
+            self.url
+        );
+        error_of_service(1, message, true)
+    }
+
     /// Passes on what the command says until its end. A signal stops it as it would stop one carried out here.
-    fn follow(&self, answer: Result<Response<ureq::Body>, Value>) -> ExitCode {
+    /// A refusal is JSON if a program reads it.
+    pub(super) fn follow(&self, answer: Begun, json: bool) -> ExitCode {
         let answer = match answer {
             Ok(answer) => answer,
             Err(error) => {
                 let text = error.get("message").and_then(Value::as_str).unwrap_or("the service refused it");
-                say(&format!("error: {text}\n"));
+                say(&if json { format!("{error}\n") } else { format!("error: {text}\n") });
                 let code = error.get("code").and_then(Value::as_u64).and_then(|code| u8::try_from(code).ok());
                 return ExitCode::from(code.unwrap_or(2));
             }
@@ -173,6 +193,25 @@ impl Service {
             }
         }
     }
+}
+
+/// The `error/1` of an answer that is one; none of the lines of a command.
+fn error_of(answer: &mut Response<ureq::Body>) -> Option<Value> {
+    if answer.status().as_u16() == 200 {
+        return None;
+    }
+    let error: Value = serde_json::from_str(&answer.body_mut().read_to_string().ok()?).ok()?;
+    (error.get("schema")? == "error/1").then_some(error)
+}
+
+/// The `error/1` of a request that nobody carries out: nothing has moved.
+fn refused(message: String) -> Value {
+    error_of_service(2, message, false)
+}
+
+fn error_of_service(code: u8, message: String, moved: bool) -> Value {
+    json!({"schema": "error/1", "code": code, "kind": "service", "message": message, "value": null, "allowed": null,
+        "moved": moved})
 }
 
 /// True if nobody listens at the service's address, so that nothing was asked.

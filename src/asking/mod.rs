@@ -1,0 +1,64 @@
+//! A command that asks the running service to carry it out: several people and programs then see what moves, and can
+//! stop it. The service of this user's records runs the same command with the same words. A service at the url of the
+//! configuration, which belongs to somebody else, takes it as an order, whose options reach no file of its computer.
+//! Reports and exit codes are the same.
+
+mod order;
+mod service;
+
+use std::env;
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::ArgMatches;
+use pump_bench::config::Config;
+
+use self::service::Service;
+use crate::terminal::say_error;
+
+/// Commands that the service carries out; the empty one is a dose.
+const ASKED: [&str; 6] = ["", "prime", "purge", "run", "resume", "accept"];
+
+/// Options with which a command is carried out by itself: they say so, move nothing, or name a motor or a balance of
+/// their own.
+const BY_ITSELF: [&str; 5] = ["no_service", "dry_run", "driver", "port", "until_scale"];
+
+/// Has the service carry the command out. Returns its exit code, or none if the command is to be carried out by itself:
+/// no service runs, it does not have this pump, or the command is not for it. A service that the configuration names by
+/// its url is asked or the command is refused.
+pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<ExitCode> {
+    if env::var_os("DOSE_SERVICE").is_some_and(|word| word == "off") {
+        return None;
+    }
+    let (mut leaf, mut path) = (matches, Vec::new());
+    while let Some((name, inner)) = leaf.subcommand() {
+        path.push(name);
+        leaf = inner;
+    }
+    let is_typed = |id: &str| {
+        let known = leaf.ids().any(|known| known == id);
+        known && leaf.value_source(id) == Some(clap::parser::ValueSource::CommandLine)
+    };
+    if !ASKED.contains(&path.join(" ").as_str()) || BY_ITSELF.into_iter().any(is_typed) {
+        return None;
+    }
+    let text = |id: &str| leaf.try_get_raw(id).ok().flatten().and_then(|mut values| values.next());
+    // A command that cannot find its configuration says so by itself.
+    let config = Config::of_user(text("config").map(Path::new)).ok()?;
+    let state_dir = text("state_dir").map(Into::into).or_else(|| config.state_dir().ok())?;
+    let is_rack = path == ["run"] && text("rack").is_some();
+    let pump = text("pump").and_then(|pump| pump.to_str()).unwrap_or(config.default_pump());
+    let pump = if is_rack { "" } else { pump };
+    if let Some(service) = Service::beside(&state_dir)
+        && let Some(answer) = service.begin(pump, words)
+    {
+        return Some(service.follow(answer, json));
+    }
+    Some(match Service::at(config.service().url()?, &config) {
+        Ok(service) => service.follow(service.order(&order::of(leaf, &path, pump, json)), json),
+        Err(failure) => {
+            say_error(&failure, json);
+            ExitCode::from(failure.exit_code())
+        }
+    })
+}

@@ -1,0 +1,128 @@
+//! Commands that find their service by the url of the configuration.
+
+use std::fs;
+use std::net::TcpListener;
+use std::process::{Output, Stdio};
+
+use serde_json::{Value, json};
+
+use crate::laboratory::{Laboratory, Service, signal};
+
+const TOKEN: &str = "0123456789abcdef";
+
+/// A laboratory whose service needs a token, and another one that names it by its url.
+fn places(more: &str) -> (Laboratory, Service, Laboratory) {
+    let there = Laboratory::new(&["acid", "base"], "");
+    fs::write(there.path("token"), TOKEN).unwrap();
+    let service = there.serve(&["--token-file", "token"]);
+    let here = Laboratory::new(&["acid"], &format!("[service]\nurl = \"{}\"\n{more}", service.url));
+    (there, service, here)
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).replace("\n  ", " ")
+}
+
+#[test]
+fn a_command_is_carried_out_by_the_service_of_its_url_and_says_what_it_says_alone() {
+    let (there, service, here) = places("token_file = \"word\"\n");
+    fs::write(here.path("word"), format!("{TOKEN}\n")).unwrap();
+    let text = |output: &Output| {
+        let lines = String::from_utf8(output.stdout.clone()).unwrap();
+        let timeless = |line: &&str| !line.contains("T") || !line.contains("+00:00");
+        lines.lines().filter(timeless).map(str::to_owned).collect::<Vec<_>>()
+    };
+    for words in [
+        &["2", "mL", "--rate", "2mL/s"][..],
+        &["1mL", "-v"],
+        &["prime", "3mL"],
+        &["run", "--volume", "1mL", "--rate", "1mL/s"],
+    ] {
+        let asked = here.run(words);
+        assert_eq!(asked.status.code(), Some(0), "{words:?}: {}", errors(&asked));
+        let alone = here.run(&[words, &["--no-service", "--state-dir", "alone"]].concat());
+        assert_eq!(text(&asked), text(&alone), "{words:?}");
+    }
+    assert_eq!((there.log("acid").len(), here.log("acid").len()), (4, 0));
+    let (_, orders) = service.get("/login");
+    assert_eq!(orders["needed"], true);
+    let told = here.run(&["1mL", "--format", "json"]);
+    let report: Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert_eq!((&report["schema"], &report["pump"]), (&json!("dose/1"), &json!("acid")));
+    // Without the file the environment has the token.
+    fs::remove_file(here.path("word")).unwrap();
+    let missed = here.run(&["1mL"]);
+    assert_eq!(missed.status.code(), Some(2));
+    assert!(errors(&missed).contains("word"), "{}", errors(&missed));
+    let told = here.dose(&["1mL"]).env("DOSE_SERVICE_TOKEN", TOKEN).output().unwrap();
+    assert_eq!(told.status.code(), Some(0), "{}", errors(&told));
+}
+
+#[test]
+fn an_interrupt_stops_the_motion_at_the_url() {
+    let (there, _service, here) = places("");
+    let mut command = here.dose(&["200mL", "--rate", "0.5mL/s"]);
+    command.env("DOSE_SERVICE_TOKEN", TOKEN).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().unwrap();
+    crate::laboratory::wait_for("the motion", || there.status("acid")["in_use_by"].as_str().map(drop));
+    signal(child.id(), "INT");
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130), "{}", errors(&ended));
+    assert_eq!(there.log("acid")[0]["cause"], "SIGINT");
+}
+
+#[test]
+fn a_refusal_names_the_url_and_moves_nothing() {
+    let (there, service, here) = places("");
+    let run = |words: &[&str], token: &str| {
+        let ended = here.dose(words).env("DOSE_SERVICE_TOKEN", token).output().unwrap();
+        (ended.status.code(), errors(&ended))
+    };
+    for (words, token, told) in [
+        (
+            &["1mL"][..],
+            "wrong",
+            "needs its token; name a file that has it with `token_file` in [service], or",
+        ),
+        (&["1mL", "--pump", "dye"], TOKEN, "there is no pump `dye`; the configuration names acid, base"),
+        (&["1mL", "--plot", "dose.svg"], TOKEN, "--plot is no option of this order; allowed: rate"),
+        (&["1mL", "--on-fail", "touch x"], TOKEN, "--on-fail is no option of this order; allowed: rate"),
+    ] {
+        let (code, error) = run(words, token);
+        assert_eq!(code, Some(2), "{words:?}: {error}");
+        assert!(error.contains(told) && error.contains(&service.url), "{words:?}: {error}");
+    }
+    let (code, error) = run(&["1mL", "--pump", "dye", "--format", "json"], TOKEN);
+    let error: Value = serde_json::from_str(&error).unwrap();
+    assert_eq!((code, &error["schema"], &error["moved"]), (Some(2), &json!("error/1"), &json!(false)));
+    // Words of a command are no order, also with the token.
+    let body = json!({"order": {"pump": "acid", "task": "command", "words": ["1mL"]}, "json": false,
+        "verbose": false, "attended": false});
+    let bearer = format!("Bearer {TOKEN}");
+    let headers = [("authorization", bearer.as_str())];
+    assert_eq!(service.post_with("/api/v1/command/order", &body, &headers).0, 403);
+    assert_eq!((there.log("acid").len(), here.log("acid").len()), (0, 0));
+}
+
+#[test]
+fn a_url_where_no_service_is_refuses_and_moves_nothing() {
+    // The port is free once this listener is dropped.
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let url = format!("http://127.0.0.1:{port}");
+    let here = Laboratory::new(&["acid"], &format!("[service]\nurl = \"{url}\"\n"));
+    let refused = here.run(&["1mL"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let words = format!("no service answers at {url}, the `url` of [service] in the configuration: ");
+    assert!(
+        errors(&refused).contains(&words) && errors(&refused).contains("--no-service"),
+        "{}",
+        errors(&refused)
+    );
+    assert!(here.log("acid").is_empty());
+    assert_eq!(here.run(&["1mL", "--no-service"]).status.code(), Some(0));
+    assert_eq!(here.log("acid").len(), 1);
+    // A service of these records is found first.
+    let _service = here.serve(&["--pace", "fast"]);
+    assert_eq!(here.run(&["1mL"]).status.code(), Some(0));
+    assert_eq!(here.log("acid").len(), 2);
+}
