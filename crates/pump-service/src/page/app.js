@@ -42,9 +42,15 @@ const newId = () => `n${++ids}`;
 const minus = (text) => text.replace('-', '−');
 const fixed = (value, decimals) => minus(value.toFixed(decimals));
 /** Decimals that show an uncertainty with two digits. */
-const decimalsOf = (u) => (u > 0 ? Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
-const ml = (value, u) => (value == null ? '–' : fixed(value, decimalsOf(u)));
+const decimalsOf = (u) => (u > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
 const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
+/** A volume with the decimals of its uncertainty, and with 4 digits where these show fewer of them. */
+function ml(value, u) {
+  if (value == null) return '–';
+  const decimals = decimalsOf(u);
+  return value !== 0 && Math.abs(value) * 10 ** decimals < 1000 ? short(value) : fixed(value, decimals);
+}
+const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
 const pad = (n) => String(n).padStart(2, '0');
 const clock = (t) => `${pad(t.getHours())}:${pad(t.getMinutes())}:${pad(t.getSeconds())}`;
@@ -154,7 +160,7 @@ const dosesOf = (order) => (order.reports || []).flatMap((report) => {
 
 /** Takes a `pump-view/1`. */
 function take(view) {
-  const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), last: null, fault: null, motion: null };
+  const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
   pumps.set(view.name, pump);
   const stoodBefore = pump.view && pump.view.status && pump.view.status.safety.stand;
   pump.view = view;
@@ -229,6 +235,7 @@ function takeOrder(order) {
   if (own && !isOver && !(own.motion && own.motion.order === order.id)) {
     own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
     own.fault = null;
+    own.stale.splice(0).forEach((line) => line.remove());
   }
   takeReports(order);
   if (!isOver) {
@@ -266,8 +273,26 @@ function tellEnd(order) {
   const form = taken.get(order.id);
   taken.delete(order.id);
   if (!form) return;
-  const how = order.state === 'done' ? 'Done' : order.error && order.error.kind === 'stopped' ? 'Stopped' : 'Not done';
-  say(form.line, `${how}: ${form.words}.`);
+  const isStopped = order.error && order.error.kind === 'stopped';
+  const how = order.state === 'done' ? 'Done' : isStopped ? 'Stopped' : 'Not done';
+  const pump = pumps.get(order.pump);
+  const { last } = pump || {};
+  const volume = order.state !== 'done' && last && last.order === order.id ? `; ${volumeWords(last.report)}` : '';
+  say(form.line, `${how}: ${form.words}${volume}.`);
+  if (!pump || order.state === 'done') return;
+  // The rest is offered above the form, where a phone does not show it, and the line goes once the pump moves on.
+  pump.leads = isStopped;
+  pump.stale.push(form.line);
+}
+/** Asks for the end of the orders that ended while the page heard nothing. */
+async function askTaken() {
+  for (const id of [...taken.keys()]) {
+    const order = await call('GET', `/api/v1/orders/${encodeURIComponent(id)}`, { timeout: 8000 }).catch(() => null);
+    if (!order || order.state === 'running') continue;
+    takeReports(order);
+    tellEnd(order);
+    pumps.forEach(refresh);
+  }
 }
 
 /** Keeps the last report of each pump that an order has. */
@@ -361,7 +386,10 @@ function showLink() {
   say($('link').firstElementChild, text);
 }
 function hello(told) {
-  if (document.body.classList.contains('lost')) politely('Connected again.', true);
+  if (document.body.classList.contains('lost')) {
+    politely('Connected again.', true);
+    $('alert').replaceChildren();
+  }
   isLive = true;
   retryMs = 500;
   document.body.classList.remove('lost');
@@ -374,6 +402,7 @@ function hello(told) {
   ({ racks, version } = told);
   $('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
   readLast();
+  askTaken();
   if (onNotes) watchNotes(100, onNotes);
   if (isSame && $('main').dataset.view) pumps.forEach(refresh);
   else show();
@@ -638,7 +667,7 @@ function stateOf(pump) {
 }
 
 /** Its spaces do not break, so that no line ends within it. */
-const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${ml(u, u)}\u00a0mL (k\u00a0=\u00a02)`;
+const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${spread(u)}\u00a0mL (k\u00a0=\u00a02)`;
 const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
 /** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
 const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
@@ -653,6 +682,17 @@ function newest(logged, last) {
   const { report, stopped, resumed } = last;
   return { ...report, end: report.completed ? 'done' : stopped ? 'stopped' : 'fault', resumed };
 }
+/** When a motion ends, by its share that is done; empty for one that runs until it is stopped. */
+function endWords({ motion: { plan, progress } }) {
+  if (!plan || progress.of_ml == null || !progress.of_steps) return '';
+  const left = plan.motion_s * Math.max(0, 1 - Math.abs(progress.steps / progress.of_steps)) + (plan.settle_s || 0);
+  return left < 1 ? '' : `ends ${endOf(left)}, ${span(left)} left`;
+}
+/** The time of day so many seconds from now, with its date if that is another one. */
+function endOf(seconds) {
+  const text = date(new Date(Date.now() + 1000 * seconds));
+  return text.slice(0, 10) === date(new Date()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
+}
 function readOf(pump) {
   const { view, motion, last } = pump;
   const unfinished = view.status && view.status.unfinished;
@@ -664,7 +704,9 @@ function readOf(pump) {
     const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
     const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
     const rest = isRest ? ' (the rest of a dose)' : '';
-    return { figure: ml(delivered, u), below: `${asked}${sure}${rest}`, words: `${ml(delivered, u)} mL ${asked}`,
+    const figure = fixed(delivered, of == null ? 2 : Math.max(decimalsOf(u), 3 - Math.ceil(Math.log10(Math.abs(of) || 1))));
+    const time = endWords(pump);
+    return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
       bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
   }
   if (motion && motion.plan && !motion.wait) {
@@ -839,6 +881,40 @@ function showPlans(said, order) {
 
 const text = (box, unit) => (unit ? withUnit(box.input.value, unit) : box.input.value.trim());
 
+const ML = { nl: 1e-6, ul: 1e-3, µl: 1e-3, μl: 1e-3, mm3: 1e-3, ml: 1, cm3: 1, cc: 1, cl: 10, dl: 100, l: 1000, mg: 1e-3, g: 1, kg: 1000 };
+const SECONDS = { us: 1e-6, ms: 1e-3, s: 1, min: 60, h: 3600, d: 86400 };
+/** A number with its unit; NaN for what only the command can read. */
+function quantity(text, units) {
+  const [, number, unit] = /^[-+−]?([\d.]+)\s*(\S+)$/.exec((text || '').trim()) || [];
+  return Number(number) * units[(unit || '').toLowerCase()];
+}
+/** About how long a dose takes, s, by its words alone. */
+function roughly(pump, { volume, options }) {
+  if (options.repeat) return NaN;
+  if (options.within) return quantity(options.within, SECONDS);
+  const [flow, per] = (options.rate || '').split('/');
+  return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per && per.trim()] : pump.view.default_flow_ml_s);
+}
+/** Doses, but plans one that may be long first, and asks once more before one that takes over an hour: it may be a slip. */
+function sendDose(button, said, slot, pump, body, done) {
+  const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'dose'), body, done);
+  if (roughly(pump, body) < 1200) return go(button);
+  const { repeat, every, ...options } = body.options;
+  const path = ofPump(pump.name, 'dose');
+  return send(button, said, {}, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
+    order = await ended(order);
+    if (order.state !== 'done') throw orderError(order);
+    const [{ report }] = dosesOf(order);
+    const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
+    const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
+    if (lasts <= 3600) return setTimeout(() => go(button), 0);
+    const sure = h('button', { type: 'button', class: 'first', text: `Dose for ${span(lasts)}`, onclick: () => go(sure) });
+    said.replaceChildren(h('div', { class: 'notice' },
+      h('p', { text: `This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.` }), h('div', { class: 'row' }, sure)));
+    sure.focus();
+  });
+}
+
 /** The form of a dose, short on a card. */
 function doseForm(pump, isWide) {
   const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
@@ -878,7 +954,7 @@ function doseForm(pump, isWide) {
   const form = h('form', { novalidate: true, 'aria-label': `Dose with ${pump.name}`, onsubmit: (event) => {
     event.preventDefault();
     if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
-    send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), body(false), (order) => {
+    sendDose(button, said, slot, pump, body(false), (order) => {
       if (order.state === 'failed') throw orderError(order);
       tellTaken(said, order, `dose ${order.volume}`);
     });
@@ -1020,7 +1096,7 @@ function calibrate(pump) {
     put(1, 'dose', h('p', { text: 'Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.' }),
       h('form', { novalidate: true, onsubmit: (event) => {
         event.preventDefault();
-        send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), { volume: text(volume, 'mL'), options: {} }, (order) => second(order));
+        sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, (order) => second(order));
       } }, volume.el, h('div', { class: 'row' }, button, h('button', { type: 'button', text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
   };
   const second = async (order) => {
@@ -1071,7 +1147,7 @@ function calibrate(pump) {
     const facts = [];
     if (made && made.displacement) {
       facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
-        ['Revolution', `${short(made.revolution_ml)} mL`], ['Doses weighed', String(made.runs.length)]);
+        ['Revolution', `${short(made.revolution_ml * made.displacement.factor)} mL`], ['Doses weighed', String(made.runs.length)]);
     }
     if (made && made.next_weighing) {
       const next = made.next_weighing;
@@ -1101,6 +1177,7 @@ class Panel {
     this.notice = h('div', { class: 'notices' });
     this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
     this.below = h('p', { class: 'what' });
+    this.time = h('p', { class: 'time line', hidden: true });
     this.full = h('div', { class: 'full' });
     this.band = h('div', { class: 'band' });
     this.mark = h('div', { class: 'mark' });
@@ -1112,7 +1189,7 @@ class Panel {
     this.sim = h('p', { class: 'sim', text: 'Simulated: no motor moves', hidden: !view.simulated });
     const top = [h('div', { class: 'titled' }, title, this.sim), h('p', { class: 'what', text: view.title }), this.state,
       this.notice, h('div', { class: 'face' }, this.head.el,
-        h('div', { class: 'read' }, this.figure, this.bar, this.below))];
+        h('div', { class: 'read' }, this.figure, this.bar, this.below, this.time))];
     const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
     this.stop = stop;
     if (!isWide) {
@@ -1166,6 +1243,10 @@ class Panel {
         h('p', { text: `A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.` }),
         unfinishedActions(pump)),
     ]);
+    if (this.isWide && unfinished && pump.leads) {
+      pump.leads = false;
+      this.notice.scrollIntoView({ block: 'center' });
+    }
     for (const [said, code] of pump.refused) {
       if (!status || (code === 4 ? status.unfinished && !motion : stand)) continue;
       said.replaceChildren();
@@ -1201,6 +1282,8 @@ class Panel {
     const read = readOf(pump);
     say(this.figure.firstChild, read.figure);
     say(this.below, read.below);
+    say(this.time, read.time || '');
+    if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
     if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
     if (read.bar) this.drawBar(read.bar);
     if (pump.view.status && this.facts.children[1]) say(this.facts.children[1].firstChild, angleWords(pump));
@@ -1265,7 +1348,7 @@ async function readLog(path, most) {
 
 function logRow(dose) {
   const u = dose.expanded_uncertainty_ml;
-  const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${ml(u, u)}`} mL`
+  const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${spread(u)}`} mL`
     : `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
   const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
   const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
