@@ -23,6 +23,16 @@ pub(super) fn doubt(entry: &Entry, service: &Service) -> Option<String> {
     dose_amount(volume).err().map(|error| error.to_string())
 }
 
+/// Returns the key whose value is in doubt.
+pub(super) fn doubted_key(entry: &Entry, service: &Service) -> &'static str {
+    match entry.action() {
+        Action::Rack { .. } => "rack",
+        Action::Dose { pump, .. } | Action::Prime { pump, .. } if service.pump(pump).is_err() => "pump",
+        Action::Dose { .. } => "dose",
+        Action::Prime { .. } => "prime",
+    }
+}
+
 fn list(names: &[&str]) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

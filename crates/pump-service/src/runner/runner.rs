@@ -81,7 +81,7 @@ impl Runner {
     /// Gives the orders as they are due, and reads the file anew when it changes, until the service ends.
     pub async fn run(&self) {
         while !self.service.is_ending() {
-            self.reload();
+            self.reload(&mut self.loaded());
             if let Err(error) = self.step() {
                 self.service.note(
                     "schedule",
@@ -95,7 +95,7 @@ impl Runner {
     }
 
     /// Gives the orders that are due now, and tells what was missed.
-    fn step(&self) -> Result<(), HistoryError> {
+    pub(super) fn step(&self) -> Result<(), HistoryError> {
         let now = (self.now)();
         let loaded = self.loaded();
         let history = self.service.history();
@@ -151,9 +151,8 @@ impl Runner {
     }
 
     /// Reads the file anew if it was written since. A file that is refused leaves the schedule in force as it is.
-    fn reload(&self) {
+    pub(super) fn reload(&self, loaded: &mut Loaded) {
         let written = self.path.metadata().and_then(|file| file.modified()).ok();
-        let mut loaded = self.loaded();
         if written == loaded.written {
             return;
         }
@@ -161,7 +160,7 @@ impl Runner {
             Ok(read) => {
                 *loaded = read;
                 self.service.note("schedule", None, "the schedule was read anew and is in force");
-                self.tell_doubts(&loaded);
+                self.tell_doubts(loaded);
             }
             Err(error) => {
                 // Told once for each state of the file.
@@ -177,13 +176,27 @@ impl Runner {
         let now = (self.now)();
         let next = loaded.schedule.entries().iter().map(|entry| {
             let due = loaded.schedule.next(entry.name(), now);
-            json!({"entry": entry.name(), "at": due.map(|due| due.planned), "words": due.map(|due| due.to_string())})
+            json!({"entry": entry.name(), "at": due.map(|due| due.planned), "words": due.map(|due| due.to_string()),
+                "zone": entry.zone().iana_name()})
         });
         let next: Vec<Value> = next.collect();
-        json!({"file": self.path.display().to_string(), "schedule": loaded.schedule, "next": next})
+        let (file, tag) = (self.path.display().to_string(), loaded.tag());
+        json!({"file": file, "etag": tag, "schedule": loaded.schedule, "next": next})
     }
 
-    fn loaded(&self) -> MutexGuard<'_, Loaded> {
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(super) fn service(&self) -> &Service {
+        &self.service
+    }
+
+    pub(super) fn now(&self) -> Timestamp {
+        (self.now)()
+    }
+
+    pub(super) fn loaded(&self) -> MutexGuard<'_, Loaded> {
         self.loaded.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
