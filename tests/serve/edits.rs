@@ -214,14 +214,15 @@ fn a_schedule_without_entries_takes_its_first_and_one_in_another_form_is_left_al
     assert_eq!(service.edit("POST", "", &first, &tag(&service)).0, 201);
     assert!(text(&laboratory).starts_with("schema = \"schedule/1\"\n\n[[entry]]\nname = \"a\"\n"));
 
-    let listed = "schema = \"schedule/1\"\nentry = [{ name = \"b\", pump = \"acid\", dose = \"1mL\", at = \"03:00\" }]\n";
+    let entry = r#"{ name = "b", pump = "acid", dose = "1mL", at = "03:00" }"#;
+    let listed = &format!("schema = \"schedule/1\"\nentry = [{entry}]\n");
     let (laboratory, service) = scheduled(listed);
     for (method, path) in [("POST", ""), ("PUT", "/b"), ("DELETE", "/b")] {
         let (status, refused) = service.edit(method, path, &first, &tag(&service));
         assert_eq!(status, 422, "{refused}");
         assert!(refused["message"].as_str().unwrap().contains("[[entry]]"), "{refused}");
     }
-    assert_eq!(text(&laboratory), listed);
+    assert_eq!(&text(&laboratory), listed);
 
     let laboratory = Laboratory::new(&["acid"], "");
     let service = laboratory.serve(&[]);
