@@ -122,7 +122,9 @@ def test_a_dose_says_when_it_ends_and_one_of_hours_is_asked_about(laboratory, se
     expect(card.get_by_role("button", name="Dose for 1 h 7 min")).to_be_focused()
     page.keyboard.press("Enter")
     expect(state(page, "acid")).to_have_text("Dosing")
-    expect(card.locator(".read .time")).to_have_text(re.compile(r"^ends (\d{4}-\d\d-\d\d )?\d\d:\d\d, 1 h \d min left$"))
+    expect(card.locator(".read .time")).to_have_text(
+        re.compile(r"^ends (\d{4}-\d\d-\d\d )?\d\d:\d\d, 1 h \d min left$")
+    )
     service.stop()
     expect(card.locator(".read .time")).to_be_hidden()
 

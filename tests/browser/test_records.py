@@ -25,7 +25,9 @@ def test_a_calibration_is_guided_until_it_is_in_use(laboratory, service, open_pa
         order = service.get("/api/v1/orders?pump=acid&limit=1")[0]["id"]
         [made] = [one for one in service.get(f"/api/v1/orders/{order}")["reports"] if one["schema"] == "calibration/1"]
         assert factor != 1
-        assert abs(revolution / (made["revolution_ml"] * factor) - 1) < 1e-3, "the revolution is that of the calibration"
+        assert abs(revolution / (made["revolution_ml"] * factor) - 1) < 1e-3, (
+            "the revolution is that of the calibration"
+        )
         if "Doses use it from now on." in box.inner_text():
             break
         box.get_by_role("button", name="Weigh one more dose").click()

@@ -62,7 +62,9 @@ def test_the_keyboard_adds_an_entry_sees_its_next_runs_and_removes_it(page, plan
     box.get_by_label("Times of day").focus()
     page.keyboard.press("Enter")
     refused = box.get_by_role("alert")
-    expect(refused).to_have_text(re.compile(r"^entry `night` of the schedule, at is `25:00`; allowed: 00:00 to 23:59:59"))
+    expect(refused).to_have_text(
+        re.compile(r"^entry `night` of the schedule, at is `25:00`; allowed: 00:00 to 23:59:59")
+    )
     field = box.get_by_label("Times of day")
     expect(field).to_be_focused()
     expect(field).to_have_attribute("aria-invalid", "true")
@@ -111,8 +113,14 @@ def test_the_form_has_every_key_of_an_entry_and_changes_what_was_changed(page, p
     box.get_by_label("Every", exact=True).fill("8h")
     box.get_by_label("First run").fill("2026-03-01 06:00")
     box.get_by_text("More options").click()
-    typed = {"First date": "2026-03-01", "Last date": "2199-05-31", "Time zone": "UTC", "Number of doses": "20",
-             "One every": "30s", "Options": "smooth"}
+    typed = {
+        "First date": "2026-03-01",
+        "Last date": "2199-05-31",
+        "Time zone": "UTC",
+        "Number of doses": "20",
+        "One every": "30s",
+        "Options": "smooth",
+    }
     for label, words in typed.items():
         box.get_by_label(label, exact=True).fill(words)
     box.get_by_label("Missed runs").select_option("are all made up for")
@@ -128,8 +136,14 @@ def test_the_form_has_every_key_of_an_entry_and_changes_what_was_changed(page, p
     assert text.startswith(HEAD + kept)
     rest = set(text.removeprefix(HEAD + kept).splitlines())
     assert rest == {
-        "options = { smooth = true }", 'batch = { every = "30s", repeat = 20 }', 'anchor = "2026-03-01 06:00"',
-        'from = "2026-03-01"', 'until = "2199-05-31"', 'zone = "UTC"', 'missed = "all"', 'missed_within = "2h"',
+        "options = { smooth = true }",
+        'batch = { every = "30s", repeat = 20 }',
+        'anchor = "2026-03-01 06:00"',
+        'from = "2026-03-01"',
+        'until = "2199-05-31"',
+        'zone = "UTC"',
+        'missed = "all"',
+        'missed_within = "2h"',
         'unfinished = "resume"',
     }
     expect(page.get_by_role("row", name="feed")).to_contain_text("counted from 2026-03-01 06:00")

@@ -1196,7 +1196,7 @@ class Panel {
     this.notice = h('div', { class: 'notices' });
     this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
     this.below = h('p', { class: 'what' });
-    this.time = h('p', { class: 'time line', hidden: true });
+    this.time = h('p', { class: 'time', hidden: true });
     this.full = h('div', { class: 'full' });
     this.band = h('div', { class: 'band' });
     this.mark = h('div', { class: 'mark' });
@@ -1402,7 +1402,7 @@ function pumpLog(name, box, since, most) {
 
 /* Views. */
 
-const SAYS = { waiting: 'waiting for its first word', well: 'alive: all is well', bad: 'not well', silent: 'silent' };
+const SAYS = { waiting: 'waiting for its first word', well: 'alive: all is well', bad: 'not well: ', silent: '' };
 /** The inputs of the guard: what each said last, and how long ago. */
 function guardSection() {
   const box = h('div');
@@ -1412,13 +1412,12 @@ function guardSection() {
     if (!inputs || !section.isConnected) return;
     section.hidden = inputs.length === 0;
     const rows = inputs.map(({ name, state, reason, last, pumps: guarded }) => {
-      const row = [name, SAYS[state] + (reason ? `: ${reason.replace(`${name}: `, '')}` : ''), last ? `${span((Date.now() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
+      const row = [name, SAYS[state] + (reason || '').replace(`${name}: `, ''), last ? `${span((Date.now() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
       row.isBad = state === 'bad' || state === 'silent';
       return row;
     });
     box.replaceChildren(table('Inputs that must say that all is well', ['Input', 'State', 'Last word', 'Pumps'], rows));
   };
-  setTimeout(() => { if (onInputs) onInputs(); }, 0);
   return section;
 }
 setInterval(() => { if (onInputs && isLive && !document.hidden) onInputs(); }, 5000);
@@ -1522,12 +1521,11 @@ function viewSchedule() {
   let told = null;
   const edit = (entry) => editEntry(told, entry, load);
   const add = h('button', { text: 'Add an entry…', hidden: true, onclick: () => edit(null) });
-  const turn = async (entry) => {
+  const turn = async (entry, enabled) => {
     said.replaceChildren();
     try {
-      const body = JSON.stringify({ ...entry, enabled: entry.enabled === false });
-      await call('PUT', ofEntry(entry.name), { body, match: told.etag });
-      politely(`${entry.name} is switched ${entry.enabled === false ? 'on' : 'off'}.`, true);
+      await call('PUT', ofEntry(entry.name), { body: JSON.stringify({ ...entry, enabled }), match: told.etag });
+      politely(`${entry.name} is switched ${enabled ? 'on' : 'off'}.`, true);
     } catch (error) {
       said.replaceChildren(alarm(wordsOf(error)));
     }
@@ -1535,14 +1533,15 @@ function viewSchedule() {
   };
   const rowOf = ({ doubt: own, ...entry }, one) => {
     const at = one && one.at ? new Date(one.at) : null;
-    const when = entry.enabled === false ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
+    const isOff = entry.enabled === false;
+    const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
     const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
       entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
     const doubt = own || (one && one.doubt);
-    const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, onclick: run });
+    const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name, onclick: run });
     const row = [doubt ? h('span', { class: 'error', text: `${entry.name}: its runs will be refused: ${doubt}` }) : entry.name, when,
       entryWords(entry), timeWords(entry, one && one.zone), word,
-      h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(entry.enabled === false ? 'Switch on' : 'Switch off', () => turn(entry)))];
+      h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(isOff ? 'Switch on' : 'Switch off', () => turn(entry, isOff)))];
     row.isBad = Boolean(doubt);
     return row;
   };
@@ -1551,12 +1550,13 @@ function viewSchedule() {
     const next = new Map(told.next.map((one) => [one.entry, one]));
     const at = ({ name }) => { const one = next.get(name); return one && one.at ? new Date(one.at).getTime() : Infinity; };
     const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
-    const active = box.contains(document.activeElement) && document.activeElement.getAttribute('aria-label').split(' ').pop();
+    const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
     box.replaceChildren(
       entries.length ? table(`Next runs, by the clock of this device (${ownZone()})`, ['Entry', 'Next', 'What', 'Times', 'Policy', 'Change'],
         entries.map((entry) => rowOf(entry, next.get(entry.name)))) : para('The schedule has no entry.'),
-      aside(`File: ${told.file}. Edits here keep its comments. The service reads it again when it changes.`));
-    const again = [...box.querySelectorAll('button')].filter((button) => button.getAttribute('aria-label').split(' ').pop() === active).pop();
+      aside(`File: ${told.file}. Edits keep its comments.`));
+    // The last button of the same entry: the one that was pressed has another name now.
+    const again = [...box.querySelectorAll('button')].findLast((button) => button.dataset.of === active);
     if (again) again.focus();
   };
   const load = async () => {
@@ -1597,7 +1597,7 @@ function editEntry(told, entry, done) {
     days: { input: h('fieldset', { tabindex: '-1' }, h('legend', { text: 'Days; none is every day' })) },
     dates: field('Dates, in place of days', { placeholder: '2026-03-01' }),
     from: field('First date', { placeholder: '2026-03-01' }), until: field('Last date', { placeholder: '2026-05-31' }),
-    zone: field('Time zone', { placeholder: told.schedule.zone || 'Europe/Berlin', hint: 'Without one: that of the file, or of the service’s machine' }),
+    zone: field('Time zone', { placeholder: told.schedule.zone || 'Europe/Berlin', hint: 'Without one: that of the file or of the service’s machine' }),
     missed: choice('Missed runs', [['', 'are left out'], ['once', 'are made up for by one'], ['all', 'are all made up for']]),
     missed_within: field('At most so late', { placeholder: '2h' }),
     unfinished: choice('An interrupted dose', [['', 'has the run refused'], ['resume', 'is delivered first'], ['accept', 'is accepted']]),
@@ -1779,6 +1779,7 @@ function show(isMoved) {
   const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
   $('main').dataset.view = path;
   $('main').replaceChildren(...kids.filter(Boolean));
+  if (onInputs) onInputs();
   document.title = `${title} · pump-dose`;
   for (const link of document.querySelectorAll('nav a')) {
     const here = link.getAttribute('href').slice(1) === (name != null ? '/' : path);
