@@ -228,5 +228,5 @@ fn a_schedule_without_entries_takes_its_first_and_one_in_another_form_is_left_al
     let service = laboratory.serve(&[]);
     let (status, refused) = service.edit("POST", "", &first, "\"\"");
     assert_eq!(status, 404, "{refused}");
-    assert!(refused["message"].as_str().unwrap().contains("--schedule FILE"), "{refused}");
+    assert!(refused["message"].as_str().unwrap().contains("`schedule` in `[service]`"), "{refused}");
 }

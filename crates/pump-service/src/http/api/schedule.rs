@@ -104,7 +104,8 @@ async fn edit(
     done: StatusCode,
 ) -> Result<Response, Failure> {
     let Some(schedule) = shared.schedule else {
-        let message = "the service has no schedule; start it with --schedule FILE";
+        let message =
+            "the service has no schedule; name its file as `schedule` in `[service]` of the configuration";
         return Err(Failure::new(StatusCode::NOT_FOUND, "missing", message));
     };
     let Some(tag) = headers.get(IF_MATCH).and_then(|tag| tag.to_str().ok()) else {
