@@ -1,6 +1,7 @@
 """Doses from the page: to their report, planned, refused, over a network that loses answers."""
 
 import json
+import re
 
 from playwright.sync_api import expect
 
@@ -93,6 +94,49 @@ def test_a_form_keeps_its_words_while_others_dose(service, make_network, open_pa
     expect(state(page, "acid")).to_have_text("Ready")
     expect(volume).to_have_value("12.")
     expect(volume).to_be_focused()
+
+
+def test_an_order_that_ends_unheard_is_told_once_the_page_hears_again(service, make_network, open_page):
+    network = make_network(service)
+    page = open_page(network.url)
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("10mL")
+    page.keyboard.press("Enter")
+    expect(card.locator(".said")).to_have_text("The service has the order: dose 10mL.")
+    network.has_events = False
+    expect(page.locator("#alert")).to_contain_text("Connection lost")
+    service.ended("acid")
+    network.has_events = True
+    expect(card.locator(".said")).to_have_text("Done: dose 10mL.")
+    expect(page.locator("#alert")).to_have_text("")
+
+
+def test_a_dose_says_when_it_ends_and_one_of_hours_is_asked_about(laboratory, service, open_page):
+    page = open_page(service.url)
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("20L")
+    page.keyboard.press("Enter")
+    expect(card.locator(".said")).to_contain_text("This takes 1 h 7 min, until ")
+    assert laboratory.log("acid") == []
+    assert not service.view("acid")["order"], "nothing moves before the second answer"
+    expect(card.get_by_role("button", name="Dose for 1 h 7 min")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(state(page, "acid")).to_have_text("Dosing")
+    expect(card.locator(".read .time")).to_have_text(
+        re.compile(r"^ends (\d{4}-\d\d-\d\d )?\d\d:\d\d, 1 h \d min left$")
+    )
+    service.stop()
+    expect(card.locator(".read .time")).to_be_hidden()
+
+
+def test_a_small_volume_has_the_digits_of_the_log(laboratory, service, open_page):
+    page = open_page(service.url)
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("0.0015")
+    page.keyboard.press("Enter")
+    expect(card.locator(".said")).to_have_text("Done: dose 0.0015mL.")
+    delivered = laboratory.log("acid")[-1]["delivered_ml"]
+    expect(card.locator(".big")).to_have_text(f"{delivered:.4g} mL")
 
 
 def test_a_rack_is_planned_and_run(make_laboratory, open_page):

@@ -1,5 +1,7 @@
 """What changes a pump's record: a calibration, a stand that is cleared, an angle that nobody knows."""
 
+import re
+
 from playwright.sync_api import expect
 
 from watching import PHONE, panel, state
@@ -18,6 +20,14 @@ def test_a_calibration_is_guided_until_it_is_in_use(laboratory, service, open_pa
         page.keyboard.press("Enter")
         expect(box.get_by_role("heading", name="Calibration saved")).to_be_focused()
         expect(box).to_contain_text(f"Doses weighed{weighing}")
+        said = box.inner_text()
+        factor, revolution = (float(re.search(rf"{name}\s+([\d.]+)", said)[1]) for name in ("Factor", "Revolution"))
+        order = service.get("/api/v1/orders?pump=acid&limit=1")[0]["id"]
+        [made] = [one for one in service.get(f"/api/v1/orders/{order}")["reports"] if one["schema"] == "calibration/1"]
+        assert factor != 1
+        assert abs(revolution / (made["revolution_ml"] * factor) - 1) < 1e-3, (
+            "the revolution is that of the calibration"
+        )
         if "Doses use it from now on." in box.inner_text():
             break
         box.get_by_role("button", name="Weigh one more dose").click()
@@ -31,6 +41,17 @@ def test_a_calibration_is_guided_until_it_is_in_use(laboratory, service, open_pa
     expect(form.locator(".said")).to_have_text("Done: dose 5mL.")
     assert laboratory.log("acid")[-1]["calibration"] == weighing
     expect(page.locator("dl.facts").first).to_contain_text(f"Calibrationnumber {weighing} of ")
+
+
+def test_a_reading_that_is_refused_is_said_in_plain_words(service, open_page):
+    page = open_page(service.url + "/#/pump/acid")
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    box.get_by_role("button", name="Weigh the last dose instead").click()
+    box.get_by_label("Reading").fill("1.02")
+    page.keyboard.press("Enter")
+    expect(box.get_by_role("alert")).to_contain_text("`1.02` has no unit; write for example 25g or 25mL")
+    assert "READING" not in box.inner_text()
 
 
 def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):

@@ -1,5 +1,6 @@
 """Every stop of the page, over a good network and a bad one."""
 
+import re
 import signal
 
 import pytest
@@ -52,6 +53,22 @@ def test_one_pump_stops_alone(make_laboratory, open_page):
     page.get_by_role("button", name="Stop acid").click()
     expect(state(page, "acid")).to_have_text("A dose is unfinished")
     expect(state(page, "base")).to_have_text("Dosing")
+
+
+def test_a_stop_leads_to_the_rest_of_the_dose(service, open_page):
+    page = open_page(service.url + "/#/pump/acid", size=PHONE)
+    form = page.get_by_role("form", name="Dose with acid")
+    form.get_by_label("Volume").fill("60mL")
+    page.keyboard.press("Enter")
+    expect(state(page, "acid")).to_have_text("Dosing")
+    page.wait_for_timeout(500)
+    page.locator("#stop").click()
+    expect(form.locator(".said")).to_have_text(re.compile(r"^Stopped: dose 60mL; [\d.]+ mL delivered\.$"))
+    resume = page.locator(".notices").get_by_role("button", name="Resume")
+    expect(resume).to_be_in_viewport()
+    resume.click()
+    expect(state(page, "acid")).to_have_text("Delivering the rest of a dose")
+    expect(form.locator(".said")).to_have_text("")
 
 
 def test_all_pumps_stop_at_a_tap(service, open_page):

@@ -6,6 +6,7 @@
 
 mod asked;
 mod broker;
+mod edits;
 mod guard;
 mod hostile;
 mod input_topics;

@@ -55,6 +55,16 @@ fn a_dose_whose_process_is_killed_is_told_to_everyone() {
 }
 
 #[test]
+fn the_usual_flow_of_a_pump_is_the_one_that_the_configuration_sets() {
+    let laboratory = Laboratory::new(&["acid"], "[defaults]\nrate = \"1.5mL/min\"\n");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let (_, view) = service.get("/api/v1/pumps/acid");
+    assert!((view["default_flow_ml_s"].as_f64().unwrap() - 0.025).abs() < 1e-9, "{view}");
+    let order = service.ended(&service.dose("acid", "1mL", &json!({"dry-run": true})));
+    assert_eq!(order["reports"][0]["cruise_flow_ml_s"], 0.025, "{order}");
+}
+
+#[test]
 fn a_history_that_was_lost_takes_the_doses_over_from_the_logs() {
     let laboratory = Laboratory::new(&["acid", "base"], "");
     let mut service = laboratory.serve(&["--pace", "fast"]);

@@ -79,7 +79,12 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
         words.retain(|word| *word != option("format", "json"));
     }
     words.extend(verbose.then(|| "--verbose".to_owned()));
-    follow(shared.service, &order.pump, words, Seat { folder: None, is_attended: attended, is_answered: false })
+    follow(
+        shared.service,
+        &order.pump,
+        words,
+        Seat { folder: None, is_attended: attended, is_answered: false },
+    )
 }
 
 /// Begins a command, and answers with its lines.

@@ -7,6 +7,7 @@ use axum::response::{IntoResponse, Response};
 use serde_json::Value;
 
 use crate::guard::GuardError;
+use crate::runner::EditError;
 use crate::service::Refusal;
 use crate::service::error_report;
 
@@ -74,6 +75,26 @@ impl From<GuardError> for Failure {
                 Self::new(StatusCode::UNPROCESSABLE_ENTITY, "usage", error)
             }
         }
+    }
+}
+
+impl From<EditError> for Failure {
+    fn from(error: EditError) -> Self {
+        let (status, kind) = match &error {
+            EditError::Missing(_) => (StatusCode::NOT_FOUND, "missing"),
+            EditError::Changed | EditError::Unusable(_) => (StatusCode::CONFLICT, "changed"),
+            EditError::Write(_) | EditError::History(_) | EditError::Syntax(_) => {
+                (StatusCode::INTERNAL_SERVER_ERROR, "output")
+            }
+            _ => (StatusCode::UNPROCESSABLE_ENTITY, "schedule"),
+        };
+        let mut failure = Self::new(status, kind, &error);
+        failure.report["key"] = error.key().into();
+        if let EditError::Refused(refused) = &error {
+            failure.report["value"] = refused.value().into();
+            failure.report["allowed"] = refused.allowed().into();
+        }
+        failure
     }
 }
 

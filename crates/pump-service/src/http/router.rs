@@ -60,6 +60,8 @@ fn described() -> (Router<Shared>, utoipa::openapi::OpenApi) {
         .routes(routes!(orders::notes))
         .routes(routes!(log::log))
         .routes(routes!(schedule::schedule))
+        .routes(routes!(schedule::add))
+        .routes(routes!(schedule::change, schedule::remove))
         .routes(routes!(inputs::list))
         .routes(routes!(inputs::tell))
         .routes(routes!(events::events))
@@ -134,8 +136,11 @@ fn check(shared: &Shared, request: &Request) -> Result<(), Failure> {
     let kind = headers.get(CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
     let kind = kind.split(';').next().unwrap_or_default().trim();
     // A form of another site cannot send JSON without asking first.
-    if request.method() == Method::POST && !kind.eq_ignore_ascii_case("application/json") {
-        let message = "a POST needs the header `Content-Type: application/json`, also without a body";
+    if [Method::POST, Method::PUT].contains(request.method())
+        && !kind.eq_ignore_ascii_case("application/json")
+    {
+        let message =
+            "a POST or a PUT needs the header `Content-Type: application/json`, also without a body";
         return Err(Failure::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "usage", message));
     }
     Ok(())

@@ -13,11 +13,26 @@ function fill(node, props, kids) {
     else if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
     else node.setAttribute(name, value === true ? '' : value);
   }
-  node.append(...kids.flat(2).filter((kid) => kid != null && kid !== false && kid !== ''));
+  node.append(...kids.flat(Infinity).filter((kid) => kid != null && kid !== false && kid !== ''));
   return node;
 }
-const h = (tag, props, ...kids) => fill(document.createElement(tag), props, kids);
+/** A button sends no form unless it is told to. */
+const h = (tag, props, ...kids) => fill(document.createElement(tag), tag === 'button' ? { type: 'button', ...props } : props, kids);
 const s = (tag, props, ...kids) => fill(document.createElementNS('http://www.w3.org/2000/svg', tag), props, kids);
+
+const para = (text) => h('p', { text });
+const aside = (text) => h('p', { class: 'hint', text });
+const bad = (text) => h('p', { class: 'error', text });
+const alarm = (text) => h('p', { class: 'error', role: 'alert', text });
+const head2 = (text) => h('h2', { text });
+const inRow = (...kids) => h('div', { class: 'row' }, kids);
+const head1 = (text) => h('h1', { tabindex: '-1', text });
+const submit = (text) => h('button', { type: 'submit', class: 'first', text });
+const moreOf = (...kids) => h('details', {}, h('summary', { text: 'More options' }), kids);
+const fields = (...kids) => h('div', { class: 'fields' }, kids);
+const danger = (...kids) => h('div', { class: 'notice bad' }, kids);
+const inPath = encodeURIComponent;
+const block = (...kids) => h('section', { class: 'panel' }, kids);
 
 /** Sets a text if it has changed. */
 function say(node, text) {
@@ -42,9 +57,15 @@ const newId = () => `n${++ids}`;
 const minus = (text) => text.replace('-', '−');
 const fixed = (value, decimals) => minus(value.toFixed(decimals));
 /** Decimals that show an uncertainty with two digits. */
-const decimalsOf = (u) => (u > 0 ? Math.min(4, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
-const ml = (value, u) => (value == null ? '–' : fixed(value, decimalsOf(u)));
+const decimalsOf = (u) => (u > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
 const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
+/** A volume with the decimals of its uncertainty, and with 4 digits where these show fewer of them. */
+function ml(value, u) {
+  if (value == null) return '–';
+  const decimals = decimalsOf(u);
+  return value !== 0 && Math.abs(value) * 10 ** decimals < 1000 ? short(value) : fixed(value, decimals);
+}
+const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
 const pad = (n) => String(n).padStart(2, '0');
 const clock = (t) => `${pad(t.getHours())}:${pad(t.getMinutes())}:${pad(t.getSeconds())}`;
@@ -64,15 +85,16 @@ const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text)
 class Refused extends Error {
   constructor(report, status) {
     super(report.message);
-    Object.assign(this, { code: report.code, kind: report.kind, status });
+    Object.assign(this, { code: report.code, kind: report.kind, key: report.key, status });
   }
 }
 
-async function call(method, path, { body, key, timeout = 40000 } = {}) {
+async function call(method, path, { body, key, match, timeout = 8000 } = {}) {
   const abort = new AbortController();
   const timer = setTimeout(() => abort.abort(), timeout);
-  const headers = method === 'POST' ? { 'Content-Type': 'application/json' } : {};
+  const headers = method === 'GET' ? {} : { 'Content-Type': 'application/json' };
   if (key) headers['Idempotency-Key'] = key;
+  if (match) headers['If-Match'] = `"${match}"`;
   try {
     const answer = await fetch(path, { method, headers, body, signal: abort.signal, cache: 'no-store' });
     const text = await answer.text();
@@ -98,7 +120,7 @@ async function give(slot, path, body) {
   if (slot.words !== path + text) Object.assign(slot, { words: path + text, key: newKey() });
   for (let tries = 0; ; tries += 1) {
     try {
-      const order = await call('POST', path, { body: text, key: slot.key });
+      const order = await call('POST', path, { body: text, key: slot.key, timeout: 40000 });
       slot.words = null;
       return order;
     } catch (error) {
@@ -116,14 +138,14 @@ const LOST = 'The service did not answer, so the page does not know whether the 
 async function ended(order) {
   while (order.state === 'running') {
     await sleep(400);
-    order = await call('GET', `/api/v1/orders/${encodeURIComponent(order.id)}`, { timeout: 8000 }).catch((error) => {
+    order = await call('GET', `/api/v1/orders/${inPath(order.id)}`).catch((error) => {
       if (error instanceof Refused) throw error;
       return order;
     });
   }
   return order;
 }
-const ofPump = (name, rest) => `/api/v1/pumps/${encodeURIComponent(name)}/${rest}`;
+const ofPump = (name, rest) => `/api/v1/pumps/${inPath(name)}/${rest}`;
 
 /* What is known. */
 
@@ -154,7 +176,7 @@ const dosesOf = (order) => (order.reports || []).flatMap((report) => {
 
 /** Takes a `pump-view/1`. */
 function take(view) {
-  const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), last: null, fault: null, motion: null };
+  const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
   pumps.set(view.name, pump);
   const stoodBefore = pump.view && pump.view.status && pump.view.status.safety.stand;
   pump.view = view;
@@ -229,6 +251,7 @@ function takeOrder(order) {
   if (own && !isOver && !(own.motion && own.motion.order === order.id)) {
     own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
     own.fault = null;
+    own.stale.splice(0).forEach((line) => line.remove());
   }
   takeReports(order);
   if (!isOver) {
@@ -258,7 +281,7 @@ const isDry = (order) => Boolean(order.options && order.options['dry-run']);
 const taken = new Map();
 function tellTaken(said, order, words) {
   const isDone = order.state === 'done';
-  const line = h('p', { text: isDone ? `Done: ${words}.` : `The service has the order: ${words}.` });
+  const line = para(isDone ? `Done: ${words}.` : `The service has the order: ${words}.`);
   said.replaceChildren(line);
   if (!isDone) taken.set(order.id, { line, words });
 }
@@ -266,8 +289,26 @@ function tellEnd(order) {
   const form = taken.get(order.id);
   taken.delete(order.id);
   if (!form) return;
-  const how = order.state === 'done' ? 'Done' : order.error && order.error.kind === 'stopped' ? 'Stopped' : 'Not done';
-  say(form.line, `${how}: ${form.words}.`);
+  const isStopped = order.error && order.error.kind === 'stopped';
+  const how = order.state === 'done' ? 'Done' : isStopped ? 'Stopped' : 'Not done';
+  const pump = pumps.get(order.pump);
+  const { last } = pump || {};
+  const volume = order.state !== 'done' && last && last.order === order.id ? `; ${volumeWords(last.report)}` : '';
+  say(form.line, `${how}: ${form.words}${volume}.`);
+  if (!pump || order.state === 'done') return;
+  // The rest is offered above the form, where a phone does not show it, and the line goes once the pump moves on.
+  pump.leads = isStopped;
+  pump.stale.push(form.line);
+}
+/** Asks for the end of the orders that ended while the page heard nothing. */
+async function askTaken() {
+  for (const id of [...taken.keys()]) {
+    const order = await call('GET', `/api/v1/orders/${inPath(id)}`).catch(() => null);
+    if (!order || order.state === 'running') continue;
+    takeReports(order);
+    tellEnd(order);
+    pumps.forEach(refresh);
+  }
 }
 
 /** Keeps the last report of each pump that an order has. */
@@ -283,9 +324,9 @@ function takeReports(order) {
 
 /** Reads the last doses of all pumps that the service made. */
 async function readLast() {
-  const paths = [...pumps.keys()].map((name) => `limit=5&pump=${encodeURIComponent(name)}`).concat('limit=10');
+  const paths = [...pumps.keys()].map((name) => `limit=5&pump=${inPath(name)}`).concat('limit=10');
   for (const path of paths) {
-    const orders = await call('GET', `/api/v1/orders?${path}`, { timeout: 8000 }).catch(() => []);
+    const orders = await call('GET', `/api/v1/orders?${path}`).catch(() => []);
     (orders || []).forEach(takeReports);
   }
   pumps.forEach(refresh);
@@ -325,6 +366,7 @@ function connect() {
   on('progress', takeProgress);
   on('order', takeOrder);
   on('note', takeNote);
+  on('input', () => { if (onInputs) onInputs(); });
   on('alive', () => {});
   source.onerror = () => {
     lose();
@@ -361,7 +403,10 @@ function showLink() {
   say($('link').firstElementChild, text);
 }
 function hello(told) {
-  if (document.body.classList.contains('lost')) politely('Connected again.', true);
+  if (document.body.classList.contains('lost')) {
+    politely('Connected again.', true);
+    $('alert').replaceChildren();
+  }
   isLive = true;
   retryMs = 500;
   document.body.classList.remove('lost');
@@ -374,6 +419,8 @@ function hello(told) {
   ({ racks, version } = told);
   $('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
   readLast();
+  askTaken();
+  if (onInputs) onInputs();
   if (onNotes) watchNotes(100, onNotes);
   if (isSame && $('main').dataset.view) pumps.forEach(refresh);
   else show();
@@ -387,12 +434,13 @@ function takeNote(note) {
   if (onNotes) onNotes();
 }
 let onNotes = null;
+let onInputs = null;
 const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${note.text}`;
 /** Reads the last events, and shows them now and when another comes. `fail` tells that they cannot be read. */
 function watchNotes(most, showNotes, fail = () => {}) {
   onNotes = showNotes;
   showNotes();
-  call('GET', `/api/v1/notes?limit=${most}`, { timeout: 8000 }).then((told) => {
+  call('GET', `/api/v1/notes?limit=${most}`).then((told) => {
     notes = told;
     if (onNotes === showNotes) showNotes();
   }).catch(fail);
@@ -459,7 +507,7 @@ async function stopAll() {
   }
 }
 function stopButton(text, act, isCalm) {
-  const button = h('button', { type: 'button', class: isCalm ? 'stop calm' : 'stop', text });
+  const button = h('button', { class: isCalm ? 'stop calm' : 'stop', text });
   bindStop(button, act);
   return button;
 }
@@ -638,7 +686,7 @@ function stateOf(pump) {
 }
 
 /** Its spaces do not break, so that no line ends within it. */
-const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${ml(u, u)}\u00a0mL (k\u00a0=\u00a02)`;
+const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${spread(u)}\u00a0mL (k\u00a0=\u00a02)`;
 const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
 /** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
 const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
@@ -653,6 +701,17 @@ function newest(logged, last) {
   const { report, stopped, resumed } = last;
   return { ...report, end: report.completed ? 'done' : stopped ? 'stopped' : 'fault', resumed };
 }
+/** When a motion ends, by its share that is done; empty for one that runs until it is stopped. */
+function endWords({ motion: { plan, progress } }) {
+  if (!plan || progress.of_ml == null || !progress.of_steps) return '';
+  const left = plan.motion_s * Math.max(0, 1 - Math.abs(progress.steps / progress.of_steps)) + (plan.settle_s || 0);
+  return left < 1 ? '' : `ends ${endOf(left)}, ${span(left)} left`;
+}
+/** The time of day so many seconds from now, with its date if that is another one. */
+function endOf(seconds) {
+  const text = date(new Date(Date.now() + 1000 * seconds));
+  return text.slice(0, 10) === date(new Date()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
+}
 function readOf(pump) {
   const { view, motion, last } = pump;
   const unfinished = view.status && view.status.unfinished;
@@ -664,7 +723,9 @@ function readOf(pump) {
     const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
     const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
     const rest = isRest ? ' (the rest of a dose)' : '';
-    return { figure: ml(delivered, u), below: `${asked}${sure}${rest}`, words: `${ml(delivered, u)} mL ${asked}`,
+    const figure = fixed(delivered, of == null ? 2 : Math.max(decimalsOf(u), 3 - Math.ceil(Math.log10(Math.abs(of) || 1))));
+    const time = endWords(pump);
+    return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
       bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
   }
   if (motion && motion.plan && !motion.wait) {
@@ -757,10 +818,10 @@ function showFacts(list, facts) {
 function showError(said, error, name) {
   const pump = pumps.get(name);
   const kids = [];
-  if (!(error instanceof Refused)) kids.push(h('p', { class: 'error', text: LOST }));
+  if (!(error instanceof Refused)) kids.push(bad(LOST));
   else {
     const lead = error.code === 3 ? 'In use: ' : '';
-    kids.push(h('p', { class: 'error', text: lead + error.message }));
+    kids.push(bad(lead + error.message));
     if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
     if (pump && error.code === 5) kids.push(...standActions(pump));
     // The message goes once its reason has gone.
@@ -773,7 +834,7 @@ function showError(said, error, name) {
 async function send(button, said, slot, name, path, body, done) {
   if (button.getAttribute('aria-disabled') === 'true') return;
   button.setAttribute('aria-disabled', 'true');
-  said.replaceChildren(h('p', { text: 'Sent…' }));
+  said.replaceChildren(para('Sent…'));
   try {
     await done(await give(slot, path, body));
   } catch (error) {
@@ -839,12 +900,46 @@ function showPlans(said, order) {
 
 const text = (box, unit) => (unit ? withUnit(box.input.value, unit) : box.input.value.trim());
 
+const ML = { nl: 1e-6, ul: 1e-3, µl: 1e-3, μl: 1e-3, mm3: 1e-3, ml: 1, cm3: 1, cc: 1, cl: 10, dl: 100, l: 1000, mg: 1e-3, g: 1, kg: 1000 };
+const SECONDS = { us: 1e-6, ms: 1e-3, s: 1, min: 60, h: 3600, d: 86400 };
+/** A number with its unit; NaN for what only the command can read. */
+function quantity(text, units) {
+  const [, number, unit] = /^[-+−]?([\d.]+)\s*(\S+)$/.exec((text || '').trim()) || [];
+  return Number(number) * units[(unit || '').toLowerCase()];
+}
+/** About how long a dose takes, s, by its words alone. */
+function roughly(pump, { volume, options }) {
+  if (options.repeat) return NaN;
+  if (options.within) return quantity(options.within, SECONDS);
+  const [flow, per] = (options.rate || '').split('/');
+  return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per && per.trim()] : pump.view.default_flow_ml_s);
+}
+/** Doses, but plans one that may be long first, and asks once more before one that takes over an hour: it may be a slip. */
+function sendDose(button, said, slot, pump, body, done) {
+  const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'dose'), body, done);
+  if (roughly(pump, body) < 1200) return go(button);
+  const { repeat, every, ...options } = body.options;
+  const path = ofPump(pump.name, 'dose');
+  return send(button, said, {}, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
+    order = await ended(order);
+    if (order.state !== 'done') throw orderError(order);
+    const [{ report }] = dosesOf(order);
+    const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
+    const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
+    if (lasts <= 3600) return setTimeout(() => go(button), 0);
+    const sure = h('button', { class: 'first', text: `Dose for ${span(lasts)}`, onclick: () => go(sure) });
+    said.replaceChildren(h('div', { class: 'notice' },
+      para(`This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`), inRow(sure)));
+    sure.focus();
+  });
+}
+
 /** The form of a dose, short on a card. */
 function doseForm(pump, isWide) {
   const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
   const said = saidBox();
   const [slot, planSlot] = [{}, {}];
-  const button = h('button', { type: 'submit', class: 'first', text: 'Dose' });
+  const button = submit('Dose');
   const parts = { rate: null };
   let more = null;
   let plan = null;
@@ -861,9 +956,9 @@ function doseForm(pump, isWide) {
     parts.smooth = check('Smooth flow');
     parts.reverse = check('Reverse');
     const { rate, smooth, ...others } = parts;
-    more = h('details', {}, h('summary', { text: 'More options' }),
-      h('div', { class: 'fields' }, Object.values(others).map((part) => part.el)));
-    plan = h('button', { type: 'button', text: 'Plan' });
+    more = moreOf(
+      fields(Object.values(others).map((part) => part.el)));
+    plan = h('button', { text: 'Plan' });
   }
   const body = (dry) => {
     const options = {};
@@ -878,12 +973,12 @@ function doseForm(pump, isWide) {
   const form = h('form', { novalidate: true, 'aria-label': `Dose with ${pump.name}`, onsubmit: (event) => {
     event.preventDefault();
     if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
-    send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), body(false), (order) => {
+    sendDose(button, said, slot, pump, body(false), (order) => {
       if (order.state === 'failed') throw orderError(order);
       tellTaken(said, order, `dose ${order.volume}`);
     });
-  } }, isWide ? h('div', { class: 'fields' }, volume.el, parts.rate.el) : h('div', { class: 'row' }, volume.el, button),
-  isWide && parts.smooth.el, more, isWide && h('div', { class: 'row' }, button, plan), said);
+  } }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
+  isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
   if (plan) {
     plan.addEventListener('click', () => {
       if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
@@ -897,7 +992,7 @@ function doseForm(pump, isWide) {
   return form;
 }
 function needs(box, said, words) {
-  said.replaceChildren(h('p', { class: 'error', role: 'alert', text: words }));
+  said.replaceChildren(alarm(words));
   box.input.focus();
 }
 
@@ -914,15 +1009,15 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
       if (order.state === 'failed') throw orderError(order);
       tellTaken(said, order, word);
     });
-  } }, h('h3', { text: label }), h('p', { class: 'hint', text: hint }),
-  h('div', { class: 'row' }, boxes.map((box) => box.el), button), said);
+  } }, h('h3', { text: label }), aside(hint),
+  inRow(boxes.map((box) => box.el), button), said);
 }
 
 /** A button that gives an order and tells its end beside it. */
 function orderButton(pump, word, label, isFirst, bodyOf, done) {
   const said = saidBox();
   const slot = {};
-  const button = h('button', { type: 'button', class: isFirst ? 'first' : null, text: label });
+  const button = h('button', { class: isFirst ? 'first' : null, text: label });
   button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
     async (order) => {
       if (order.state === 'failed') throw orderError(order);
@@ -935,27 +1030,27 @@ function unfinishedActions(pump) {
   const unfinished = pump.view.status && pump.view.status.unfinished;
   const isOverTime = unfinished && unfinished.over_time;
   const resume = orderButton(pump, 'resume', 'Resume', true);
-  const accept = h('button', { type: 'button', text: 'Accept…', onclick: () => askAccept(pump) });
+  const accept = h('button', { text: 'Accept…', onclick: () => askAccept(pump) });
   const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
     : unfinished && unfinished.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
       : 'Resume delivers the rest. Accept leaves the dose as it is.';
-  return [h('p', { text: words }), h('div', { class: 'row' }, isOverTime ? null : resume.button, accept), resume.said];
+  return [para(words), inRow(isOverTime ? null : resume.button, accept), resume.said];
 }
 function standActions(pump) {
   const { stand } = (pump.view.status && pump.view.status.safety) || {};
   const emptied = stand && stand.limit === 'vessel'
-    ? h('button', { type: 'button', text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
-  return [h('p', { text: 'The pump will not move until somebody clears it.' }),
-    h('div', { class: 'row' }, emptied, h('button', { type: 'button', class: 'first', text: 'Clear…', onclick: () => askClear(pump) }))];
+    ? h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
+  return [para('The pump will not move until somebody clears it.'),
+    inRow(emptied, h('button', { class: 'first', text: 'Clear…', onclick: () => askClear(pump) }))];
 }
 
 /* Dialogs. Each has the stop, since it covers the page's. */
 
 function dialog(title, kids) {
   const id = newId();
-  const close = h('button', { type: 'button', text: 'Close' });
+  const close = h('button', { text: 'Close' });
   const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
-    h('div', { class: 'row' }, close, stopButton('Stop all', stopAll)));
+    inRow(close, stopButton('Stop all', stopAll)));
   close.addEventListener('click', () => box.close());
   box.addEventListener('close', () => box.remove());
   document.body.append(box);
@@ -974,21 +1069,21 @@ const pumpStop = (pump) => async () => {
 function askAccept(pump) {
   const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
   const box = dialog(`Accept the dose of ${pump.name}?`, [
-    h('p', { text: 'The rest is not delivered, and the carry starts again at 0.' }), h('div', { class: 'row' }, accept.button), accept.said]);
+    para('The rest is not delivered, and the carry starts again at 0.'), inRow(accept.button), accept.said]);
 }
 function askEmptied(pump) {
   const act = orderButton(pump, 'emptied', 'The vessel is empty', true, null, () => box.close());
   const box = dialog(`Vessel of ${pump.name}`, [
-    h('p', { text: 'Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands at a limit still has to be cleared.' }),
-    h('div', { class: 'row' }, act.button), act.said]);
+    para('Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands at a limit still has to be cleared.'),
+    inRow(act.button), act.said]);
 }
 function askClear(pump) {
   const name = field('Name of the pump', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
   const reason = field('Reason', { required: true, placeholder: 'the tank was changed', hint: 'The record keeps it. Say who you are.' });
   const said = saidBox();
   const slot = {};
-  const button = h('button', { type: 'submit', class: 'first', text: 'Clear the pump' });
-  const box = dialog(`Clear ${pump.name}`, [h('p', { text: pump.view.status && pump.view.status.safety.stand ? standWords(pump) : '' }),
+  const button = submit('Clear the pump');
+  const box = dialog(`Clear ${pump.name}`, [para(pump.view.status && pump.view.status.safety.stand ? standWords(pump) : ''),
     h('form', { novalidate: true, onsubmit: (event) => {
       event.preventDefault();
       if (name.input.value.trim() !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
@@ -999,7 +1094,7 @@ function askClear(pump) {
         box.close();
         politely(`${pump.name} is cleared.`, true);
       });
-    } }, name.el, reason.el, h('div', { class: 'row' }, button), said)]);
+    } }, name.el, reason.el, inRow(button), said)]);
 }
 
 /** Guided calibration: dose, weigh, enter the reading, and see the factor. */
@@ -1016,16 +1111,16 @@ function calibrate(pump) {
     const volume = field('Volume', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
     const said = saidBox();
     const slot = {};
-    const button = h('button', { type: 'submit', class: 'first', text: 'Dose' });
-    put(1, 'dose', h('p', { text: 'Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.' }),
+    const button = submit('Dose');
+    put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
       h('form', { novalidate: true, onsubmit: (event) => {
         event.preventDefault();
-        send(button, said, slot, pump.name, ofPump(pump.name, 'dose'), { volume: text(volume, 'mL'), options: {} }, (order) => second(order));
-      } }, volume.el, h('div', { class: 'row' }, button, h('button', { type: 'button', text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
+        sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, (order) => second(order));
+      } }, volume.el, inRow(button, h('button', { text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
   };
   const second = async (order) => {
     const figure = h('p', { class: 'big' });
-    put(2, 'wait', h('p', { text: 'The pump doses. Leave the scale alone.' }), figure);
+    put(2, 'wait', para('The pump doses. Leave the scale alone.'), figure);
     const timer = setInterval(() => {
       const read = readOf(pump);
       figure.replaceChildren(read.figure, h('small', { text: ' mL' }));
@@ -1051,8 +1146,8 @@ function calibrate(pump) {
     const anew = check('Start a new calibration with it');
     const said = saidBox();
     const slot = {};
-    const button = h('button', { type: 'submit', class: 'first', text: 'Calibrate' });
-    put(3, 'weigh', report ? h('p', { text: `${volumeWords(report)}. Wait until the last drop has fallen.` }) : h('p', { text: 'Enter the reading of the last dose.' }),
+    const button = submit('Calibrate');
+    put(3, 'weigh', report ? para(`${volumeWords(report)}. Wait until the last drop has fallen.`) : para('Enter the reading of the last dose.'),
       h('form', { novalidate: true, onsubmit: (event) => {
         event.preventDefault();
         if (!reading.input.value.trim()) return needs(reading, said, 'Enter the reading, such as 23.8g.');
@@ -1064,14 +1159,14 @@ function calibrate(pump) {
           if (order.state !== 'done') throw orderError(order);
           last(order.reports.find((one) => one && one.schema === 'calibration/1'));
         });
-      } }, reading.el, h('details', {}, h('summary', { text: 'More options' }), anyway.el, anew.el), h('div', { class: 'row' }, button), said));
+      } }, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
     reading.input.focus();
   };
   const last = (made) => {
     const facts = [];
     if (made && made.displacement) {
       facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
-        ['Revolution', `${short(made.revolution_ml)} mL`], ['Doses weighed', String(made.runs.length)]);
+        ['Revolution', `${short(made.revolution_ml * made.displacement.factor)} mL`], ['Doses weighed', String(made.runs.length)]);
     }
     if (made && made.next_weighing) {
       const next = made.next_weighing;
@@ -1083,8 +1178,8 @@ function calibrate(pump) {
     const used = made && made.used === false
       ? 'Not in use yet: the model is still more accurate than this calibration. Weigh one more dose.'
       : 'Doses use it from now on.';
-    put(0, 'Calibration saved', h('p', { text: used }), list, made && warningsOf(made),
-    h('div', { class: 'row' }, h('button', { type: 'button', class: 'first', text: 'Weigh one more dose', onclick: first })));
+    put(0, 'Calibration saved', para(used), list, made && warningsOf(made),
+    inRow(h('button', { class: 'first', text: 'Weigh one more dose', onclick: first })));
   };
   first();
 }
@@ -1101,6 +1196,7 @@ class Panel {
     this.notice = h('div', { class: 'notices' });
     this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
     this.below = h('p', { class: 'what' });
+    this.time = h('p', { class: 'time', hidden: true });
     this.full = h('div', { class: 'full' });
     this.band = h('div', { class: 'band' });
     this.mark = h('div', { class: 'mark' });
@@ -1108,11 +1204,11 @@ class Panel {
     this.facts = h('dl', { class: 'facts' });
     this.warnings = h('div');
     const title = isWide ? h('h1', { tabindex: '-1', text: pump.name })
-      : h('h2', {}, h('a', { href: `#/pump/${encodeURIComponent(pump.name)}`, text: pump.name }));
+      : h('h2', {}, h('a', { href: `#/pump/${inPath(pump.name)}`, text: pump.name }));
     this.sim = h('p', { class: 'sim', text: 'Simulated: no motor moves', hidden: !view.simulated });
     const top = [h('div', { class: 'titled' }, title, this.sim), h('p', { class: 'what', text: view.title }), this.state,
       this.notice, h('div', { class: 'face' }, this.head.el,
-        h('div', { class: 'read' }, this.figure, this.bar, this.below))];
+        h('div', { class: 'read' }, this.figure, this.bar, this.below, this.time))];
     const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
     this.stop = stop;
     if (!isWide) {
@@ -1128,13 +1224,13 @@ class Panel {
     this.el = h('div', { class: 'wide' }, h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
       h('section', { class: 'panel', 'aria-label': pump.name }, top, this.warnings, stop),
       h('div', { class: 'two' },
-        h('div', {}, h('section', { class: 'panel' }, h('h2', { text: 'Dose' }), doseForm(pump, true)),
-          h('section', { class: 'panel' }, h('h2', { text: 'Care' }),
-            h('p', { text: 'Weigh a dose, so that the next ones are right.' }),
-            h('div', { class: 'row' }, h('button', { type: 'button', text: 'Calibrate…', onclick: () => calibrate(pump) }),
-              h('button', { type: 'button', text: 'Vessel emptied…', onclick: () => askEmptied(pump) })))),
-        h('section', { class: 'panel' }, h('h2', { text: 'State' }), this.facts),
-        h('section', { class: 'panel' }, h('h2', { text: 'Line' }),
+        h('div', {}, block(head2('Dose'), doseForm(pump, true)),
+          block(head2('Care'),
+            para('Weigh a dose, so that the next ones are right.'),
+            inRow(h('button', { text: 'Calibrate…', onclick: () => calibrate(pump) }),
+              h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) })))),
+        block(head2('State'), this.facts),
+        block(head2('Line'),
           plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
           plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs backwards.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
           plainForm(pump, 'run', 'Run', 'Runs at a rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
@@ -1143,7 +1239,7 @@ class Panel {
             if (time.input.value.trim()) options.for = text(time);
             return { options };
           }))),
-      h('section', { class: 'panel' }, h('h2', { text: 'Last doses' }), log));
+      block(head2('Last doses'), log));
   }
 
   update() {
@@ -1159,13 +1255,17 @@ class Panel {
     const stand = status && status.safety.stand;
     const busy = Boolean(motion || (status && status.in_use_by));
     remake(this.notice, [view.error, fault, stand, unfinished && [unfinished.began_unix_s, unfinished.delivered_most_ml], busy], () => [
-      view.error && h('div', { class: 'notice bad' }, h('p', { class: 'error', text: view.error })),
-      fault && h('div', { class: 'notice bad' }, h('p', { class: 'error', text: `The last order failed: ${fault.message}` })),
-      stand && !busy && h('div', { class: 'notice bad' }, h('p', { class: 'error', text: standWords(pump) }), standActions(pump)),
+      view.error && danger(bad(view.error)),
+      fault && danger(bad(`The last order failed: ${fault.message}`)),
+      stand && !busy && danger(bad(standWords(pump)), standActions(pump)),
       unfinished && h('div', { class: 'notice' },
-        h('p', { text: `A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.` }),
+        para(`A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
         unfinishedActions(pump)),
     ]);
+    if (this.isWide && unfinished && pump.leads) {
+      pump.leads = false;
+      this.notice.scrollIntoView({ block: 'center' });
+    }
     for (const [said, code] of pump.refused) {
       if (!status || (code === 4 ? status.unfinished && !motion : stand)) continue;
       said.replaceChildren();
@@ -1201,6 +1301,8 @@ class Panel {
     const read = readOf(pump);
     say(this.figure.firstChild, read.figure);
     say(this.below, read.below);
+    say(this.time, read.time || '');
+    if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
     if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
     if (read.bar) this.drawBar(read.bar);
     if (pump.view.status && this.facts.children[1]) say(this.facts.children[1].firstChild, angleWords(pump));
@@ -1232,8 +1334,8 @@ function table(caption, heads, rows) {
   // Blocks on a phone lose the roles of a table, so the roles are written.
   return h('table', { role: 'table' }, h('caption', { text: caption }),
     h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, heads.map((text) => h('th', { role: 'columnheader', scope: 'col', text })))),
-    h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row' },
-      row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, cell && h('span', { text: cell })))))));
+    h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row', class: row.isBad && 'bad' },
+      row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, cell instanceof Node ? cell : cell && h('span', { text: cell })))))));
 }
 
 /** Reads a log line by line, and keeps its last `most` doses. */
@@ -1265,7 +1367,7 @@ async function readLog(path, most) {
 
 function logRow(dose) {
   const u = dose.expanded_uncertainty_ml;
-  const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${ml(u, u)}`} mL`
+  const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${spread(u)}`} mL`
     : `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
   const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
   const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
@@ -1289,50 +1391,70 @@ function pumpLog(name, box, since, most) {
       const which = count > doses.length ? `The last ${doses.length} of ${count} doses of ${name}` : `Doses of ${name}`;
       box.replaceChildren(doses.length ? table(`${which}, latest first; ± is k = 2`,
         ['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube'], doses.map(logRow))
-        : h('p', { text: `${name} has no dose on record in this time.` }), links);
+        : para(`${name} has no dose on record in this time.`), links);
     } catch (error) {
       if (mine !== run) return;
       const words = error instanceof Refused ? error.message : 'The log cannot be read: the service does not answer.';
-      box.replaceChildren(h('p', { class: 'error', text: words }), links);
+      box.replaceChildren(bad(words), links);
     }
   };
 }
 
 /* Views. */
 
+const SAYS = { waiting: 'waiting for its first word', well: 'alive: all is well', bad: 'not well: ', silent: '' };
+/** The inputs of the guard: what each said last, and how long ago. */
+function guardSection() {
+  const box = h('div');
+  const section = h('section', { class: 'panel', hidden: true }, head2('Guard'), box);
+  onInputs = async () => {
+    const inputs = await call('GET', '/api/v1/inputs').catch(() => null);
+    if (!inputs || !section.isConnected) return;
+    section.hidden = inputs.length === 0;
+    const rows = inputs.map(({ name, state, reason, last, pumps: guarded }) => {
+      const row = [name, SAYS[state] + (reason || '').replace(`${name}: `, ''), last ? `${span((Date.now() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
+      row.isBad = state === 'bad' || state === 'silent';
+      return row;
+    });
+    box.replaceChildren(table('Inputs that must say that all is well', ['Input', 'State', 'Last word', 'Pumps'], rows));
+  };
+  return section;
+}
+setInterval(() => { if (onInputs && isLive && !document.hidden) onInputs(); }, 5000);
+
 function viewPumps() {
   const cards = [...pumps.values()].map((pump) => panelOf(pump, false).el);
   const rackCards = racks.map((name) => {
     const said = saidBox();
     const [slot, planSlot] = [{}, {}];
-    const path = `/api/v1/racks/${encodeURIComponent(name)}/run`;
-    const plan = h('button', { type: 'button', text: 'Plan', 'aria-label': `Plan rack ${name}` });
+    const path = `/api/v1/racks/${inPath(name)}/run`;
+    const plan = h('button', { text: 'Plan', 'aria-label': `Plan rack ${name}` });
     plan.addEventListener('click', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
       order = await ended(order);
       if (order.state !== 'done') throw orderError(order);
       showPlans(said, order);
     }));
-    const run = h('button', { type: 'button', text: 'Run…', 'aria-label': `Run rack ${name}` });
+    const run = h('button', { text: 'Run…', 'aria-label': `Run rack ${name}` });
     run.addEventListener('click', () => {
       const answer = saidBox();
-      const go = h('button', { type: 'button', class: 'first', text: 'Run the rack' });
-      const box = dialog(`Run rack ${name}?`, [h('p', { text: 'Several pumps move by one timetable.' }), h('div', { class: 'row' }, go), answer]);
+      const go = h('button', { class: 'first', text: 'Run the rack' });
+      const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
       go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
         if (order.state === 'failed') throw orderError(order);
         box.close();
         tellTaken(said, order, `rack ${name}`);
       }));
     });
-    return h('section', { class: 'panel' }, h('h3', { text: name }), h('div', { class: 'row' }, run, plan), said);
+    return block(h('h3', { text: name }), inRow(run, plan), said);
   });
   const events = h('ul', { class: 'plain' });
-  const section = h('section', { class: 'panel' }, h('h2', { text: 'Last events' }), events, h('p', {}, h('a', { href: '#/log', text: 'All events' })));
+  const section = block(head2('Last events'), events, h('p', {}, h('a', { href: '#/log', text: 'All events' })));
   watchNotes(5, () => {
     section.hidden = notes.length === 0;
     events.replaceChildren(...notes.slice(0, 5).map((note) => h('li', { text: `${date(new Date(note.time))} ${noteWords(note)}` })));
   });
-  return ['Pumps', [h('h1', { tabindex: '-1', text: 'Pumps' }), h('div', { class: 'grid' }, cards),
-    racks.length ? h('h2', { text: 'Racks' }) : null, racks.length ? h('div', { class: 'grid' }, rackCards) : null, section]];
+  return ['Pumps', [head1('Pumps'), h('div', { class: 'grid' }, cards),
+    racks.length ? head2('Racks') : null, racks.length ? h('div', { class: 'grid' }, rackCards) : null, guardSection(), section]];
 }
 
 function panelOf(pump, isWide) {
@@ -1346,7 +1468,7 @@ function panelOf(pump, isWide) {
 
 function viewPump(name) {
   const pump = pumps.get(name);
-  if (!pump) return ['No such pump', [h('h1', { tabindex: '-1', text: 'No such pump' }),
+  if (!pump) return ['No such pump', [head1('No such pump'),
     h('p', {}, `The configuration has no pump named ${name}. `, h('a', { href: '#/', text: 'All pumps' }))]];
   const panel = panelOf(pump, true);
   panel.log();
@@ -1364,14 +1486,14 @@ function viewLog() {
   const list = h('div');
   const showNotes = () => {
     list.replaceChildren(notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
-      notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', note.text])) : h('p', { text: 'There is no event on record.' }));
+      notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', note.text])) : para('There is no event on record.'));
   };
   watchNotes(100, showNotes,
-    () => list.replaceChildren(h('p', { class: 'error', text: 'The events cannot be read: the service does not answer.' })));
+    () => list.replaceChildren(bad('The events cannot be read: the service does not answer.')));
   if (pumps.size) load();
-  return ['Log', [h('h1', { tabindex: '-1', text: 'Log' }),
-    h('section', { class: 'panel' }, h('h2', { text: 'Doses' }), h('div', { class: 'fields' }, which.el, since.el), box),
-    h('section', { class: 'panel' }, h('h2', { text: 'Events' }), list)]];
+  return ['Log', [head1('Log'),
+    block(head2('Doses'), fields(which.el, since.el), box),
+    block(head2('Events'), list)]];
 }
 
 function entryWords(entry) {
@@ -1380,46 +1502,242 @@ function entryWords(entry) {
   const options = Object.entries(entry.options || {}).map(([name, value]) => (value === true ? name : `${name} ${value}`));
   return what + batch + (options.length ? ` (${options.join(', ')})` : '');
 }
-function timeWords(entry) {
-  const list = (value) => (Array.isArray(value) ? value.join(', ') : String(value));
-  const parts = [entry.at && `at ${list(entry.at)}`, entry.every && `every ${entry.every}`,
+const listed = (value) => (Array.isArray(value) ? value.join(', ') : value || '');
+/** Times of an entry with the zone whose clock has them. */
+function timeWords(entry, zone) {
+  const parts = [entry.at && `at ${listed(entry.at)}`, entry.every && `every ${entry.every}`,
     entry.between && `from ${entry.between[0]} to ${entry.between[1]}`, entry.anchor && `counted from ${entry.anchor}`,
-    entry.days && `on ${list(entry.days)}`, entry.dates && `on ${list(entry.dates)}`, entry.from && `since ${entry.from}`,
-    entry.until && `until ${entry.until}`, entry.zone && `(${entry.zone})`];
+    entry.days && `on ${listed(entry.days)}`, entry.dates && `on ${listed(entry.dates)}`, entry.from && `since ${entry.from}`,
+    entry.until && `until ${entry.until}`, `(${zone || 'zone of the service’s machine'})`];
   return parts.filter(Boolean).join(' ');
 }
+const ownZone = () => Intl.DateTimeFormat().resolvedOptions().timeZone || 'this device';
+const ofEntry = (name) => `/api/v1/schedule/entries/${inPath(name)}`;
+const wordsOf = (error) => (error instanceof Refused ? error.message : 'The service did not answer: look at the schedule before you try again.');
 
 function viewSchedule() {
-  const box = h('div', {}, h('p', { text: 'Reading…' }));
-  call('GET', '/api/v1/schedule', { timeout: 8000 }).then((told) => {
-    if (!told.schedule) {
-      box.replaceChildren(h('p', { text: 'The service has no schedule. Start it with --schedule FILE.' }));
-      return;
+  const box = h('div', {}, para('Reading…'));
+  const said = saidBox();
+  let told = null;
+  const edit = (entry) => editEntry(told, entry, load);
+  const add = h('button', { text: 'Add an entry…', hidden: true, onclick: () => edit(null) });
+  const turn = async (entry, enabled) => {
+    said.replaceChildren();
+    try {
+      await call('PUT', ofEntry(entry.name), { body: JSON.stringify({ ...entry, enabled }), match: told.etag });
+      politely(`${entry.name} is switched ${enabled ? 'on' : 'off'}.`, true);
+    } catch (error) {
+      said.replaceChildren(alarm(wordsOf(error)));
     }
+    load();
+  };
+  const rowOf = ({ doubt: own, ...entry }, one) => {
+    const at = one && one.at ? new Date(one.at) : null;
+    const isOff = entry.enabled === false;
+    const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
+    const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
+      entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
+    const doubt = own || (one && one.doubt);
+    const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name, onclick: run });
+    const row = [doubt ? h('span', { class: 'error', text: `${entry.name}: its runs will be refused: ${doubt}` }) : entry.name, when,
+      entryWords(entry), timeWords(entry, one && one.zone), word,
+      h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(isOff ? 'Switch on' : 'Switch off', () => turn(entry, isOff)))];
+    row.isBad = Boolean(doubt);
+    return row;
+  };
+  const put = () => {
+    if (!told.schedule) return box.replaceChildren(para('The service has no schedule. Start it with --schedule FILE.'));
     const next = new Map(told.next.map((one) => [one.entry, one]));
-    const entries = [...told.schedule.entry].sort((a, b) => {
-      const at = (entry) => { const one = next.get(entry.name); return one && one.at ? new Date(one.at).getTime() : Infinity; };
-      return at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0;
-    });
-    const rows = entries.map((entry) => {
-      const one = next.get(entry.name);
-      const at = one && one.at ? new Date(one.at) : null;
-      const when = entry.enabled === false ? 'switched off' : !at ? 'no further run'
-        : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
-      const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
-        entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
-      return [entry.name, when, entryWords(entry), timeWords(entry), word];
-    });
-    const zone = Intl.DateTimeFormat().resolvedOptions().timeZone || 'this device';
+    const at = ({ name }) => { const one = next.get(name); return one && one.at ? new Date(one.at).getTime() : Infinity; };
+    const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
+    const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
     box.replaceChildren(
-      rows.length ? table(`Next runs, by the clock of this device (${zone})`, ['Entry', 'Next', 'What', 'Times', 'Policy'], rows)
-        : h('p', { text: 'The schedule has no entry.' }),
-      h('p', { class: 'hint', text: `File: ${told.file}${told.schedule.zone ? `; its zone is ${told.schedule.zone}` : ''}. The service reads it again when it changes.` }));
-  }).catch((error) => {
-    const words = error instanceof Refused ? error.message : 'The schedule cannot be read: the service does not answer.';
-    box.replaceChildren(h('p', { class: 'error', text: words }));
-  });
-  return ['Schedule', [h('h1', { tabindex: '-1', text: 'Schedule' }), h('section', { class: 'panel', 'aria-label': 'Next runs' }, box)]];
+      entries.length ? table(`Next runs, by the clock of this device (${ownZone()})`, ['Entry', 'Next', 'What', 'Times', 'Policy', 'Change'],
+        entries.map((entry) => rowOf(entry, next.get(entry.name)))) : para('The schedule has no entry.'),
+      aside(`File: ${told.file}. Edits keep its comments.`));
+    // The last button of the same entry: the one that was pressed has another name now.
+    const again = [...box.querySelectorAll('button')].findLast((button) => button.dataset.of === active);
+    if (again) again.focus();
+  };
+  const load = async () => {
+    try {
+      told = await call('GET', '/api/v1/schedule');
+      add.hidden = !told.schedule;
+      put();
+    } catch (error) {
+      box.replaceChildren(bad(wordsOf(error)));
+    }
+  };
+  onNotes = load;
+  load();
+  return ['Schedule', [head1('Schedule'), h('section', { class: 'panel', 'aria-label': 'Next runs' }, box, add, said)]];
+}
+
+const WEEK = ['mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun'];
+const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);
+/** Words of a list with commas or spaces between them. */
+const split = (text) => text.split(/[\s,;]+/).filter(Boolean);
+
+/** Fields of the keys that are not named as their field. */
+const FIELDS = { dose: 'volume', prime: 'volume', batch: 'repeat', 'repeat of batch': 'repeat', 'every of batch': 'apart',
+  'its time': 'when', 'between or anchor': 'when', 'what it does': 'what' };
+/** The form of an entry. It is checked first, which shows its next runs, and then saved. */
+function editEntry(told, entry, done) {
+  const old = entry || {};
+  const parts = {
+    name: field('Name', { hint: '1 to 64 of a-z, 0-9, - and _' }),
+    what: choice('It makes', [['dose', 'a dose'], ['prime', 'a prime'], ['rack', 'a run of a rack']]),
+    pump: choice('Pump', pairs(pumps.keys(), old.pump)), rack: choice('Rack', pairs(racks, old.rack)),
+    volume: field('Volume', { placeholder: '25mL' }), repeat: field('Number of doses', { placeholder: '1', inputmode: 'numeric' }),
+    apart: field('One every', { placeholder: '30s' }), options: field('Options', { placeholder: 'rate=5mL/s, smooth' }),
+    when: choice('When', [['at', 'at times of day'], ['between', 'every so often in a window of the day'], ['anchor', 'every so often from a moment on']]),
+    at: field('Times of day', { placeholder: '06:00, 18:00' }), every: field('Every', { placeholder: '30min' }),
+    between: field('Window', { placeholder: '08:00, 20:00', hint: 'Its first and its last time of day' }),
+    anchor: field('First run', { placeholder: '2026-03-01 06:30' }),
+    days: { input: h('fieldset', { tabindex: '-1' }, h('legend', { text: 'Days; none is every day' })) },
+    dates: field('Dates, in place of days', { placeholder: '2026-03-01' }),
+    from: field('First date', { placeholder: '2026-03-01' }), until: field('Last date', { placeholder: '2026-05-31' }),
+    zone: field('Time zone', { placeholder: told.schedule.zone || 'Europe/Berlin', hint: 'Without one: that of the file or of the service’s machine' }),
+    missed: choice('Missed runs', [['', 'are left out'], ['once', 'are made up for by one'], ['all', 'are all made up for']]),
+    missed_within: field('At most so late', { placeholder: '2h' }),
+    unfinished: choice('An interrupted dose', [['', 'has the run refused'], ['resume', 'is delivered first'], ['accept', 'is accepted']]),
+    busy: choice('A pump that moves', [['', 'has the run left out'], ['wait', 'is waited for']]),
+    enabled: check('Switched on'),
+  };
+  const days = WEEK.map((word) => [word, check(word)]);
+  const value = (key) => parts[key].input.value.trim();
+  parts.days.el = parts.days.input;
+  parts.days.input.append(inRow(days.map(([, part]) => part.el)));
+  const kind = old.rack ? 'rack' : old.prime ? 'prime' : 'dose';
+  const batch = old.batch || {};
+  const options = Object.entries(old.options || {}).map(([name, text]) => (text === true ? name : `${name}=${text}`)).join(', ');
+  const shown = { ...old, what: kind, volume: old[kind], repeat: batch.repeat, apart: batch.every, options,
+    when: old.anchor ? 'anchor' : old.between ? 'between' : 'at' };
+  for (const [key, part] of Object.entries(parts)) if (shown[key] && key !== 'days') part.input.value = listed(shown[key]);
+  for (const [word, part] of days) part.input.checked = listed(old.days).includes(word);
+  parts.enabled.input.checked = old.enabled !== false;
+
+  const fit = () => {
+    const [what, when] = [value('what'), value('when')];
+    const on = { pump: what !== 'rack', volume: what !== 'rack', rack: what === 'rack', repeat: what === 'dose', apart: what === 'dose',
+      at: when === 'at', every: when !== 'at', between: when === 'between', anchor: when === 'anchor', days: when !== 'anchor',
+      dates: when !== 'anchor', missed_within: value('missed') !== '' };
+    for (const [key, isOn] of Object.entries(on)) parts[key].el.hidden = !isOn;
+  };
+  /** The entry as the file has it. */
+  const keys = () => {
+    const of = (names) => Object.fromEntries(names.filter((key) => value(key)).map((key) => [key, value(key)]));
+    const made = { name: value('name'), ...of(['from', 'until', 'zone', 'missed', 'unfinished', 'busy']) };
+    if (!parts.enabled.input.checked) made.enabled = false;
+    const [what, when] = [value('what'), value('when')];
+    if (what === 'rack') made.rack = value('rack');
+    else Object.assign(made, { pump: value('pump'), [what]: withUnit(value('volume'), 'mL') });
+    const repeat = value('repeat');
+    if (what === 'dose' && (repeat || value('apart'))) {
+      made.batch = { repeat: /^\d+$/.test(repeat) ? Number(repeat) : repeat, ...(value('apart') && { every: value('apart') }) };
+    }
+    const words = value('options').split(/,\s*(?=[a-z][a-z0-9-]*(?:=|,|$))/).map((word) => word.trim()).filter(Boolean);
+    if (words.length) {
+      made.options = Object.fromEntries(words.map((word) => { const [name, ...rest] = word.split('='); return [name.trim(), rest.join('=').trim() || true]; }));
+    }
+    if (when === 'at') made.at = split(value('at'));
+    else Object.assign(made, { every: value('every').replace(/\s+/g, '') }, when === 'between' ? { between: split(value('between')) } : { anchor: value('anchor') });
+    const week = days.filter(([, part]) => part.input.checked).map(([word]) => word);
+    if (when !== 'anchor' && week.length) made.days = week;
+    if (when !== 'anchor' && value('dates')) made.dates = split(value('dates'));
+    if (made.missed && value('missed_within')) made.missed_within = value('missed_within');
+    return made;
+  };
+
+  const said = saidBox();
+  const button = h('button', { type: 'submit', class: 'first' });
+  let checked = null;
+  const isChecked = (body) => {
+    checked = body;
+    say(button, body ? 'Save' : 'Show the next runs');
+  };
+  isChecked(null);
+  let marked = null;
+  const unmark = () => {
+    if (!marked) return;
+    marked.words.remove();
+    for (const name of ['aria-invalid', 'aria-errormessage']) marked.input.removeAttribute(name);
+    marked = null;
+  };
+  /** Says a refusal beside the field that it is about. */
+  const refuse = async (error) => {
+    const key = error.key || '';
+    const part = parts[FIELDS[key] || (key.endsWith('options') ? 'options' : key)];
+    const words = alarm(wordsOf(error));
+    words.id = newId();
+    if (part) {
+      part.el.append(words);
+      fill(part.input, { 'aria-invalid': 'true', 'aria-errormessage': words.id }, []);
+      marked = { input: part.input, words };
+      if (part.el.closest('details')) part.el.closest('details').open = true;
+      part.input.focus();
+      said.replaceChildren();
+    } else {
+      said.replaceChildren(words);
+    }
+    if (error.status === 409) told = await call('GET', '/api/v1/schedule').catch(() => told);
+  };
+  const showRuns = ({ next, entry: made }) => {
+    const runs = next.map(({ at, words }) => h('li', { text: date(new Date(at)) + ((/ \(.*\)$/.exec(words) || [''])[0]) }));
+    said.replaceChildren(h('div', { class: 'plan' },
+      h('h3', { text: made.enabled === false ? 'It is switched off, so nothing runs' : runs.length ? 'Next runs' : 'It has no further run' }),
+      h('ol', { class: 'plain' }, runs), aside(`By the clock of this device (${ownZone()}). Nothing is saved yet.`)));
+  };
+  const ask = async (act) => {
+    if (button.getAttribute('aria-disabled') === 'true') return;
+    button.setAttribute('aria-disabled', 'true');
+    unmark();
+    try {
+      await act();
+    } catch (error) {
+      isChecked(null);
+      await refuse(error);
+    } finally {
+      button.setAttribute('aria-disabled', 'false');
+    }
+  };
+  const close = (words) => {
+    box.close();
+    politely(words, true);
+    done();
+  };
+  const save = (event) => {
+    event.preventDefault();
+    const body = JSON.stringify(keys());
+    const isDry = checked !== body;
+    ask(async () => {
+      const path = (entry ? ofEntry(old.name) : '/api/v1/schedule/entries') + (isDry ? '?dry-run=true' : '');
+      const made = await call(entry ? 'PUT' : 'POST', path, { body, match: told.etag });
+      if (!isDry) return close(`${made.entry.name} is saved.`);
+      isChecked(body);
+      showRuns(made);
+    });
+  };
+  const remove = () => {
+    const sure = h('button', { class: 'first', text: `Remove ${old.name}`, onclick: () => ask(async () => {
+      await call('DELETE', ofEntry(old.name), { match: told.etag });
+      close(`${old.name} is removed.`);
+      $('main').querySelector('h1').focus();
+    }) });
+    said.replaceChildren(h('div', { class: 'notice' }, para('The file loses the entry and the comment above it.'), inRow(sure)));
+    sure.focus();
+  };
+  const group = (...names) => fields(names.map((name) => parts[name].el));
+  const form = h('form', { novalidate: true, onsubmit: save, oninput: () => {
+    isChecked(null);
+    fit();
+  } }, group('name', 'what', 'pump', 'rack', 'volume', 'when', 'at', 'every', 'between', 'anchor'), parts.days.el,
+  moreOf(
+    group('dates', 'from', 'until', 'zone', 'repeat', 'apart', 'options', 'missed', 'missed_within', 'unfinished', 'busy')),
+  parts.enabled.el, said,
+  inRow(button, entry && h('button', { text: 'Remove…', onclick: remove })));
+  fit();
+  const box = dialog(entry ? `Edit ${old.name}` : 'Add an entry', [form]);
 }
 
 function showLogin() {
@@ -1434,17 +1752,17 @@ function showLogin() {
   say($('link').firstElementChild, 'Not logged in');
   const token = field('Token', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with (--token-file).' });
   const said = saidBox();
-  const button = h('button', { type: 'submit', class: 'first', text: 'Log in' });
+  const button = submit('Log in');
   const form = h('form', { novalidate: true, onsubmit: async (event) => {
     event.preventDefault();
     try {
-      await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }), timeout: 8000 });
+      await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }) });
       delete $('main').dataset.view;
       begin();
     } catch (error) {
       needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
     }
-  } }, token.el, h('div', { class: 'row' }, button), said);
+  } }, token.el, inRow(button), said);
   $('main').replaceChildren(h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
   document.title = 'Log in · pump-dose';
   token.input.focus();
@@ -1454,13 +1772,14 @@ function showLogin() {
 function show(isMoved) {
   if (!version) return;
   pumps.forEach((pump) => pump.panels.clear());
-  onNotes = null;
+  onNotes = onInputs = null;
   const path = location.hash.replace(/^#/, '') || '/';
   let name = null;
   try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
   const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
   $('main').dataset.view = path;
   $('main').replaceChildren(...kids.filter(Boolean));
+  if (onInputs) onInputs();
   document.title = `${title} · pump-dose`;
   for (const link of document.querySelectorAll('nav a')) {
     const here = link.getAttribute('href').slice(1) === (name != null ? '/' : path);
@@ -1479,7 +1798,7 @@ document.querySelector('.skip').addEventListener('click', (event) => {
 });
 addEventListener('hashchange', () => { if ($('main').dataset.view !== 'login') show(true); });
 $('logout').addEventListener('click', async () => {
-  await call('POST', '/logout', { body: '{}', timeout: 8000 }).catch(() => {});
+  await call('POST', '/logout', { body: '{}' }).catch(() => {});
   showLogin();
 });
 calm.addEventListener('change', () => { if (version) show(); });

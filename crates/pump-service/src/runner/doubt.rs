@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
+use pump_bench::units::dose_amount;
+
 use crate::order::Choice;
-use crate::schedule::Entry;
+use crate::schedule::{Action, Entry};
 use crate::service::Service;
 use crate::worker::message_of;
 
@@ -28,5 +30,16 @@ pub(super) async fn doubt(entry: &Entry, service: &Service) -> Option<String> {
             Some(report) => message_of(report).to_owned(),
             None => format!("its trial gave exit code {} and no reason", ended.code),
         }),
+    }
+}
+
+/// Returns the key whose value is in doubt.
+pub(super) fn doubted_key(entry: &Entry, service: &Service) -> &'static str {
+    match entry.action() {
+        Action::Rack { .. } => "rack",
+        Action::Dose { pump, .. } | Action::Prime { pump, .. } if service.pump(pump).is_err() => "pump",
+        Action::Dose { volume, .. } if dose_amount(volume).is_err() => "dose",
+        Action::Prime { volume, .. } if dose_amount(volume).is_err() => "prime",
+        Action::Dose { .. } | Action::Prime { .. } => "options",
     }
 }

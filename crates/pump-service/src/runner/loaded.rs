@@ -1,6 +1,7 @@
 //! The file of a schedule, and the time since which it is in force.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -16,11 +17,13 @@ const TEXT: &str = "schedule-text";
 const SINCE: &str = "schedule-since";
 
 /// Largest file, in bytes.
-const LARGEST: u64 = 4 << 20;
+pub(super) const LARGEST: u64 = 4 << 20;
 
 /// A schedule that was read.
 #[derive(Debug)]
 pub(super) struct Loaded {
+    /// Text of the file.
+    pub(super) text: String,
     pub(super) schedule: Schedule,
     /// Time since which the schedule is in force as it stands.
     pub(super) since: Timestamp,
@@ -35,14 +38,7 @@ pub(super) struct Loaded {
 impl Loaded {
     /// Reads the schedule. One whose text is new is in force from `now` on.
     pub(super) fn read(path: &Path, history: &History, now: Timestamp) -> Result<Self, RunnerError> {
-        let failed = |source| RunnerError::File { path: path.to_owned(), source };
-        let file = path.metadata().map_err(failed)?;
-        if file.len() > LARGEST {
-            return Err(failed(std::io::Error::other("the file is larger than 4 MiB")));
-        }
-        let text = std::fs::read_to_string(path).map_err(failed)?;
-        let schedule = Schedule::read(&text, &TimeZone::system())
-            .map_err(|source| RunnerError::Schedule { path: path.to_owned(), source: Box::new(source) })?;
+        let (text, schedule, written) = Self::read_unkept(path)?;
         let known = history.word(TEXT)?;
         let since = match history.word(SINCE)?.and_then(|since| since.parse().ok()) {
             Some(since) if known.as_ref() == Some(&text) => since,
@@ -52,6 +48,31 @@ impl Loaded {
                 now
             }
         };
-        Ok(Self { schedule, since, written: file.modified().ok(), doubts: BTreeMap::new(), is_tried: false })
+        Ok(Self { text, schedule, since, written, doubts: BTreeMap::new(), is_tried: false })
+    }
+
+    /// Reads the file, and has nothing in force.
+    pub(super) fn read_unkept(path: &Path) -> Result<(String, Schedule, Option<SystemTime>), RunnerError> {
+        let failed = |source| RunnerError::File { path: path.to_owned(), source };
+        let file = path.metadata().map_err(failed)?;
+        if file.len() > LARGEST {
+            return Err(failed(std::io::Error::other("the file is larger than 4 MiB")));
+        }
+        let text = std::fs::read_to_string(path).map_err(failed)?;
+        let schedule = Schedule::read(&text, &Self::machine_zone())
+            .map_err(|source| RunnerError::Schedule { path: path.to_owned(), source: Box::new(source) })?;
+        Ok((text, schedule, file.modified().ok()))
+    }
+
+    /// The zone of entries that name none, in a file that names none.
+    pub(super) fn machine_zone() -> TimeZone {
+        TimeZone::system()
+    }
+
+    /// The tag of the text, which another text has not.
+    pub(super) fn tag(&self) -> String {
+        let mut hasher = DefaultHasher::new();
+        self.text.hash(&mut hasher);
+        format!("{:016x}", hasher.finish())
     }
 }

@@ -86,7 +86,7 @@ impl Runner {
 
     async fn keep_time(&self) {
         while !self.service.is_ending() {
-            self.reload();
+            self.reload(&mut self.loaded());
             if let Err(error) = self.step() {
                 let text = format!("{error}; nothing of the schedule is run meanwhile");
                 self.service.note(KIND, None, &text);
@@ -134,7 +134,7 @@ impl Runner {
     }
 
     /// Gives the orders that are due now, and tells what was missed.
-    fn step(&self) -> Result<(), HistoryError> {
+    pub(super) fn step(&self) -> Result<(), HistoryError> {
         let now = (self.now)();
         let loaded = self.loaded();
         let history = self.service.history();
@@ -192,9 +192,8 @@ impl Runner {
     }
 
     /// Reads the file anew if it was written since. A file that is refused leaves the schedule in force as it is.
-    fn reload(&self) {
+    pub(super) fn reload(&self, loaded: &mut Loaded) {
         let written = self.path.metadata().and_then(|file| file.modified()).ok();
-        let mut loaded = self.loaded();
         if written == loaded.written {
             return;
         }
@@ -218,17 +217,31 @@ impl Runner {
         let next = loaded.schedule.entries().iter().map(|entry| {
             let due = loaded.schedule.next(entry.name(), now);
             let (at, words) = (due.map(|due| due.planned), due.map(|due| due.to_string()));
-            json!({"entry": entry.name(), "at": at, "words": words, "doubt": loaded.doubts.get(entry.name())})
+            let (zone, doubt) = (entry.zone().iana_name(), loaded.doubts.get(entry.name()));
+            json!({"entry": entry.name(), "at": at, "words": words, "zone": zone, "doubt": doubt})
         });
         let next: Vec<Value> = next.collect();
-        json!({"file": self.path.display().to_string(), "schedule": loaded.schedule, "next": next})
+        let (file, tag) = (self.path.display().to_string(), loaded.tag());
+        json!({"file": file, "etag": tag, "schedule": loaded.schedule, "next": next})
     }
 
     fn runs(&self) -> MutexGuard<'_, JoinSet<()>> {
         self.runs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn loaded(&self) -> MutexGuard<'_, Loaded> {
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(super) fn service(&self) -> &Service {
+        &self.service
+    }
+
+    pub(super) fn now(&self) -> Timestamp {
+        (self.now)()
+    }
+
+    pub(super) fn loaded(&self) -> MutexGuard<'_, Loaded> {
         self.loaded.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -15,7 +15,6 @@ use super::place::{Shift, zone};
 use super::policy::{IfBusy, IfMissed, IfUnfinished};
 use super::timing::{Season, Timing};
 
-/// Keys of an entry.
 const KEYS: [&str; 21] = [
     "name",
     "enabled",
@@ -63,6 +62,9 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// Keys of an entry in the file, in the order in which a person writes them.
+    pub const KEYS: &'static [&'static str] = &KEYS;
+
     /// Reads the entry of this number. `schedule_zone` is that of an entry which names none.
     pub(super) fn read(
         number: usize,
@@ -70,7 +72,7 @@ impl Entry {
         schedule_zone: &TimeZone,
     ) -> Result<Self, ScheduleError> {
         let name = name(number, table)?;
-        let keys = Keys::new(Place::Entry(name.clone()), table, &KEYS)?;
+        let keys = Keys::new(Place::Entry(name.clone()), table, Self::KEYS)?;
         let action = Action::read(&keys)?;
         let timing = Timing::read(&keys)?;
         let season = Season { from: date(&keys, "from")?, until: date(&keys, "until")? };

@@ -8,6 +8,7 @@ use pump_bench::Bench;
 use pump_bench::config::Config;
 use pump_bench::report::{Status, log_json};
 use pump_bench::safety::SafetyLimit;
+use pump_bench::units::flow_ml_s;
 use serde_json::Value;
 
 use super::error::ServiceError;
@@ -18,6 +19,7 @@ use super::view::PumpView;
 pub struct Pump {
     name: String,
     bench: Bench,
+    default_flow_ml_s: f64,
     read: Mutex<Read>,
 }
 
@@ -40,7 +42,9 @@ impl Pump {
         let failed = |message: String| ServiceError::Pump { name: name.to_owned(), message };
         let file = config.pump(name).map_err(|error| failed(error.to_string()))?;
         let bench = Bench::new(file, None, state_dir).map_err(|error| failed(error.to_string()))?;
-        let pump = Self { name: name.to_owned(), bench, read: Mutex::default() };
+        let configured = config.defaults().rate.as_deref().and_then(|rate| flow_ml_s(rate).ok());
+        let default_flow_ml_s = configured.unwrap_or(bench.file().pump.default_rate_ml_s);
+        let pump = Self { name: name.to_owned(), bench, default_flow_ml_s, read: Mutex::default() };
         pump.refresh();
         Ok(pump)
     }
@@ -53,6 +57,11 @@ impl Pump {
     /// Returns the pump's bench.
     pub fn bench(&self) -> &Bench {
         &self.bench
+    }
+
+    /// Returns the flow that a dose takes if nobody names one, in mL/s.
+    pub(super) fn default_flow_ml_s(&self) -> f64 {
+        self.default_flow_ml_s
     }
 
     /// Reads the record if it has changed since it was read last. Returns true if it has.

@@ -68,7 +68,7 @@ impl PumpView {
             port: bench.board_port().map(|port| port.display().to_string()),
             rollers: (360.0 / pitch_deg).round() as u32,
             pitch_deg,
-            default_flow_ml_s: bench.file().pump.default_rate_ml_s,
+            default_flow_ml_s: pump.default_flow_ml_s(),
             status,
             error,
             last,
