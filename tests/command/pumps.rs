@@ -25,6 +25,14 @@ pub(crate) const DRAWING: [&str; 14] = [
 ];
 
 #[test]
+fn a_drawing_whose_rollers_take_more_than_the_bore_delivers_is_refused_for_that() {
+    let user = User::new();
+    let crowded = user.is_refused(&[&DRAWING[..13], &["99", "crowded.toml"]].concat());
+    assert!(crowded.contains("99 rollers") && !crowded.contains("NaN"), "{crowded}");
+    assert!(!user.path("crowded.toml").exists());
+}
+
+#[test]
 fn a_drawing_becomes_a_pump_that_doses_and_says_that_it_is_estimated() {
     let user = User::new();
     let answer = user.types(&[&DRAWING[..], &["--id", "drawn", "drawn.toml"]].concat());

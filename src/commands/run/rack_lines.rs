@@ -25,8 +25,8 @@ struct PumpLines {
 }
 
 impl RackLines {
-    /// Tells the plan of the rack, and then for each pump that of its first step and the wait for it. A rack that cannot
-    /// be planned from the records alone tells its motions without; or it says why it cannot be run when it is.
+    /// Tells the plan of the rack, and then for each pump that of its first step and the wait for it. A rack that
+    /// cannot be planned from the records alone tells its motions without; or it says why it cannot be run when it is.
     pub(super) fn begin(rack: &Rack) -> Self {
         let plan = rack.rehearse().ok();
         plan.iter().for_each(supervised::rack_begun);

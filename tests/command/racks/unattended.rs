@@ -132,8 +132,10 @@ fn a_share_that_has_not_moved_is_not_made_without_its_partner() {
     let rack = ["run", "mix.toml", "--pace", "fast", "--unfinished"];
     let refused = user.types(&[&rack[..], &["resume"]].concat());
     assert_eq!(refused.code, 4, "{}{}", refused.out, refused.err);
-    for told in ["has an unfinished share that has not moved, and no share of base is", "--pump three-roller"]
-    {
+    for told in [
+        "`acid` of the rack has an unfinished share that has not moved, and no share of base is",
+        "dose accept",
+    ] {
         assert!(refused.err.contains(told), "{}", refused.err);
     }
     assert_eq!(worn_ml(&user, "three-roller"), 0.0);

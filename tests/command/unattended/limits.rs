@@ -176,7 +176,10 @@ fn a_run_until_stopped_that_a_limit_ends_stands_with_exit_code_5_and_tells_of_it
     assert!(delivered_ml > 4.9 && delivered_ml < 5.0 && report["completed"] == true, "{report}");
     let error = reason(&ran);
     assert_eq!((&error["kind"], &error["moved"]), (&"safety".into(), &true.into()));
-    assert!(error["message"].as_str().unwrap().contains("the limit has ended a run"), "{error}");
+    assert!(
+        error["message"].as_str().unwrap().contains("a run until it is stopped ends at the limit"),
+        "{error}"
+    );
     let told: Value = serde_json::from_str(&fs::read_to_string(user.path("reason.json")).unwrap()).unwrap();
     assert_eq!(told["code"], 5);
     let least_ml: f64 = fs::read_to_string(user.path("least_ml")).unwrap().trim().parse().unwrap();

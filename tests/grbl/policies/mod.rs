@@ -61,7 +61,7 @@ fn a_dose_without_a_person_does_as_the_pump_file_says_once_the_angle_was_disturb
             }
             HomePolicy::Accept => {
                 assert!(
-                    err.contains("known within 4.6 deg: [safety] home = \"accept\" doses from it"),
+                    err.contains("known within 4.6 deg now: [safety] home = \"accept\" doses from it"),
                     "{err}"
                 );
                 assert!(out.contains("\"half_width_deg\":4.6"), "{out}");

@@ -56,8 +56,9 @@ impl DrawnPump {
         file.inlet = line.clone();
         file.outlet = line.into();
         file.motor.max_speed_rpm = MAX_SPEED_RPM;
+        // A head whose rollers take more than its bore delivers is refused below, by its model.
         file.pump.default_rate_ml_s =
-            two_digits(0.25 * revolution_ml * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU);
+            two_digits(0.25 * revolution_ml.abs() * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU);
         file.fluid.temperature_degc = TEMPERATURE_DEGC;
         file.fluid.density_kg_m3 = floor(10.0 * Fluid::water(TEMPERATURE_DEGC)?.density_kg_m3 + 0.5) / 10.0;
         file.ambient = AmbientTable::default();

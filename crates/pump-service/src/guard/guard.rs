@@ -74,7 +74,7 @@ impl Guard {
     ///
     /// # Errors
     ///
-    /// [`GuardError`] if there is no such input, or if its command or its topic speaks for it. Nothing has changed then.
+    /// [`GuardError`] if there is no such input, or if its command or its topic speaks for it. Nothing has changed.
     pub fn tell(&self, name: &str, ok: bool, reason: Option<&str>) -> Result<InputView, GuardError> {
         let known = {
             let watch = self.watch();
@@ -254,8 +254,8 @@ impl Guard {
     }
 }
 
-/// Returns the inputs that watchers are to be told of, and the words about those that are not well any more, or are well
-/// again.
+/// Returns the inputs that watchers are to be told of, and the words about those that are not well any more, or are
+/// well again.
 fn tell_changes(watch: &mut Watch, now: Instant) -> Vec<(InputView, Option<String>)> {
     let Watch { inputs, told, .. } = watch;
     let mut changed = Vec::new();

@@ -15,7 +15,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use super::bodies::body;
 use super::failure::Failure;
 use super::shared::Shared;
-use crate::order::{Order, OrderId, Task, option};
+use crate::order::{Order, OrderId, Task, option, switch};
 use crate::service::{Refusal, Service};
 use crate::worker::{Line, Seat};
 
@@ -78,7 +78,7 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
     if !json {
         words.retain(|word| *word != option("format", "json"));
     }
-    words.extend(verbose.then(|| "--verbose".to_owned()));
+    words.extend(verbose.then(|| switch("verbose")));
     follow(
         shared.service,
         &order.pump,

@@ -32,6 +32,11 @@ pub(crate) fn option(name: &str, value: &str) -> String {
     format!("--{name}={value}")
 }
 
+/// Returns the word of an option without a value.
+pub(crate) fn switch(name: &str) -> String {
+    format!("--{name}")
+}
+
 impl Task {
     /// Options with a value.
     fn valued(&self) -> Vec<&'static str> {
@@ -84,7 +89,7 @@ impl Task {
                     words.push(option(name, text("an option", value)?));
                 }
                 Choice::Switch(on) if is_switch => {
-                    words.extend(on.then(|| format!("--{name}")));
+                    words.extend(on.then(|| switch(name)));
                 }
                 Choice::Text(_) => {
                     let (wrong, instead) = ("takes no value", "write true or false");

@@ -19,8 +19,8 @@ pub struct Cleared {
 }
 
 impl Session<'_> {
-    /// Clears the stand of the pump. The volumes of the last 24 hours count no more if it stood at their limit. The vessel
-    /// holds what it holds until [`Session::vessel_emptied`].
+    /// Clears the stand of the pump. The volumes of the last 24 hours count no more if it stood at their limit. The
+    /// vessel holds what it holds until [`Session::vessel_emptied`].
     ///
     /// # Errors
     ///
