@@ -94,7 +94,7 @@ impl Rack {
     pub fn check_rests(&self) -> Result<(), RackError> {
         let mut shares = Vec::new();
         for (pump, member) in self.members.iter().enumerate() {
-            let story = member.bench.story().map_err(|error| self.dose_error(pump, None, error.into()))?;
+            let story = member.bench.story().map_err(|error| self.dose_error(pump, None, error))?;
             let dose = story.state.and_then(|state| state.unfinished);
             let is_of_rack = |dose: &Unfinished| {
                 dose.intent.told.and_then(|told| told.rack) == Some(ShortText::new(&self.name))

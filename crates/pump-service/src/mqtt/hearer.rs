@@ -108,6 +108,11 @@ impl<'a> Hearer<'a> {
         if message.dup && answer.key.is_none() && !is_stop {
             return answer.refuse("key", "the broker sends this command a second time, and it has no key");
         }
+        self.carry_out(command, asked, answer).await;
+    }
+
+    /// Carries out what a message asks.
+    async fn carry_out(&mut self, command: Command<'_>, asked: Asked, answer: Answer) {
         let pump = command.pump.unwrap_or_default().to_owned();
         match asked {
             Asked::Stop => answer.give(json!({"stopped": self.stop(command)})),
