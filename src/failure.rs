@@ -26,6 +26,9 @@ pub(crate) struct Failure {
     pump: Option<Box<str>>,
 }
 
+/// Words of a stop by a signal.
+const BY_USER: &str = "stopped by the user";
+
 /// The volume of a command in which nothing moved, in mL.
 const NOTHING: Option<(f64, f64)> = Some((0.0, 0.0));
 
@@ -105,8 +108,14 @@ impl Failure {
         Self::new(How::Failed, kind, message)
     }
 
-    /// A stop by this signal. `moved` is true if the pump moved before.
+    /// A stop by this signal, of which `message` tells as of one by the user. `moved` is true if the pump moved before.
     pub(crate) fn stopped(signal: i32, moved: bool, message: impl ToString) -> Self {
+        let message = message.to_string();
+        // A supervising program stops for reasons of its own, as a guard does.
+        let message = match interrupt::reason() {
+            Some(reason) => message.replacen(BY_USER, &format!("stopped by {reason}"), 1),
+            None => message,
+        };
         Self::new(How::Stopped { signal, moved }, ErrorKind::Stopped, message)
     }
 

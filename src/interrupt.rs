@@ -76,6 +76,11 @@ pub(crate) fn stop_request() -> StopRequest {
     StopRequest::new(|| signal().is_some()).saying(|| signal().map(name))
 }
 
+/// The reason for which a supervising program stops this one. `None` for a signal.
+pub(crate) fn reason() -> Option<&'static str> {
+    REASON.get().map(String::as_str)
+}
+
 /// The name of a signal, or the reason of a supervising program, as the log keeps it.
 pub(crate) fn name(signal: i32) -> String {
     if let Some(reason) = REASON.get() {

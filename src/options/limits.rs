@@ -100,10 +100,13 @@ enum AskedLife {
 
 /// Reads a volume, a time, or a number of revolutions.
 fn tube_life(text: &str) -> Result<AskedLife, units::QuantityError> {
-    let is_turns = text.trim_end().ends_with("rev");
-    match (units::time_s(text), units::angle_rad(text)) {
-        (Ok(time_s), _) => Ok(AskedLife::Time(time_s / 3600.0)),
-        (_, Ok(turn_rad)) if is_turns => Ok(AskedLife::Turns(turn_rad / std::f64::consts::TAU)),
+    let unit = text.trim().trim_start_matches(|letter: char| !letter.is_alphabetic());
+    let is_time = units::time_s(&format!("1{unit}")).is_ok();
+    if is_time {
+        return units::time_s(text).map(|time_s| AskedLife::Time(time_s / 3600.0));
+    }
+    match units::angle_rad(text) {
+        Ok(turn_rad) if unit.ends_with("rev") => Ok(AskedLife::Turns(turn_rad / std::f64::consts::TAU)),
         _ => units::life_ml(text).map(AskedLife::Volume),
     }
 }

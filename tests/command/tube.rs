@@ -173,6 +173,10 @@ fn a_tube_without_a_calibration_has_no_picture_and_a_life_names_its_units() {
     let refused = user.is_refused(&["tube", "--plot", "tube.svg"]);
     assert!(refused.contains("this tube has no calibration on record; calibrate it first"), "{refused}");
     assert!(!user.path("tube.svg").exists());
+    for wrong in ["0h", "-5h"] {
+        let refused = user.is_refused(&["tube", &format!("--tube-limit={wrong}")]);
+        assert!(refused.contains(wrong) && !refused.contains("unknown"), "{refused}");
+    }
     let refused = user.is_refused(&["tube", "--tube-limit", "3"]);
     for unit in ["L, mL", "h, d", "rev"] {
         assert!(refused.contains(unit), "{refused}");

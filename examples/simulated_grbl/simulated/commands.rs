@@ -147,15 +147,16 @@ impl Machine {
         }
         let inches = (self.inches || has("G20")) && !has("G21");
         let unit_mm = if inches { INCH_MM } else { 1.0 };
-        let target = words.target.ok_or(26_u16)? * unit_mm;
+        if words.target.is_none() && words.others == [None; OTHERS] {
+            return Err(26);
+        }
         let feed = words.feed.ok_or(22_u16)? * unit_mm;
         let relative = (self.relative || has("G91")) && !has("G90");
-        let mm = if relative {
-            target + self.planned_mm()
-        } else if has("G53") {
-            target
-        } else {
-            target + self.offset_mm
+        let mm = match words.target.map(|target| target * unit_mm) {
+            None => self.planned_mm(),
+            Some(target) if relative => target + self.planned_mm(),
+            Some(target) if has("G53") => target,
+            Some(target) => target + self.offset_mm,
         };
         if self.settings.get(20) != 0.0 && !(-self.settings.get(130)..=0.0).contains(&mm) {
             return Err(15);
@@ -176,25 +177,29 @@ impl Machine {
     /// no room.
     fn way(&mut self, mm: f32, feed: f32, targets: [Option<f32>; OTHERS]) -> Result<bool, u16> {
         let end = f64::from(mm * self.settings.get(100)).round() as i64 - self.miscounted;
-        let planned = self.motor.planned_others();
-        let mut others = planned;
-        let mut way_mm = vec![(0, f64::from(mm - self.planned_mm()).abs())];
+        let mut others = self.motor.planned_others();
+        let mut way_mm = Vec::new();
+        if end != self.motor.planned() {
+            way_mm.push((0, f64::from(mm - self.planned_mm()).abs()));
+        }
         for (axis, (place, target)) in (1..).zip(others.iter_mut().zip(targets)) {
             let steps_per_mm = self.settings.get(100 + axis);
             if let Some(target) = target {
-                way_mm.push((axis, f64::from(target - *place as f32 / steps_per_mm).abs()));
+                let before = *place;
                 *place = f64::from(target * steps_per_mm).round() as i64;
+                if *place != before {
+                    way_mm.push((axis, f64::from(target - before as f32 / steps_per_mm).abs()));
+                }
             }
         }
-        if others != planned && end == self.motor.planned() {
-            return Err(33);
-        }
+        // The queue's way is that of the first axis that moves.
+        let Some(&(first, first_mm)) = way_mm.first() else { return Ok(false) };
         let length_mm = way_mm.iter().map(|(_, mm)| mm * mm).sum::<f64>().sqrt();
         let share = |way_mm: f64| if length_mm > 0.0 { way_mm / length_mm } else { 1.0 };
         let allowed = way_mm.iter().map(|(axis, mm)| f64::from(self.settings.get(110 + axis)) / share(*mm));
         let feed =
             f64::from(feed).min(allowed.fold(f64::INFINITY, f64::min)).max(f64::from(LEAST_FEED_MM_MIN));
-        let steps_s = feed * share(way_mm[0].1) * f64::from(self.settings.get(100)) / 60.0;
+        let steps_s = feed * share(first_mm) * f64::from(self.settings.get(100 + first)) / 60.0;
         if self.motor.is_full() {
             self.pending = Some((end, steps_s, others));
             return Ok(true);
@@ -244,7 +249,7 @@ impl Machine {
     }
 }
 
-/// Reads letters with their numbers; `X` is the only axis that moves by itself.
+/// Reads letters with their numbers.
 fn parse(line: &str) -> Result<Words, u16> {
     let mut words = Words::default();
     let mut rest = line;

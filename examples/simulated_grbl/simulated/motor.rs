@@ -1,5 +1,6 @@
-//! The planner's queue and the motor that follows it: one axis with ramps of one acceleration, which looks
-//! ahead over the queue. The motors of the other axes go along with it, each on the line of its block.
+//! The planner's queue and the motors that follow it: one way with ramps of one acceleration, which looks ahead over
+//! the queue. Each block's way is that of the first axis that it moves, in steps; the others go along on the line of
+//! the block.
 
 use std::collections::VecDeque;
 
@@ -15,10 +16,12 @@ const STEP_S: f64 = 2e-4;
 /// Way to go at one speed.
 #[derive(Debug, Clone, Copy)]
 struct Block {
-    /// End of the block, steps.
+    /// End of the block along the way, steps.
     end: i64,
     /// Fastest speed of the block, steps/s.
     steps_s: f64,
+    /// End of the block for the first axis, steps.
+    first: i64,
     /// Ends of the block for the other axes, steps.
     others: [i64; OTHERS],
 }
@@ -27,9 +30,11 @@ struct Block {
 #[derive(Debug, Default)]
 pub(super) struct Motor {
     blocks: VecDeque<Block>,
-    /// Place of the motor, in steps and parts of a step.
+    /// Place along the way, in steps and parts of a step.
     at: f64,
-    /// Places of all axes at the begin of the first block, in steps.
+    /// Place along the way at the begin of the first block, in steps.
+    begin: i64,
+    /// Places of all axes there, in steps.
     from: (i64, [i64; OTHERS]),
     /// Speed of the motor along the way, steps/s.
     speed: f64,
@@ -44,9 +49,12 @@ pub(super) struct Motor {
 }
 
 impl Motor {
-    /// Returns the step at which the motor stands.
+    /// Returns the step at which the first motor stands.
     pub(super) fn step(&self) -> i64 {
-        self.at.round() as i64
+        match self.blocks.front() {
+            Some(block) if block.first == self.from.0 => self.from.0,
+            _ => self.from.0 + (self.at - self.begin as f64).round() as i64,
+        }
     }
 
     /// Returns the speed of the motor along its way, steps/s.
@@ -56,14 +64,14 @@ impl Motor {
 
     /// Returns the step at which the queue ends.
     pub(super) fn planned(&self) -> i64 {
-        self.blocks.back().map_or(self.step(), |block| block.end)
+        self.blocks.back().map_or(self.step(), |block| block.first)
     }
 
     /// Returns the steps at which the other motors stand.
     pub(super) fn others(&self) -> [i64; OTHERS] {
-        let (from, mut others) = self.from;
+        let mut others = self.from.1;
         if let Some(block) = self.blocks.front() {
-            let part = (self.at - from as f64) / (block.end - from) as f64;
+            let part = (self.at - self.begin as f64) / (block.end - self.begin) as f64;
             for (place, end) in others.iter_mut().zip(block.others) {
                 *place += ((end - *place) as f64 * part.clamp(0.0, 1.0)).round() as i64;
             }
@@ -94,30 +102,37 @@ impl Motor {
         BLOCKS - self.blocks.len().min(BLOCKS)
     }
 
-    /// Queues a way to `end`, unless the queue ends there already.
-    pub(super) fn push(&mut self, end: i64, steps_s: f64, others: [i64; OTHERS]) {
-        if end != self.planned() {
-            if self.blocks.is_empty() {
-                self.from.0 = self.step();
-            }
-            self.blocks.push_back(Block { end, steps_s, others });
+    /// Queues a way to these places of the first axis and of the others, unless the queue ends there already.
+    pub(super) fn push(&mut self, first: i64, steps_s: f64, others: [i64; OTHERS]) {
+        let ways = others.iter().zip(self.planned_others()).map(|(end, planned)| end - planned);
+        let way = std::iter::once(first - self.planned()).chain(ways).find(|way| *way != 0);
+        let Some(way) = way else { return };
+        if self.blocks.is_empty() {
+            self.stand();
         }
+        let end = self.blocks.back().map_or(self.begin, |block| block.end) + way;
+        self.blocks.push_back(Block { end, steps_s, first, others });
+    }
+
+    /// Has the first block begin where the motors stand.
+    fn stand(&mut self) {
+        self.from = (self.step(), self.others());
+        self.at = self.at.round();
+        self.begin = self.at as i64;
     }
 
     /// Forgets the queue and stands at once.
     pub(super) fn halt(&mut self) {
-        self.from = (self.step(), self.others());
+        self.stand();
         self.blocks.clear();
         self.speed = 0.0;
-        self.at = self.at.round();
         self.stopping = false;
     }
 
-    /// Forgets the queue and starts the counter anew.
+    /// Forgets the queue and starts the counters anew.
     pub(super) fn zero(&mut self) {
         self.halt();
-        self.at = 0.0;
-        self.from = (0, [0; OTHERS]);
+        (self.at, self.begin, self.from) = (0.0, 0, (0, [0; OTHERS]));
     }
 
     /// Moves on for `time_s`, or until `each` returns false at a new step.
@@ -127,6 +142,7 @@ impl Motor {
             let step_s = left_s.min(STEP_S);
             left_s -= step_s;
             let before = self.step();
+            let along = self.begin - self.from.0;
             self.integrate(step_s);
             let after = self.step();
             let direction = (after - before).signum();
@@ -134,7 +150,7 @@ impl Motor {
             while step != after {
                 step += direction;
                 if !each(step) {
-                    self.at = step as f64;
+                    self.at = (step + along) as f64;
                     return;
                 }
             }
@@ -173,7 +189,7 @@ impl Motor {
                 self.at = block.end as f64;
                 self.speed = 0.0;
             }
-            self.from = (block.end, block.others);
+            (self.begin, self.from) = (block.end, (block.first, block.others));
             self.blocks.pop_front();
             if turns {
                 break;

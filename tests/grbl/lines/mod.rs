@@ -234,10 +234,13 @@ fn a_reset_is_heard_once_by_an_axis_that_is_opened_anew_while_another_keeps_the_
 fn axes_of_one_board_take_turns_outside_a_line() {
     let pair = Pair::new(Options::default());
     let (mut drives, benches) = pair.drives();
-    let _second = drives.pop().unwrap();
-    let mut first = drives.pop().unwrap();
-    let mut session = pump_bench::Session::with_drive(&benches[0], Box::new(&mut first)).unwrap();
-    let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
-    assert!(session.run(&prepared, |_| ControlFlow::Continue(())).unwrap().completed);
-    assert_eq!(pair.places(), [prepared.plan.steps(), 0]);
+    let mut ends = [0, 0];
+    for axis in [1, 0, 1] {
+        let drive = Box::new(&mut drives[axis]);
+        let mut session = pump_bench::Session::with_drive(&benches[axis], drive).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
+        assert!(session.run(&prepared, |_| ControlFlow::Continue(())).unwrap().completed);
+        ends[axis] += prepared.plan.steps();
+        assert_eq!(pair.places(), ends);
+    }
 }

@@ -101,6 +101,15 @@ impl<'a> Teller<'a> {
             }
         }
         self.states().await?;
+        // Orders that the end of the service before has cut off are noted while nobody hears yet.
+        match service.history().last_events(1) {
+            Ok(newest) => {
+                for event in newest {
+                    self.keep(settings.topics.notes(), Event::new("note", &event).data.to_string()).await?;
+                }
+            }
+            Err(error) => service.note("mqtt", None, &error.to_string()),
+        }
         self.keep(settings.topics.status(), ONLINE).await
     }
 

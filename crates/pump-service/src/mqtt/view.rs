@@ -24,9 +24,9 @@ pub(super) struct State<'a> {
     carry_ml: Option<f64>,
     /// Volume that the tube has pumped, mL.
     tube_ml: Option<f64>,
-    /// Volume of the last dose, prime, purge or run on record, mL.
+    /// Volume of the last dose, prime, purge or run on record, mL; the middle of its bounds while it is unfinished.
     delivered_ml: Option<f64>,
-    /// Volume that it was asked for, mL.
+    /// Volume that it was asked for, mL; that of the whole dose while it is unfinished.
     asked_ml: Option<f64>,
     order: Option<&'a OrderId>,
     task: Option<&'static str>,
@@ -41,14 +41,17 @@ impl<'a> State<'a> {
     pub(super) fn of(view: &'a PumpView, motion: Option<&'static str>) -> Self {
         let status = view.status.as_ref();
         let of_last = |key: &str| view.last.as_ref()?.get(key)?.as_f64();
+        let unfinished = status.and_then(|status| status.unfinished.as_ref());
+        let of_unfinished = unfinished
+            .map(|dose| (0.5 * (dose.delivered_least_ml + dose.delivered_most_ml), dose.requested_ml));
         Self {
             schema: "mqtt-pump/1",
             state: motion.unwrap_or_else(|| word(view)),
             angle_deg: status.and_then(|status| status.angle_deg),
             carry_ml: status.map(|status| status.carry_ml),
             tube_ml: status.map(|status| status.wear.volume_ml),
-            delivered_ml: of_last("delivered_ml"),
-            asked_ml: of_last("requested_ml"),
+            delivered_ml: of_unfinished.map(|dose| dose.0).or_else(|| of_last("delivered_ml")),
+            asked_ml: of_unfinished.map(|dose| dose.1).or_else(|| of_last("requested_ml")),
             order: view.order.as_ref(),
             task: view.task,
             reason: status.and_then(|status| status.safety.stand.as_ref()).map(reason),
