@@ -37,7 +37,7 @@ def test_a_run_until_stopped_that_a_limit_ends_raises_and_is_on_record(tmp_path:
     tank = tmp_path / "tank.toml"
     tank.write_text(pm.Pump.three_roller().to_toml() + "\n[safety]\nvessel_ml = 5.0\n")
     with pm.Bench.open(tank, state_dir=tmp_path) as bench:
-        with pytest.raises(pm.SafetyError, match="the limit has ended a run") as caught:
+        with pytest.raises(pm.SafetyError, match="a run until it is stopped ends at the limit") as caught:
             bench.run(rate="6mL/s")
         assert caught.value.planned_ml == 0
         assert "were delivered" in caught.value.__notes__[0]
