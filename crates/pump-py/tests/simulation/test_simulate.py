@@ -157,8 +157,8 @@ def test_other_python_threads_run_during_a_solve() -> None:
     while not ended:
         seen.append(time.perf_counter())
     thread.join()
-    # With the lock held nothing would have been seen between the start and the end of the solve. Another program may
-    # hold up this one for a part of it.
+    # With the lock held nothing would have been seen between the start and the end of the solve. Another
+    # program may hold up this one for a part of it.
     longest = np.diff(seen).max()
     assert longest < 0.9 * (ended[0] - seen[0])
 
