@@ -77,7 +77,7 @@ fn times_are_met_to_a_hundredth_at_any_speed_in_either_direction() {
     }
     let short = user.is_refused(&["run", "--for", "1ms"]);
     assert!(short.contains("cannot be done within 0.001 s"), "{short}");
-    // Its ramps take twice this time, at a flow far below the rate.
+    // The ramps take twice this time, at a flow far below the rate.
     let short = user.is_refused(&["run", "--rate", "10mL/min", "--for", "0.01s"]);
     assert!(short.contains("cannot be done within 0.01 s"), "{short}");
 }

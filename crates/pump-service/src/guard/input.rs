@@ -58,7 +58,7 @@ pub struct InputView {
     /// `waiting` for its first word, `well`, `bad` or `silent`.
     #[schema(value_type = String, example = "well")]
     pub state: &'static str,
-    /// Its last word, `well` or `bad`; null before the first.
+    /// Last word of the input, `well` or `bad`; null before the first.
     #[schema(value_type = Option<String>, example = "well")]
     pub word: Option<&'static str>,
     /// Time since its last word, s; null before the first.
@@ -86,7 +86,7 @@ pub(super) struct Input {
     state: State,
     /// Time at which it last said that all is well, or at which the service began.
     alive: Instant,
-    /// Its last word, and the time of it.
+    /// Last word of the input, and its time.
     last: Option<(&'static str, Instant, Timestamp)>,
     /// Reason why its command said nothing.
     trouble: Option<String>,

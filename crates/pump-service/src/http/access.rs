@@ -253,7 +253,7 @@ mod tests {
         let cookie = HeaderValue::from_str(&format!("a=b; {SESSION_COOKIE}={value}")).unwrap();
         let headers = HeaderMap::from_iter([(COOKIE, cookie)]);
         assert!(first.check_token(&headers, &history).is_ok());
-        // The same token after a restart, and another one.
+        // First with the token of before the restart, then with another one.
         assert!(access(Some(token)).check_token(&headers, &history).is_ok());
         assert!(access(Some("fedcba9876543210")).check_token(&headers, &history).is_err());
         history.end_logins().unwrap();

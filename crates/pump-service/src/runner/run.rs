@@ -43,7 +43,7 @@ impl Run {
     }
 
     /// Gives the order, waits for a pump in use as the entry says, and then for the end. Returns true if all was done.
-    /// What was not made or not done is told.
+    /// Tells everything that was not made or not done.
     async fn make(&self, service: &Service, now: fn() -> Timestamp) -> bool {
         let Self { order, origin, words, waits_until } = self;
         let told = |text: &str| service.note(KIND, Some(&order.pump), &format!("{words}: {text}"));

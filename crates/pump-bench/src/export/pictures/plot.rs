@@ -74,7 +74,7 @@ pub fn waveform_svg(title: &str, samples: &[Sample], marks: &Marks) -> Result<St
     chart.svg()
 }
 
-/// Whether a curve of the panel takes more than one value.
+/// Returns true if a curve of the panel takes more than one value.
 fn varies(panel: &Panel) -> bool {
     panel.curves.iter().any(|curve| {
         let values = || curve.points.iter().map(|point| point.1);
