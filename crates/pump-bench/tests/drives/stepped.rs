@@ -278,7 +278,9 @@ fn a_timer_slower_than_the_steps_is_refused_before_anything_moves() {
 
 #[test]
 fn a_gate_that_panics_leaves_the_motor_at_rest() {
-    let (motor, plan) = (Recorder::default(), dose(1.0, false));
+    // Far longer than the leave ahead of the motor: the motor makes all steps that have leave if the gate's thread
+    // waits for the processor before it panics.
+    let (motor, plan) = (Recorder::default(), dose(20.0, false));
     let mut grant = grant(&motor);
     let mut pins = drive(&motor);
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
