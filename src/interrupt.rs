@@ -1,4 +1,5 @@
-//! SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is closed): the dose is stopped, not the process.
+//! SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is closed): the dose is stopped, not the process. Windows has
+//! SIGBREAK instead of SIGHUP.
 
 use std::io;
 use std::ops::ControlFlow;
@@ -6,10 +7,19 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock, OnceLock};
 
 use pump_bench::drives::StopRequest;
+use signal_hook::consts::{SIGINT, SIGTERM};
 #[cfg(unix)]
-use signal_hook::consts::SIGXFSZ;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGXFSZ};
 use signal_hook::flag;
+
+/// Signals that stop, with their names.
+#[cfg(unix)]
+const STOPS: [(i32, &str); 3] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM"), (SIGHUP, "SIGHUP")];
+
+/// Signals that stop, with their names. Windows raises the last one at Ctrl+Break and when the console is closed; its
+/// number is that of Microsoft's signal.h.
+#[cfg(not(unix))]
+const STOPS: [(i32, &str); 3] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM"), (21, "SIGBREAK")];
 
 /// Number of the signal that came; 0 for none. Signals end the process while nothing watches for them.
 static SIGNAL: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
@@ -35,7 +45,7 @@ pub(crate) struct Interrupt(());
 impl Interrupt {
     /// Watches for the signals from now on.
     pub(crate) fn watch() -> Result<Self, Unwatched> {
-        for number in [SIGINT, SIGTERM, SIGHUP] {
+        for (number, _) in STOPS {
             flag::register_usize(number, Arc::clone(&SIGNAL), number as usize).map_err(Unwatched)?;
         }
         Ok(Self(()))
@@ -62,12 +72,12 @@ pub(crate) fn signal() -> Option<i32> {
 
 /// Stops as SIGTERM does, for this reason of a supervising program. The name of another signal stops as that one.
 pub(crate) fn stop_for(reason: &str) {
-    let signal = [SIGINT, SIGHUP].into_iter().find(|signal| name(*signal) == reason);
+    let signal = STOPS.into_iter().find(|(_, name)| *name == reason);
     if signal.is_none() && !reason.is_empty() {
         // The first reason is the one that counts.
         let _ = REASON.set(reason.to_owned());
     }
-    let number = signal.unwrap_or(SIGTERM) as usize;
+    let number = signal.map_or(SIGTERM, |(number, _)| number) as usize;
     let _ = SIGNAL.compare_exchange(0, number, Ordering::Relaxed, Ordering::Relaxed);
 }
 
@@ -86,10 +96,6 @@ pub(crate) fn name(signal: i32) -> String {
     if let Some(reason) = REASON.get() {
         return reason.clone();
     }
-    match signal {
-        SIGINT => "SIGINT".to_owned(),
-        SIGTERM => "SIGTERM".to_owned(),
-        SIGHUP => "SIGHUP".to_owned(),
-        other => format!("signal {other}"),
-    }
+    let known = STOPS.into_iter().find(|(number, _)| *number == signal);
+    known.map_or_else(|| format!("signal {signal}"), |(_, name)| name.to_owned())
 }
