@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node-pico node docs
+.PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages packaging wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs
 
 # With the example, the command takes the libraries that `make test` has built.
 COMMAND := cargo build --locked --features serve --bin dose --example simulated_node
@@ -129,7 +129,7 @@ oldest:
 # Programs outside the workspace, built from the crates as they are published. Each crate must build from its package
 # alone.
 # Cargo takes a version that it has unpacked or built once for the same for ever, so each run has a folder of its own.
-PACKAGED := pump-model pump-ctl pump-link pump-node pump-bench pump-service
+PACKAGED := pump-model pump-ctl pump-link pump-node pump-bench pump-service pump-dose
 OUTSIDE := --manifest-path examples/outside/Cargo.toml --target-dir target/outside
 packages:
 	mkdir -p target && rm -rf target/package target/packaging.*
@@ -141,6 +141,46 @@ packages:
 	cargo test --locked $(OUTSIDE) -p step-generator
 	cargo run --locked $(OUTSIDE) -p motor-drive
 	cargo run --locked $(OUTSIDE) -p line-model
+
+# What is released beside the crates, as far as one Linux can make it: spelling, the workflow of a release by a linter, and a
+# package of Debian that is installed, doses and goes again. The command must compile for Windows and macOS; `make
+# windows` lets its program dose. npm keeps what it fetches within the checkout.
+TOOLS := .venv-packaging
+packaging: $(TOOLS)/installed
+	$(TOOLS)/bin/typos
+	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
+	cd packaging && npm ci --no-audit --no-fund --cache ../target/npm && node lint_workflows.mjs ../.github/workflows/*.yml
+	cargo build --locked --features serve,man --bin dose
+	rm -rf target/texts && packaging/texts target/debug/dose target/texts
+	packaging/deb/build target/debug/dose target/texts target/pump-dose.deb
+	packaging/deb/try target/pump-dose.deb
+	rustup target add x86_64-pc-windows-gnu aarch64-apple-darwin
+	for target in x86_64-pc-windows-gnu aarch64-apple-darwin; do \
+		PATH="$(CURDIR)/$(TOOLS)/bin:$$PATH" cargo-zigbuild check --locked --features serve -p pump-dose --target $$target || exit 1; \
+	done
+
+# The Windows program doses under wine.
+windows: $(TOOLS)/installed
+	rustup target add x86_64-pc-windows-gnu
+	PATH="$(CURDIR)/$(TOOLS)/bin:$$PATH" cargo-zigbuild build --locked --features serve --bin dose --target x86_64-pc-windows-gnu
+	command -v wine || (apt-get update && apt-get install -y --no-install-recommends wine wine64)
+	rm -rf target/wine && WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all timeout 300 wine target/x86_64-pc-windows-gnu/debug/dose.exe 25mL
+
+# A wheel for Linux with a glibc from 2014 on, and the source: each is installed into an environment of its own, and doses.
+wheels: $(TOOLS)/installed
+	rm -rf target/wheels
+	PATH="$(CURDIR)/$(TOOLS)/bin:$$PATH" maturin build --locked --release --manifest-path crates/pump-py/Cargo.toml --zig --compatibility manylinux2014 --out target/wheels
+	$(TOOLS)/bin/maturin sdist --manifest-path crates/pump-py/Cargo.toml --out target/wheels
+	for package in target/wheels/*.whl target/wheels/*.tar.gz; do \
+		rm -rf target/wheel-venv && $(PYTHON) -m venv target/wheel-venv && \
+		target/wheel-venv/bin/pip install --quiet $$package && \
+		(cd target && wheel-venv/bin/python -c "import pumpmodel as pm; print(pm.Doser(pm.Pump.three_roller()).plan('25mL', rate='5 mL/s', start_angle_rad=0.0))") || exit 1; \
+	done
+
+$(TOOLS)/installed: packaging/requirements.txt
+	$(PYTHON) -m venv $(TOOLS)
+	$(TOOLS)/bin/pip install --quiet -r $<
+	touch $@
 
 # Beside other solvers: the peers take minutes to compile, and only here. The log of 100,000 doses beside serde_json alone.
 bench: $(VENV)/installed

@@ -10,6 +10,8 @@ use crate::commands::config::ConfigArgs;
 use crate::commands::dose::DoseArgs;
 use crate::commands::home::HomeArgs;
 use crate::commands::identify::IdentifyArgs;
+#[cfg(feature = "man")]
+use crate::commands::man_pages::ManPagesArgs;
 use crate::commands::prime::PrimeArgs;
 use crate::commands::pumps::PumpsArgs;
 use crate::commands::purge::PurgeArgs;
@@ -97,6 +99,10 @@ enum Command {
     Serve(ServeArgs),
     /// Print the completions of a shell
     Completions(CompletionsArgs),
+    /// Write the manual's pages into a folder
+    #[cfg(feature = "man")]
+    #[command(hide = true)]
+    ManPages(ManPagesArgs),
     /// List, show, check and make pump files
     Pumps(PumpsArgs),
     /// Say which pumps are known by name, and where the records are
@@ -163,6 +169,8 @@ impl Cli {
             Some(Command::Restore(args)) => args.run(),
             Some(Command::Serve(args)) => args.run(),
             Some(Command::Completions(args)) => args.run(&mut Self::command()),
+            #[cfg(feature = "man")]
+            Some(Command::ManPages(args)) => args.run(Self::command()),
             Some(Command::Pumps(args)) => args.run(),
             Some(Command::Config(args)) => args.run(),
         }

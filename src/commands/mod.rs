@@ -10,6 +10,8 @@ mod delivery;
 pub(crate) mod dose;
 pub(crate) mod home;
 pub(crate) mod identify;
+#[cfg(feature = "man")]
+pub(crate) mod man_pages;
 pub(crate) mod prime;
 pub(crate) mod pumps;
 pub(crate) mod purge;

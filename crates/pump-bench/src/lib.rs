@@ -56,6 +56,7 @@
 //! assert!((volumes_ml[0] - 5.0).abs() < 0.002 && (volumes_ml[1] - 2.0).abs() < 0.002);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod balance;
 mod bench;

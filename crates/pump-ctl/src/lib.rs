@@ -16,6 +16,7 @@
 //! assert!((plan.planned_ml() - 25.0).abs() < 0.001);
 //! # Ok::<(), pump_ctl::plan::PlanError>(())
 //! ```
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 
 pub mod drive;

@@ -25,6 +25,7 @@
 //! assert_eq!((read, body::<Request>(rest)?), (header, Request::Status { axis: 2 }));
 //! # Ok::<(), pump_link::frame::FrameError>(())
 //! ```
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 

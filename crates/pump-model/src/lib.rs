@@ -28,6 +28,7 @@
 //! let from = |angle| pump.outlet_curve().volume_ml(angle + 0.6283) - pump.outlet_curve().volume_ml(angle);
 //! assert!((from(0.2) - 0.8492).abs() < 1e-3 && (from(1.2) - 2.7634).abs() < 1e-3);
 //! ```
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 
 #[cfg(feature = "integrator")]

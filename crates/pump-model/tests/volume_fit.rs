@@ -90,7 +90,7 @@ fn a_spline_passes_rising_points_without_a_jump_in_the_flow() {
 }
 
 #[test]
-fn a_splined_pump_benchs_like_the_papers_within_the_fits_residual() {
+fn a_splined_pump_behaves_like_the_papers_within_the_fits_residual() {
     let points = published();
     let geometry = Geometry::published(3, Variant::Measured);
     let pump = |curve: &RollerVolume| Pump::new(geometry, *curve, Line::PUBLISHED, Line::PUBLISHED).unwrap();

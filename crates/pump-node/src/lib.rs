@@ -10,6 +10,7 @@
 //!
 //! Nothing moves at power-up, after a reset, on a frame that fails its checksum, or on a version that is not known.
 //! Until the host has configured an axis, its pins are inputs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![no_std]
 #![forbid(unsafe_code)]
 

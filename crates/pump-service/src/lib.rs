@@ -13,6 +13,7 @@
 //! - [`runner`]: the schedule in force, whose runs become orders.
 //! - [`http`]: the service for programs and for the page.
 //! - [`mqtt`]: the service at an MQTT broker.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "serve")]
