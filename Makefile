@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages packaging wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs
+.PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages packaging wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
 
 # With the example, the command takes the libraries that `make test` has built.
 COMMAND := cargo build --locked --features serve --bin dose --example simulated_node
@@ -99,7 +99,7 @@ lint: $(VENV)/installed
 	cargo clippy --locked --workspace --exclude pump-benches --all-targets --features serve -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --exclude pump-benches --features serve --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
-	cd tests/browser && $(BIN)/ruff check . && $(BIN)/ruff format --check .
+	cd tests/browser && $(BIN)/ruff check . ../../book && $(BIN)/ruff format --check . ../../book
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
 
@@ -265,5 +265,18 @@ node: node-pico
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
 	timeout 900 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
 
-docs:
+# The guide, from docs/. It fails where a link leads nowhere.
+BOOK := .venv-book
+docs: $(BOOK)/installed
+	cd book && $(CURDIR)/$(BOOK)/bin/python -m pytest -q -p no:cacheprovider
+	PATH="$(CURDIR)/$(BOOK)/bin:$$PATH" mdbook build book
+	$(PYTHON) book/check.py target/guide docs
+
+$(BOOK)/installed: book/requirements.txt
+	$(PYTHON) -m venv $(BOOK)
+	$(BOOK)/bin/pip install --quiet -r $<
+	touch $@
+
+# The documentation of the crates.
+api:
 	cargo doc --locked --workspace --no-deps --open

@@ -13,8 +13,15 @@ fn every_example_prints_what_it_shows() {
 }
 
 #[test]
-fn every_example_of_racks_and_of_the_bench_prints_what_it_shows() {
-    for page in ["docs/racks.md", "docs/bench.md"] {
+fn every_example_of_a_page_whose_doses_build_on_one_another_prints_what_it_shows() {
+    for page in [
+        "docs/racks.md",
+        "docs/bench.md",
+        "docs/start.md",
+        "docs/limits.md",
+        "docs/model.md",
+        "docs/files.md",
+    ] {
         let state = tempfile::tempdir().expect("a folder for the records");
         trycmd::TestCases::new()
             .env("DOSE_STATE_DIR", state.path().to_string_lossy())

@@ -1,0 +1,80 @@
+"""Check the built guide: every link resolves, headings included, and nothing is taken from another host."""
+
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+# What a browser fetches by itself, by element and attribute. A link is followed only by a person.
+FETCHED = {"script": "src", "img": "src", "link": "href", "iframe": "src", "source": "src", "object": "data"}
+HOSTS = ("http:", "https:", "//")
+
+
+class Page(HTMLParser):
+    """One page: the anchors that it has, the links that it makes and what it fetches."""
+
+    def __init__(self, text: str) -> None:
+        """Read the page's text."""
+        super().__init__()
+        self.anchors: set[str] = set()
+        self.links: list[str] = []
+        self.fetched: list[str] = []
+        self.runs_examples = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Note the anchors and links of one element."""
+        values = {name: value or "" for name, value in attrs}
+        self.anchors.update(values[name] for name in ("id", "name") if name in values)
+        self.runs_examples |= "playground" in values.get("class", "").split()
+        if tag == "a" and "href" in values:
+            self.links.append(values["href"])
+        if FETCHED.get(tag) in values:
+            self.fetched.append(values[FETCHED[tag]])
+
+
+def fault_of(link: str, file: Path, pages: dict[Path, Page]) -> str | None:
+    """Return what is wrong with a link of the page in `file`, or None."""
+    parts = urlsplit(link)
+    if parts.scheme or parts.netloc:
+        return None
+    target = (file.parent / unquote(parts.path)).resolve() if parts.path else file
+    if not target.is_file():
+        return "leads to no file"
+    if parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].anchors:
+        return "leads to no heading"
+    return None
+
+
+def faults(guide: Path, sources: Path) -> tuple[int, list[str]]:
+    """Return the number of links within the guide, and what is wrong with it."""
+    pages = {file.resolve(): Page(file.read_text()) for file in sorted(guide.rglob("*.html"))}
+    found, count = [], 0
+    for file, page in pages.items():
+        for link in page.links + page.fetched:
+            count += 1
+            if fault := fault_of(link, file, pages):
+                found.append(f"{file.name}: {link} {fault}")
+        if page.runs_examples:
+            found.append(f"{file.name}: an example asks a foreign host to run it")
+        found += [f"{file.name}: fetches {link}" for link in page.fetched if link.startswith(HOSTS)]
+    for style in guide.rglob("*.css"):
+        text = style.read_text()
+        found += [f"{style.name}: fetches from {host}" for host in HOSTS if f"url({host}" in text.replace('"', "")]
+    for source in sources.glob("*.md"):
+        if source.name != "SUMMARY.md" and (guide / source.with_suffix(".html").name).resolve() not in pages:
+            found.append(f"{source}: not in SUMMARY.md")
+    return count, found
+
+
+def main() -> None:
+    """Check the guide in the folder that the first argument names, built from the second."""
+    guide, sources = map(Path, sys.argv[1:])
+    count, found = faults(guide, sources)
+    if found:
+        sys.exit("\n".join([*found, f"the guide has {len(found)} faults"]))
+    print(f"{count} links of the guide resolve. Its first page: {guide / 'index.html'}")
+
+
+if __name__ == "__main__":
+    main()
