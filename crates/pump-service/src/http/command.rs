@@ -62,7 +62,7 @@ pub(super) async fn command(
         return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
     }
     let CommandBody { pump, words, folder, attended } = body(&bytes)?;
-    let seat = Seat { folder: Some(folder), is_attended: attended, is_answered: false };
+    let seat = Seat { folder: Some(folder), is_attended: attended, ..Seat::default() };
     follow(shared.service, &pump, words, seat)
 }
 
@@ -83,7 +83,7 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
         shared.service,
         &order.pump,
         words,
-        Seat { folder: None, is_attended: attended, is_answered: false },
+        Seat { folder: None, is_attended: attended, ..Seat::default() },
     )
 }
 
