@@ -53,8 +53,8 @@ fn at_real_pace(window: Duration) -> Result<(), Box<dyn Error>> {
         )?;
     }
     let watcher = Watcher::begin(service.address())?;
-    let family = Family::of(service.process());
-    let (begun, before_s) = (Instant::now(), family.processor_s()?);
+    let [family, alone] = [Family::of(service.process()), Family::alone(service.process())];
+    let (begun, before_s, alone_before_s) = (Instant::now(), family.processor_s()?, alone.processor_s()?);
     let mut told = Vec::new();
     while begun.elapsed() < window {
         let reason = format!("word {}", told.len());
@@ -62,12 +62,15 @@ fn at_real_pace(window: Duration) -> Result<(), Box<dyn Error>> {
         service.post("/api/v1/inputs/spare", &json!({"ok": false, "reason": reason}))?;
         sleep(APART);
     }
-    let share = (family.processor_s()? - before_s) / begun.elapsed().as_secs_f64();
-    let (memory_mb, of_service_mb) = (family.memory_mb()?, Family::alone(service.process()).memory_mb()?);
+    let took_s = begun.elapsed().as_secs_f64();
+    let share = (family.processor_s()? - before_s) / took_s;
+    let of_service = (alone.processor_s()? - alone_before_s) / took_s;
+    let (memory_mb, of_service_mb) = (family.memory_mb()?, alone.memory_mb()?);
     println!("{} processes: the service and one for each motion", family.count());
     let heard = watcher.end();
     let [words, progress] = [heard.delays_of_words_ms(&told), heard.delays_of_progress_ms()];
     verdict("share of one core", 100.0 * share, 100.0 * MOST_SHARE, "%");
+    println!("  of which the service has {:.1} %", 100.0 * of_service);
     verdict("memory of all processes (PSS)", memory_mb, MOST_MB, "MB");
     println!("  of which the service has {of_service_mb:.1} MB");
     for (what, delays_ms) in [

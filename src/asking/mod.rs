@@ -12,12 +12,16 @@ use std::process::ExitCode;
 
 use clap::ArgMatches;
 use pump_bench::config::Config;
+use serde_json::json;
 
 use self::service::Service;
 use crate::terminal::say_error;
 
 /// Commands that the service carries out; the empty one is a dose.
 const ASKED: [&str; 6] = ["", "prime", "purge", "run", "resume", "accept"];
+
+/// Command that a service at the url of the configuration answers. That of these records has nothing else to tell.
+const STATUS: &str = "status";
 
 /// Options with which a command is carried out by itself: they say so, move nothing, or name a motor or a balance of
 /// their own.
@@ -39,7 +43,9 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
         let known = leaf.ids().any(|known| known == id);
         known && leaf.value_source(id) == Some(clap::parser::ValueSource::CommandLine)
     };
-    if !ASKED.contains(&path.join(" ").as_str()) || BY_ITSELF.into_iter().any(is_typed) {
+    let is_status = path == [STATUS];
+    let is_here = BY_ITSELF.into_iter().any(is_typed) || (is_status && is_typed("state_dir"));
+    if is_here || !(is_status || ASKED.contains(&path.join(" ").as_str())) {
         return None;
     }
     let text = |id: &str| leaf.try_get_raw(id).ok().flatten().and_then(|mut values| values.next());
@@ -49,12 +55,26 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     let is_rack = path == ["run"] && text("rack").is_some();
     let pump = text("pump").and_then(|pump| pump.to_str()).unwrap_or(config.default_pump());
     let pump = if is_rack { "" } else { pump };
-    if let Some(service) = Service::beside(&state_dir)
-        && let Some(answer) = service.begin(pump, words)
-    {
-        return Some(service.follow(answer, json));
+    match Service::beside(&state_dir) {
+        Some(service) if is_status => {
+            if service.answers() {
+                return None;
+            }
+        }
+        Some(service) => {
+            if let Some(answer) = service.begin(pump, words) {
+                return Some(service.follow(answer, json));
+            }
+        }
+        None => {}
     }
     Some(match Service::at(config.service().url()?, &config) {
+        Ok(service) if is_status => {
+            let word = |id: &str| text(id).map(|word| word.to_string_lossy());
+            let body = json!({"pump": pump, "rack": word("rack"), "all": is_typed("all"),
+                "tube_limit": word("tube_limit"), "json": json});
+            service.follow(service.status(&body), json)
+        }
         Ok(service) => service.follow(service.order(&order::of(leaf, &path, pump, json)), json),
         Err(failure) => {
             say_error(&failure, json);

@@ -35,6 +35,9 @@ const LOOK: Duration = Duration::from_millis(20);
 pub(super) struct Service {
     url: String,
     token: Option<String>,
+    /// Place of the token of a service at a url, in words.
+    #[serde(skip)]
+    token_of: String,
 }
 
 /// The lines of a command that began, or the `error/1` of one that was refused.
@@ -59,10 +62,14 @@ impl Service {
 
     /// The service at a url of the configuration, with the token of the environment or else of the file.
     pub(super) fn at(url: &str, config: &Config) -> Result<Self, Failure> {
-        let of_file =
-            || config.service().token_file.as_ref().map(|path| secret::read("token", path)).transpose();
-        let token = env::var(TOKEN).ok().map_or_else(of_file, |token| Ok(Some(token)))?;
-        Ok(Self { url: url.to_owned(), token })
+        let (token, token_of) = match (env::var(TOKEN), &config.service().token_file) {
+            (Ok(token), _) => (Some(token), format!("of the variable {TOKEN}")),
+            (Err(_), Some(path)) => {
+                (Some(secret::read("token", path)?), format!("of the file {}", path.display()))
+            }
+            (Err(_), None) => (None, String::new()),
+        };
+        Ok(Self { url: url.to_owned(), token, token_of })
     }
 
     fn agent() -> Agent {
@@ -101,32 +108,54 @@ impl Service {
 
     /// Begins an order, as a command that is told by lines. Each refusal names the url: a person chose it.
     pub(super) fn order(&self, body: &Value) -> Begun {
+        self.ask("/api/v1/command/order", body, "move the pump from here", |error| self.unsettled(error))
+    }
+
+    /// Asks for the status of pumps, as a command that is told by lines.
+    pub(super) fn status(&self, body: &Value) -> Begun {
         let url = &self.url;
-        let mut answer = match self.post("/api/v1/command/order", body) {
+        let unsettled = |error: &ureq::Error| {
+            refused(format!(
+                "the service at {url} does not answer: {error}; try again, or read the record of this computer with \
+                 --no-service"
+            ))
+        };
+        self.ask("/api/v1/command/status", body, "read the record of this computer", unsettled)
+    }
+
+    /// Returns true if the service answers now.
+    pub(super) fn answers(&self) -> bool {
+        Self::agent().get(format!("{}/login", self.url)).call().is_ok()
+    }
+
+    fn ask(
+        &self,
+        path: &str,
+        body: &Value,
+        here: &str,
+        unsettled: impl FnOnce(&ureq::Error) -> Value,
+    ) -> Begun {
+        let url = &self.url;
+        let mut answer = match self.post(path, body) {
             Ok(answer) => answer,
             Err(error) if is_nobody(&error) || matches!(error, ureq::Error::HostNotFound) => {
                 return Err(refused(format!(
                     "no service answers at {url}, the `url` of [service] in the configuration: {error}; nothing has \
-                     moved; start the service, correct the url, or move the pump from here with --no-service"
+                     moved; start the service, correct the url, or {here} with --no-service"
                 )));
             }
-            Err(error) => return Err(self.unsettled(&error)),
+            Err(error) => return Err(unsettled(&error)),
         };
         let status = answer.status().as_u16();
         let mut error = match (status, error_of(&mut answer)) {
             (200, None) => return Ok(answer),
-            (401, Some(_)) => {
-                return Err(refused(format!(
-                    "the service at {url} needs its token; name a file that has it with `token_file` in [service], or \
-                     put it into {TOKEN}"
-                )));
-            }
+            (401, Some(_)) => return Err(refused(self.of_token())),
             (_, Some(error)) => error,
             (_, None) => {
                 return Err(refused(format!(
                     "no `dose serve` of this version answers at {url}, the `url` of [service] in the configuration: \
-                     its answer has the status {status}; nothing has moved; correct the url, or move the pump from \
-                     here with --no-service"
+                     its answer has the status {status}; nothing has moved; correct the url, or {here} with \
+                     --no-service"
                 )));
             }
         };
@@ -134,6 +163,19 @@ impl Service {
         let message = format!("{message} (the service at {url} says so)");
         error["message"] = message.into();
         Err(error)
+    }
+
+    /// The words of a service that needs a token, or refused the one that it was given.
+    fn of_token(&self) -> String {
+        let Self { url, token, token_of } = self;
+        let way = format!("name a file that has it with `token_file` in [service], or put it into {TOKEN}");
+        match token {
+            None => format!("the service at {url} needs its token; {way}"),
+            Some(_) => format!(
+                "the service at {url} has refused the token {token_of}: the service has another one, the first line of \
+                 the `token_file` of its own configuration; nothing has moved; {way}"
+            ),
+        }
     }
 
     /// The error of a request whose fate nobody knows.

@@ -54,6 +54,23 @@ def test_a_reading_that_is_refused_is_said_in_plain_words(service, open_page):
     assert "READING" not in box.inner_text()
 
 
+def test_a_reading_far_from_what_was_expected_is_taken_by_a_word_of_the_page(laboratory, service, open_page):
+    laboratory.run("25mL")
+    page = open_page(service.url + "/#/pump/acid")
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    box.get_by_role("button", name="Weigh the last dose instead").click()
+    box.get_by_label("Reading").fill("12.5g")
+    page.keyboard.press("Enter")
+    word = "Use it although it is far from what was expected"
+    expect(box.get_by_role("alert")).to_contain_text(f"if it is right, tick “{word}” under “More options”")
+    assert "--anyway" not in box.inner_text()
+    box.locator("summary").click()
+    box.get_by_label(word).check()
+    box.get_by_role("button", name="Calibrate", exact=True).click()
+    expect(box.get_by_role("heading", name="Calibration saved")).to_be_visible()
+
+
 def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     limit = "\n[safety]\nmax_ml_per_day = 20.0\n"
     service = make_laboratory(pumps=("acid", "base"), lines={"base": limit}).serve()

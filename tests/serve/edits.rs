@@ -6,6 +6,9 @@ use serde_json::{Value, json};
 
 use crate::laboratory::{Laboratory, Service, wait_for};
 
+/// Pumps that cannot move now: a dose is unfinished, the pump stands, and it is in use.
+const WAITING: [&str; 3] = ["acid", "base", "dye"];
+
 const FILE: &str = r#"# The night's doses; Anna changes them.
 schema = "schedule/1"
 zone = "UTC"
@@ -204,6 +207,115 @@ fn nonsense_is_refused_with_the_words_of_the_file_and_its_key() {
     let mut off = with("pump", json!("nope"));
     off["enabled"] = false.into();
     assert_eq!(service.edit("POST", "", &off, &tag(&service)).0, 201);
+}
+
+/// Has a dose of the first of [`WAITING`] be unfinished, and the second one stand.
+fn have_wait(service: &Service) {
+    let half = service.dose("acid", "40mL", &json!({"rate": "1mL/s"}));
+    service.moves("acid");
+    assert_eq!(service.post("/api/v1/pumps/acid/stop", &json!({"reason": "the hose is off"})).0, 200);
+    assert_eq!(service.ended(&half)["state"], "failed");
+    let (status, stands) = service.post("/api/v1/pumps/base/stand", &json!({"reason": "a leak"}));
+    assert_eq!(status, 202, "{stands}");
+    service.ended(stands["id"].as_str().unwrap());
+}
+
+#[test]
+fn an_entry_is_tried_out_whatever_its_pump_waits_for() {
+    let laboratory = Laboratory::new(&WAITING, "[service]\nschedule = \"schedule.toml\"\n");
+    fs::write(laboratory.path("schedule.toml"), "schema = \"schedule/1\"\n").unwrap();
+    let limited = fs::read_to_string(laboratory.path("dye.toml")).unwrap();
+    fs::write(laboratory.path("dye.toml"), limited + "\n[safety]\nmax_ml_per_day = 900.0\n").unwrap();
+    let service = laboratory.serve(&[]);
+    have_wait(&service);
+    service.dose("dye", "800mL", &json!({"rate": "0.5mL/s"}));
+    service.moves("dye");
+    let add = |pump: &str, hour: usize, keys: Value| {
+        let mut entry =
+            json!({"name": format!("{pump}-{hour}"), "pump": pump, "at": [format!("{hour:02}:00")]});
+        entry.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+        service.edit("POST", "", &entry, &tag(&service))
+    };
+    let wrong = [
+        (json!({"dose": "2mL", "options": {"rats": "1mL/s"}}), "options", "rats"),
+        (json!({"dose": "2mL", "options": {"rate": "900mL/s"}}), "options", "60.4"),
+        (json!({"dose": "900000L"}), "dose", "900000000"),
+        (json!({"dose": "900000L", "options": {"smooth": true}}), "dose", "900000000"),
+        (json!({"prime": "900000L"}), "prime", "900000000"),
+    ];
+    for pump in WAITING {
+        for (keys, key, words) in &wrong {
+            let (status, refused) = add(pump, 1, keys.clone());
+            let message = refused["message"].as_str().unwrap_or_default();
+            assert_eq!((status, &refused["key"]), (422, &json!(key)), "{pump} {keys}: {refused}");
+            assert!(message.contains(words), "{pump} {keys}: {message}");
+        }
+        let (status, made) = add(pump, 2, json!({"dose": "25mL", "options": {"rate": "5mL/s"}}));
+        assert_eq!(status, 201, "{pump}: {made}");
+    }
+    // A volume beyond the limit of a day is never made; one beyond what is left of today is, tomorrow.
+    let batch = json!({"dose": "400mL", "batch": {"repeat": 3, "every": "1h"}});
+    for (keys, key) in [(json!({"dose": "950mL"}), "dose"), (batch, "batch")] {
+        let (status, refused) = add("dye", 3, keys);
+        assert_eq!((status, &refused["key"]), (422, &json!(key)), "{refused}");
+        assert!(refused["message"].as_str().unwrap().contains("900 mL"), "{refused}");
+    }
+    let (status, made) = add("dye", 4, json!({"dose": "850mL"}));
+    assert_eq!(status, 201, "{made}");
+    for pump in WAITING {
+        let view = service.get(&format!("/api/v1/pumps/{pump}")).1;
+        assert_eq!(view["order"].is_string(), pump == "dye", "nothing changed: {view}");
+    }
+}
+
+#[test]
+fn a_doubt_at_the_begin_of_a_service_is_there_whatever_its_pump_waits_for_and_stays() {
+    let laboratory = Laboratory::new(&WAITING, "[service]\nschedule = \"schedule.toml\"\n");
+    let file = laboratory.path("schedule.toml");
+    fs::write(&file, "schema = \"schedule/1\"\n").unwrap();
+    let mut service = laboratory.serve(&[]);
+    have_wait(&service);
+    assert_eq!(service.end(), Some(0));
+    let slow = ["200mL", "--pump", "dye", "--rate", "0.5mL/s", "--no-service", "--pace", "real"];
+    let mut moving = laboratory.dose(&slow).spawn().unwrap();
+    wait_for("the pump to be in use", || (!laboratory.status("dye")["in_use_by"].is_null()).then_some(()));
+    let mut text = "schema = \"schedule/1\"\n".to_owned();
+    for (hour, pump) in WAITING.into_iter().enumerate() {
+        for (name, minute, dose) in [
+            ("right", 0, "dose = \"2mL\""),
+            ("rats", 10, "dose = \"2mL\"\noptions = { rats = \"1\" }"),
+            ("much", 20, "dose = \"900000L\""),
+            ("fast", 30, "dose = \"2mL\"\noptions = { rate = \"900mL/s\" }"),
+        ] {
+            text += &format!(
+                "[[entry]]\nname = \"{pump}-{name}\"\npump = \"{pump}\"\n{dose}\nat = \"0{hour}:{minute:02}\"\n"
+            );
+        }
+    }
+    fs::write(&file, &text).unwrap();
+    let service = laboratory.serve_again(&service);
+    let doubted = || -> Vec<String> {
+        let next = service.get("/api/v1/schedule").1["next"].clone();
+        let doubted = next.as_array().unwrap().iter().filter(|next| next["doubt"].is_string());
+        doubted.map(|next| next["entry"].as_str().unwrap().to_owned()).collect()
+    };
+    let wrong = ["rats", "much", "fast"];
+    let wrong: Vec<String> =
+        WAITING.iter().flat_map(|pump| wrong.map(|name| format!("{pump}-{name}"))).collect();
+    assert_eq!(wait_for("the trials", || Some(doubted()).filter(|found| !found.is_empty())), wrong);
+
+    // A file that is read anew has its doubts until a trial takes them away.
+    fs::write(&file, format!("{text}# A word more.\n")).unwrap();
+    let notes = || service.get("/api/v1/notes").1.to_string();
+    let told = || notes().matches("dye-fast: its runs will be refused").count() == 2;
+    wait_for("the trials of the new file", || {
+        assert_eq!(doubted(), wrong, "no doubt goes away meanwhile");
+        told().then_some(())
+    });
+    fs::write(&file, text.replace("rats = ", "smooth = ").replace("\"1\"", "true")).unwrap();
+    wait_for("the mended entries", || (doubted().len() == 6).then_some(()));
+    moving.kill().unwrap();
+    moving.wait().unwrap();
 }
 
 #[test]

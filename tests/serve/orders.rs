@@ -33,7 +33,13 @@ fn a_dose_over_http_is_the_dose_of_the_command() {
 fn a_dose_whose_process_is_killed_is_told_to_everyone() {
     let laboratory = Laboratory::new(&["acid"], "");
     laboratory.tell_failures();
+    let config = fs::read_to_string(laboratory.path("config.toml")).unwrap();
+    let with_bounds =
+        config.replace("$DOSE_FAIL_KIND", "$DOSE_FAIL_KIND $DOSE_FAIL_LEAST_ML $DOSE_FAIL_MOST_ML");
+    fs::write(laboratory.path("config.toml"), with_bounds).unwrap();
     let service = laboratory.serve(&[]);
+    // What another order has delivered before does not count.
+    service.ended(&service.dose("acid", "2mL", &json!({"rate": "4mL/s"})));
     let id = service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
     service.moves("acid");
     let holder = laboratory.status("acid")["in_use_by"].to_string();
@@ -45,11 +51,20 @@ fn a_dose_whose_process_is_killed_is_told_to_everyone() {
     assert_eq!((&error["schema"], &error["kind"]), (&json!("error/1"), &json!("killed")), "{order}");
     assert_eq!(error["moved"], true, "{order}");
     assert!(error["message"].as_str().unwrap().contains("SIGKILL"), "{order}");
-    wait_for("on_fail", || (laboratory.told() == ["acid 1 killed"]).then_some(()));
+    let told = wait_for("on_fail", || laboratory.told().first().cloned());
+    let told: Vec<&str> = told.split(' ').collect();
+    assert_eq!(told[..3], ["acid", "1", "killed"]);
+    let status = laboratory.status("acid");
+    for (told, bound) in told[3..].iter().zip(["delivered_least_ml", "delivered_most_ml"]) {
+        let recorded_ml = status["unfinished"][bound].as_f64().unwrap();
+        assert!((told.parse::<f64>().unwrap() - recorded_ml).abs() < 1e-9, "{told}: {status}");
+    }
+    assert_eq!(told.len(), 5, "{told:?}");
     let notes = service.get("/api/v1/notes").1;
     let note = &notes[0];
     assert_eq!(note["pump"], "acid", "{notes}");
-    assert!(note["text"].as_str().unwrap().contains(&id), "{notes}");
+    let text = note["text"].as_str().unwrap();
+    assert!(text.contains(&id) && text.contains("; it has delivered "), "{notes}");
     // The journal has the bounds of what was delivered.
     assert!(!laboratory.status("acid")["unfinished"].is_null());
 }

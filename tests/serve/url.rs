@@ -56,6 +56,50 @@ fn a_command_is_carried_out_by_the_service_of_its_url_and_says_what_it_says_alon
 }
 
 #[test]
+fn the_status_is_that_of_the_service_of_the_url() {
+    let (there, service, here) = places("");
+    assert_eq!(there.run(&["2mL", "--no-service"]).status.code(), Some(0));
+    let run = |words: &[&str]| {
+        let told = here.dose(words).env("DOSE_SERVICE_TOKEN", TOKEN).output().unwrap();
+        (told.status.code(), String::from_utf8(told.stdout.clone()).unwrap(), errors(&told))
+    };
+    for words in [
+        &["status"][..],
+        &["status", "--pump", "base"],
+        &["status", "--all"],
+        &["status", "--tube-limit", "9L"],
+    ] {
+        let (code, told, error) = run(words);
+        assert_eq!(code, Some(0), "{words:?}: {error}");
+        assert_eq!(told, String::from_utf8(there.run(words).stdout).unwrap(), "{words:?}");
+    }
+    let (_, told, _) = run(&["status", "--format", "json"]);
+    let told: Value = serde_json::from_str(&told).unwrap();
+    assert!((told["wear"]["volume_ml"].as_f64().unwrap() - 2.0).abs() < 0.01, "{told}");
+    // The record of this computer is empty.
+    let (_, told, _) = run(&["status", "--no-service", "--format", "json"]);
+    assert_eq!(serde_json::from_str::<Value>(&told).unwrap()["wear"]["volume_ml"], 0.0, "{told}");
+    for (words, why) in [
+        (
+            ["status", "--pump", "dye"],
+            "there is no pump `dye`; the configuration names acid, base (the service at",
+        ),
+        (["status", "--rack", "../rack.toml"], "write a name of the configuration"),
+    ] {
+        let (code, _, error) = run(&words);
+        assert!(code == Some(2) && error.contains(why), "{words:?}: {error}");
+    }
+    let refused = here.run(&["status"]);
+    assert!(errors(&refused).contains("needs its token"), "{}", errors(&refused));
+    drop(service);
+    let (code, _, error) = run(&["status"]);
+    assert!(
+        code == Some(2) && error.contains("read the record of this computer with --no-service"),
+        "{error}"
+    );
+}
+
+#[test]
 fn an_interrupt_stops_the_motion_at_the_url() {
     let (there, _service, here) = places("");
     let mut command = here.dose(&["200mL", "--rate", "0.5mL/s"]);
@@ -79,7 +123,7 @@ fn a_refusal_names_the_url_and_moves_nothing() {
         (
             &["1mL"][..],
             "wrong",
-            "needs its token; name a file that has it with `token_file` in [service], or",
+            "has refused the token of the variable DOSE_SERVICE_TOKEN: the service has another one",
         ),
         (&["1mL", "--pump", "dye"], TOKEN, "there is no pump `dye`; the configuration names acid, base"),
         (&["1mL", "--plot", "dose.svg"], TOKEN, "--plot is no option of this order; allowed: rate"),
@@ -89,6 +133,17 @@ fn a_refusal_names_the_url_and_moves_nothing() {
         assert_eq!(code, Some(2), "{words:?}: {error}");
         assert!(error.contains(told) && error.contains(&service.url), "{words:?}: {error}");
     }
+    let none = errors(&here.run(&["1mL"]));
+    assert!(
+        none.contains("needs its token; name a file that has it with `token_file` in [service], or"),
+        "{none}"
+    );
+    let config = fs::read_to_string(here.path("config.toml")).unwrap();
+    fs::write(here.path("config.toml"), config + "token_file = \"word\"\n").unwrap();
+    fs::write(here.path("word"), "fedcba9876543210\n").unwrap();
+    let wrong = errors(&here.run(&["1mL"]));
+    let of_file = format!("has refused the token of the file {}", here.path("word").display());
+    assert!(wrong.contains(&of_file) && !wrong.contains("fedcba"), "{wrong}");
     let (code, error) = run(&["1mL", "--pump", "dye", "--format", "json"], TOKEN);
     let error: Value = serde_json::from_str(&error).unwrap();
     assert_eq!((code, &error["schema"], &error["moved"]), (Some(2), &json!("error/1"), &json!(false)));

@@ -31,6 +31,9 @@ pub(crate) struct StatusArgs {
     port: PortOption,
     #[command(flatten)]
     tube_limit: TubeLimit,
+    /// Read the record of this computer, also where the configuration names a service by its url
+    #[arg(long, hide_short_help = true)]
+    no_service: bool,
     #[command(flatten)]
     format: FormatOption,
 }

@@ -1,6 +1,7 @@
 //! A bench: one pump, its drive, and its record.
 
 mod calibrating;
+mod planned_from;
 mod run_volume;
 
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub struct Bench {
     confirms_pump: bool,
     /// Patience with another process that holds the pump or its port.
     patience: Patience,
+    /// True if dry runs leave the record out.
+    plans_afresh: bool,
 }
 
 impl Bench {
@@ -69,7 +72,7 @@ impl Bench {
         let boards = Some(state_dir.join(BOARDS));
         let port_names = Some(PathBuf::from(PORT_NAMES));
         let opening = Opening { settings_record, boards, port_names, ..Opening::default() };
-        let (is_given, unfinished, confirms_pump) = (false, false, false);
+        let (is_given, unfinished, confirms_pump, plans_afresh) = (false, false, false, false);
         let patience = Patience::default();
         Ok(Self {
             file,
@@ -82,6 +85,7 @@ impl Bench {
             unfinished,
             confirms_pump,
             patience,
+            plans_afresh,
         })
     }
 
@@ -310,17 +314,6 @@ impl Bench {
     /// process moves the pump, because nobody knows yet where it will stop.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
         self.rehearse(self.state_to_plan_from()?, request)
-    }
-
-    /// Returns the recorded state from which a dose can be planned while nothing moves.
-    pub(super) fn state_to_plan_from(&self) -> Result<Option<PumpState>, DoseError> {
-        let state = self.story()?.state;
-        if state.is_some_and(|state| state.unfinished.is_some())
-            && let Some(holder) = self.folder.holder()
-        {
-            return Err(self.folder.busy(holder).into());
-        }
-        Ok(state)
     }
 
     /// Plans a dose as if `state` were on record, and tells that the device was not asked.

@@ -85,5 +85,5 @@ pub(super) async fn tell_of_stand(service: &Service, pump: &str, reason: &str) {
     let report = error_report(5, ErrorKind::Safety.as_str(), &message);
     let (pump, rack) = (pump.to_owned(), String::new());
     // An order that was stopped before may have delivered something.
-    service.on_fail(KIND, Failed { pump, rack, report, has_nothing: false }).await;
+    service.on_fail(KIND, Failed { pump, rack, report, delivered_ml: None }).await;
 }

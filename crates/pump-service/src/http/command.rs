@@ -15,9 +15,9 @@ use tokio_stream::wrappers::ReceiverStream;
 use super::bodies::body;
 use super::failure::Failure;
 use super::shared::Shared;
-use crate::order::{Order, OrderId, Task, option, switch};
+use crate::order::{Order, OrderId, Task, option, plain_name, plain_text, switch};
 use crate::service::{Refusal, Service};
-use crate::worker::{Line, Seat};
+use crate::worker::{Line, Seat, Worker};
 
 /// Lines that wait for a slow reader.
 const WAITING: usize = 64;
@@ -49,6 +49,21 @@ struct OrderBody {
     attended: bool,
 }
 
+/// A question for the status of a pump, of a rack or of all pumps.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StatusBody {
+    /// Name of the pump in the configuration.
+    pump: String,
+    /// Name of the rack in the configuration.
+    rack: Option<String>,
+    all: bool,
+    /// Life of the tube in place of the pump file's.
+    tube_limit: Option<String>,
+    /// True if a program reads the status.
+    json: bool,
+}
+
 /// Carries out a command of this machine's user. The answer is a line of JSON with the order's name, `{"order": ID}`,
 /// then one for each line of its output, `{"out": TEXT}`, `{"err": TEXT}` or `{"progress": {..}}`, and at last
 /// `{"code": CODE}`. A reader that goes away stops the command.
@@ -62,7 +77,7 @@ pub(super) async fn command(
         return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
     }
     let CommandBody { pump, words, folder, attended } = body(&bytes)?;
-    let seat = Seat { folder: Some(folder), is_attended: attended, is_answered: false };
+    let seat = Seat { folder: Some(folder), is_attended: attended, ..Seat::default() };
     follow(shared.service, &pump, words, seat)
 }
 
@@ -83,8 +98,30 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
         shared.service,
         &order.pump,
         words,
-        Seat { folder: None, is_attended: attended, is_answered: false },
+        Seat { folder: None, is_attended: attended, ..Seat::default() },
     )
+}
+
+/// Tells the status of pumps as the command `dose status` does. The answer is that of [`command`], without an order.
+pub(super) async fn status(State(shared): State<Shared>, bytes: Bytes) -> Result<Response, Failure> {
+    let StatusBody { pump, rack, all, tube_limit, json } = body(&bytes)?;
+    let mut words = vec!["status".to_owned()];
+    words.push(match rack {
+        _ if all => switch("all"),
+        Some(rack) => option("rack", plain_name("rack", &rack).map_err(Refusal::from)?),
+        None => option("pump", shared.service.pump(&pump)?.name()),
+    });
+    if let Some(limit) = tube_limit {
+        words.push(option("tube-limit", plain_text("tube-limit", &limit).map_err(Refusal::from)?));
+    }
+    words.extend(json.then(|| option("format", "json")));
+    let mut lines = String::new();
+    let (_never, stops) = unbounded_channel();
+    let worker = Worker::start(shared.service.program(), &words, &Seat::default()).map_err(Refusal::Start)?;
+    let ended = worker.run(stops, |line, text| lines += &format!("{}\n", told(line, text.to_owned()))).await;
+    let code = ended.map_err(Refusal::Start)?.code;
+    lines += &format!("{}\n", json!({"code": code}));
+    Ok(([(CONTENT_TYPE, "application/x-ndjson")], lines).into_response())
 }
 
 /// Begins a command, and answers with its lines.

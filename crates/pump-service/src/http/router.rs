@@ -77,6 +77,7 @@ pub(super) fn router(shared: Shared) -> Router {
         .route("/openapi.json", get(move || async move { Json((*description).clone()) }))
         .route("/api/v1/command", post(command::command))
         .route("/api/v1/command/order", post(command::order))
+        .route("/api/v1/command/status", post(command::status))
         .layer(middleware::from_fn_with_state(shared.clone(), needs_token));
     // A person who has not logged in yet sees the page, which asks for the token.
     let open = Router::new()

@@ -19,4 +19,4 @@ pub(crate) use self::options::{option, switch};
 pub use self::order::Order;
 pub use self::origin::Origin;
 pub use self::task::Task;
-pub(crate) use self::task::text as plain_text;
+pub(crate) use self::task::{name as plain_name, text as plain_text};

@@ -137,7 +137,7 @@ fn amount<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError>
 }
 
 /// Passes the name of a pump or a rack of the configuration. A path would be any file of the computer.
-pub(super) fn name<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
+pub(crate) fn name<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
     let letters = |c: char| c.is_alphanumeric() || c == '-' || c == '_' || c == '.';
     if value.chars().all(letters)
         && !value.starts_with(['-', '.'])

@@ -82,9 +82,11 @@ const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text)
 
 /* Requests. */
 
+const ANYWAY = 'Use it although it is far from what was expected';
+
 class Refused extends Error {
   constructor(report, status) {
-    super(report.message);
+    super(report.message.replace('add --anyway', `tick “${ANYWAY}” under “More options”`));
     Object.assign(this, { code: report.code, kind: report.kind, key: report.key, status });
   }
 }
@@ -1142,7 +1144,7 @@ function calibrate(pump) {
   };
   const third = (report) => {
     const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows, with the unit: the last digit tells how fine the scale is.' });
-    const anyway = check('Use it although it is far from what was expected');
+    const anyway = check(ANYWAY);
     const anew = check('Start a new calibration with it');
     const said = saidBox();
     const slot = {};

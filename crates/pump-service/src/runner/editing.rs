@@ -53,7 +53,7 @@ impl Runner {
         if let Some(entry) = entry.filter(|entry| entry.enabled())
             && let Some(why) = Handle::current().block_on(doubt(entry, self.service()))
         {
-            let key = doubted_key(entry, self.service());
+            let key = Handle::current().block_on(doubted_key(entry, self.service()));
             return Err(EditError::Doubt { entry: name, key, why });
         }
         if text.len() as u64 > LARGEST {
@@ -68,7 +68,7 @@ impl Runner {
             self.check_text(&loaded)?;
             Staged::new(self.path(), |file| file.write_all(text.as_bytes()))?.put()?;
             *loaded = match Loaded::read(self.path(), self.service().history(), self.now()) {
-                Ok(read) => read,
+                Ok(read) => read.doubting(&loaded),
                 Err(RunnerError::History(error)) => return Err(EditError::History(error)),
                 Err(error) => return Err(EditError::Unusable(error)),
             };

@@ -51,6 +51,18 @@ impl Loaded {
         Ok(Self { text, schedule, since, written, doubts: BTreeMap::new(), is_tried: false })
     }
 
+    /// Returns the schedule with the doubts of the one before, for entries that are as they were: only a trial takes a
+    /// doubt away.
+    pub(super) fn doubting(self, before: &Self) -> Self {
+        let stays = |name: &str| {
+            let [old, new] = [before, &self].map(|loaded| loaded.schedule.entry(name));
+            old == new
+        };
+        let kept = before.doubts.iter().filter(|(name, _)| stays(name));
+        let doubts = kept.map(|(name, why)| (name.clone(), why.clone())).collect();
+        Self { doubts, ..self }
+    }
+
     /// Reads the file, and has nothing in force.
     pub(super) fn read_unkept(path: &Path) -> Result<(String, Schedule, Option<SystemTime>), RunnerError> {
         let failed = |source| RunnerError::File { path: path.to_owned(), source };

@@ -71,7 +71,7 @@ impl Run {
             tokio::time::sleep(APART).await;
         };
         told(&format!("not made: {}", message_of(&report)));
-        service.on_fail(KIND, Failed { has_nothing: true, ..Failed::of(order, report) }).await;
+        service.on_fail(KIND, Failed::of(order, report, Some((0.0, 0.0)))).await;
         false
     }
 }

@@ -199,7 +199,7 @@ impl Runner {
         }
         match Loaded::read(&self.path, self.service.history(), (self.now)()) {
             Ok(read) => {
-                *loaded = read;
+                *loaded = read.doubting(loaded);
                 self.service.note(KIND, None, "the schedule was read anew and is in force");
             }
             Err(error) => {

@@ -7,7 +7,7 @@ use super::live::{Live, Orders};
 use super::placing::Refusal;
 use super::service::Service;
 use crate::history::{Key, OrderRecord, OrderState};
-use crate::order::{Order, OrderId, Origin, Task, option};
+use crate::order::{Choice, Order, OrderId, Origin, Task, option};
 use crate::worker::{Ended, Line, Seat, Worker};
 
 /// An order as it was asked for.
@@ -78,14 +78,17 @@ impl Service {
         })
     }
 
-    /// Carries out an order that moves nothing and leaves no trace, as a dry run. Returns how it ended.
+    /// Has the command of an order plan it, whatever the pump's record says now. Moves nothing and leaves no trace.
+    /// Returns how it ended.
     ///
     /// # Errors
     ///
     /// [`Refusal`] if the order cannot be put into words, or its command cannot be run.
     pub(crate) async fn try_out(&self, order: &Order) -> Result<Ended, Refusal> {
-        let seat = Seat { is_answered: true, ..Seat::default() };
-        let worker = Worker::start(self.program(), &self.words(order)?, &seat).map_err(Refusal::Start)?;
+        let mut order = order.clone();
+        order.options.insert("dry-run".to_owned(), Choice::Switch(true));
+        let seat = Seat { is_answered: true, is_trial: true, ..Seat::default() };
+        let worker = Worker::start(self.program(), &self.words(&order)?, &seat).map_err(Refusal::Start)?;
         let (_never, stops) = unbounded_channel();
         worker.run(stops, |_, _| {}).await.map_err(Refusal::Start)
     }

@@ -5,7 +5,7 @@ use tokio::sync::mpsc::UnboundedReceiver;
 
 use super::pump::Pump;
 use super::service::Service;
-use crate::history::OrderState;
+use crate::history::{OrderRecord, OrderState};
 use crate::order::OrderId;
 use crate::shell::{Failed, on_fail};
 use crate::worker::{Ended, Line, Worker, message_of};
@@ -23,7 +23,8 @@ impl Service {
         record.ended = Some(Timestamp::now());
         record.code = Some(ended.code);
         record.state = OrderState::ended(ended.code, record.error.as_ref());
-        let failed = ended.error.filter(|_| ended.was_killed).map(|report| Failed::of(&record.order, report));
+        let (order, killed) = (record.order.clone(), ended.error.filter(|_| ended.was_killed));
+        let is_killed = killed.is_some();
         let service = self.clone();
         let done = tokio::task::spawn_blocking(move || {
             let recorded = service.history().end(&record);
@@ -33,22 +34,40 @@ impl Service {
             let of_pump = service.pump(&record.order.pump).ok();
             let of_rack = of_pump.is_none().then(|| service.pumps()).into_iter().flatten();
             let changed: Vec<&Pump> = of_pump.into_iter().chain(of_rack).collect();
+            let delivered_ml = is_killed.then(|| service.delivered_ml(&record, &changed)).flatten();
             for pump in &changed {
                 pump.refresh();
             }
             service.live().remove(&record.id);
             service.tell("order", &record.brief());
             changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
+            delivered_ml
         });
-        if let Err(error) = done.await {
+        let delivered_ml = done.await.unwrap_or_else(|error| {
             self.note("service", None, &format!("the end of order {id} was not recorded: {error}"));
-        }
+            None
+        });
         // The command could not tell its end itself.
-        if let Some(failed) = failed {
-            let text = format!("order {id}: {}", message_of(&failed.report));
-            self.note("service", Some(&failed.pump), &text);
-            self.on_fail("service", failed).await;
+        if let Some(report) = killed {
+            let bounds = delivered_ml.map_or(String::new(), |(least_ml, most_ml)| {
+                format!("; it has delivered {least_ml:.4} to {most_ml:.4} mL")
+            });
+            let text = format!("order {id}: {}{bounds}", message_of(&report));
+            self.note("service", Some(&order.pump), &text);
+            self.on_fail("service", Failed::of(&order, report, delivered_ml)).await;
         }
+    }
+
+    /// Returns the smallest and largest volume that an order has delivered, in mL, by the journals and logs of those of
+    /// its `pumps` that it has told of. `None` if they cannot be read.
+    fn delivered_ml(&self, record: &OrderRecord, pumps: &[&Pump]) -> Option<(f64, f64)> {
+        let begun_s = u64::try_from(record.begun.as_second()).unwrap_or(0);
+        let mut sum_ml = (0.0, 0.0);
+        for pump in pumps.iter().filter(|pump| self.is_ordered(pump)) {
+            let (least_ml, most_ml) = pump.bench().delivered_since(begun_s, pump.last_number())?;
+            sum_ml = (sum_ml.0 + least_ml, sum_ml.1 + most_ml);
+        }
+        Some(sum_ml)
     }
 
     /// Takes a line of an order's command, and tells it.

@@ -89,6 +89,12 @@ impl Pump {
         serde_json::from_str(&line).ok()
     }
 
+    /// Returns the number of the last dose of the log, as it was read last.
+    pub(super) fn last_number(&self) -> u64 {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.last.as_ref().and_then(|last| last.get("number")?.as_u64()).unwrap_or(0)
+    }
+
     /// Returns true if the record that was read last has the pump stand by an order.
     pub(crate) fn stands_by_order(&self) -> bool {
         let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);

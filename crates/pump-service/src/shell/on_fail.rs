@@ -14,15 +14,15 @@ pub(crate) struct Failed {
     pub(crate) rack: String,
     /// Reason, `error/1`.
     pub(crate) report: Value,
-    /// True if nothing was delivered. Otherwise nobody knows the volume here: the pump's record has it.
-    pub(crate) has_nothing: bool,
+    /// Smallest and largest volume that was delivered, mL. `None` if nobody knows.
+    pub(crate) delivered_ml: Option<(f64, f64)>,
 }
 
 impl Failed {
-    /// The failure of an order that may have delivered something, for this reason.
-    pub(crate) fn of(order: &Order, report: Value) -> Self {
+    /// The failure of an order that has delivered so much, for this reason.
+    pub(crate) fn of(order: &Order, report: Value, delivered_ml: Option<(f64, f64)>) -> Self {
         let rack = if let Task::Rack { rack } = &order.task { rack.clone() } else { String::new() };
-        Self { pump: order.pump.clone(), rack, report, has_nothing: false }
+        Self { pump: order.pump.clone(), rack, report, delivered_ml }
     }
 }
 
@@ -33,17 +33,18 @@ pub(crate) async fn on_fail(
     is_ending: impl Fn() -> bool + Send + 'static,
 ) -> Option<String> {
     let ran = tokio::task::spawn_blocking(move || {
-        let Failed { pump, rack, report, has_nothing } = &failed;
+        let Failed { pump, rack, report, delivered_ml } = &failed;
         let code = report.get("code").map(Value::to_string).unwrap_or_default();
         let kind = report.get("kind").and_then(Value::as_str).unwrap_or_default();
-        let volume = if *has_nothing { "0" } else { "" };
+        let bounds = delivered_ml.map(|(least_ml, most_ml)| (least_ml.to_string(), most_ml.to_string()));
+        let (least_ml, most_ml) = bounds.unwrap_or_default();
         let variables = [
             ("DOSE_FAIL_PUMP", pump.as_str()),
             ("DOSE_FAIL_RACK", rack.as_str()),
             ("DOSE_FAIL_CODE", code.as_str()),
             ("DOSE_FAIL_KIND", kind),
-            ("DOSE_FAIL_LEAST_ML", volume),
-            ("DOSE_FAIL_MOST_ML", volume),
+            ("DOSE_FAIL_LEAST_ML", least_ml.as_str()),
+            ("DOSE_FAIL_MOST_ML", most_ml.as_str()),
         ];
         command::run(&on_fail, &variables, &format!("{report}\n"), is_ending)
     });

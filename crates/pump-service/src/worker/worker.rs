@@ -35,6 +35,8 @@ pub struct Seat {
     pub is_attended: bool,
     /// True if the one who ordered is told of a refusal: the command of the configuration hears of faults alone.
     pub is_answered: bool,
+    /// True if a dry run leaves the pump's record out: the order comes later.
+    pub is_trial: bool,
 }
 
 /// A line, and its text.
@@ -64,6 +66,9 @@ impl Worker {
         }
         if seat.is_answered {
             command.env("DOSE_ANSWERED", "1");
+        }
+        if seat.is_trial {
+            command.env("DOSE_TRIAL", "1");
         }
         let mut child = command.env("DOSE_SUPERVISED", "1").spawn()?;
         let (tell, lines) = unbounded_channel();

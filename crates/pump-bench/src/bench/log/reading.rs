@@ -46,6 +46,27 @@ impl Bench {
         };
         Ok(self.folder().log().last_of(is_asked)?.map(|(_, entry)| entry))
     }
+
+    /// Returns the smallest and largest volume, in mL, of everything that began at `unix_s` or later, in seconds since
+    /// 1970, and has a number above `after` in the log. What is unfinished counts with the bounds of its last motion.
+    /// `None` if the record cannot be read.
+    pub fn delivered_since(&self, unix_s: u64, after: u64) -> Option<(f64, f64)> {
+        let (mut least_ml, mut most_ml) = (0.0, 0.0);
+        let unfinished = self.story().ok()?.state.and_then(|state| state.unfinished);
+        let mut unfinished = unfinished.filter(|dose| dose.intent.unix_s >= unix_s);
+        for line in self.log().ok()? {
+            let LogLine::Dose(entry) = line.ok()? else { continue };
+            if entry.time.unix_s < unix_s || entry.number <= after {
+                continue;
+            }
+            // A dose that was stopped is in the log, and stays unfinished.
+            unfinished = unfinished.filter(|dose| dose.intent.unix_s != entry.time.unix_s);
+            let (least, most) = entry.delivered_range_ml.unwrap_or((entry.delivered_ml, entry.delivered_ml));
+            (least_ml, most_ml) = (least_ml + least, most_ml + most);
+        }
+        let rest = unfinished.map_or((0.0, 0.0), |dose| dose.motion_delivered(self.model()).range_ml());
+        Some((least_ml + rest.0, most_ml + rest.1))
+    }
 }
 
 impl LogReading {

@@ -56,7 +56,7 @@ impl Bench {
     /// Refuses a pump that waits for a person, by its record alone: it stands, or a dose is unfinished. The dose of a
     /// pump that another process holds may be under way.
     pub(crate) fn check_waiting(&self) -> Result<(), DoseError> {
-        if self.is_held() {
+        if self.is_held() || self.plans_afresh() {
             return Ok(());
         }
         let (state, now_s) = (self.story()?.state, system_now_s());
@@ -88,7 +88,7 @@ impl Bench {
     ///
     /// [`DoseError::Stands`] with the limit. [`DoseError::Journal`] if the record cannot be read.
     pub fn check_series_safe(&self, series: &[TimedVolume]) -> Result<(), DoseError> {
-        self.would_all_be_safe(self.story()?.state.as_ref(), series)
+        self.would_all_be_safe(self.state_to_plan()?.as_ref(), series)
     }
 
     fn would_all_be_safe(&self, state: Option<&PumpState>, series: &[TimedVolume]) -> Result<(), DoseError> {
