@@ -1,0 +1,537 @@
+'use strict';
+/* What a person sees and sets. The planner runs in a worker, so nothing here waits for it. */
+
+const $ = (id) => document.getElementById(id);
+const calm = matchMedia('(prefers-reduced-motion: reduce)');
+
+/** The settings of a page without a link: the dose of the README, lines of the paper. */
+const USUAL = {
+  head: 3, rollers: 6, perRev: 1.2, volume: 25, angle: 17.19, rate: 5, smooth: 0, r: 0.1108, c: 0.0361, l: 0.0042,
+};
+const NAMES = Object.keys(USUAL);
+const HEADS = { 3: 'three-roller', 2: 'two-roller' };
+
+const fixed = (value, digits) => {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace('-', '') : text;
+};
+const grouped = (value) => String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, ',');
+const degrees = (rad) => rad * 180 / Math.PI;
+
+/* Settings: in the form, and in the link. */
+
+let settings = { ...USUAL };
+
+/** Reads a link's words. What is no number is left as usual, and said. */
+function fromLink() {
+  const words = new URLSearchParams(location.hash.slice(1));
+  const read = { ...USUAL };
+  const wrong = [];
+  for (const [name, text] of words) {
+    const value = Number(text);
+    if (!NAMES.includes(name)) wrong.push(`the link names “${name}”, which is no setting`);
+    else if (text.trim() === '' || !Number.isFinite(value)) {
+      wrong.push(`${name} is “${text}” in the link; it must be a number, and ${USUAL[name]} stands for it`);
+    } else read[name] = value;
+  }
+  if (read.head !== 3 && read.head !== 2) read.head = 0;
+  read.smooth = read.smooth ? 1 : 0;
+  return { read, wrong };
+}
+
+function toLink() {
+  const words = NAMES.filter((name) => settings[name] !== USUAL[name]).map((name) => `${name}=${settings[name]}`);
+  return `#${words.join('&')}`;
+}
+
+function showSettings() {
+  for (const name of NAMES) {
+    const input = name === 'head' ? $('head-input') : $(name);
+    if (name === 'smooth') input.checked = settings.smooth === 1;
+    else input.value = settings[name];
+  }
+  $('line').open = ['r', 'c', 'l'].some((name) => settings[name] !== USUAL[name]);
+  showSliders();
+}
+
+function showSliders() {
+  $('own').hidden = settings.head !== 0;
+  const rollers = settings.head || settings.rollers;
+  const tops = { angle: 360 / (rollers >= 2 && rollers <= 24 ? rollers : 2) };
+  for (const slider of document.querySelectorAll('[data-for]')) {
+    const name = slider.dataset.for;
+    if (tops[name]) slider.max = tops[name];
+    slider.value = settings[name];
+  }
+}
+
+$('form').addEventListener('input', ({ target }) => {
+  const name = target.dataset.for || target.name;
+  if (!NAMES.includes(name)) return;
+  if (target.dataset.for) $(name).value = target.value;
+  // A field that is empty for a moment is no number, and the planner says so.
+  settings[name] = name === 'smooth' ? Number(target.checked) : target.value === '' ? NaN : Number(target.value);
+  showSliders();
+  changed();
+});
+$('form').addEventListener('submit', (event) => event.preventDefault());
+$('usual').addEventListener('click', () => {
+  settings = { ...USUAL };
+  showSettings();
+  changed();
+});
+
+/** Says what is wrong, or nothing. The curves stay, paler. */
+function refuse(text) {
+  $('refusal').textContent = text;
+  $('refusal').hidden = !text;
+}
+
+let linked = 0;
+function changed() {
+  clearTimeout(linked);
+  linked = setTimeout(() => history.replaceState(null, '', toLink()), 300);
+  $('link-said').textContent = '';
+  $('link-field').hidden = true;
+  ask();
+}
+
+$('link').addEventListener('click', async () => {
+  history.replaceState(null, '', toLink());
+  const link = location.href.split('#')[0] + toLink();
+  try {
+    await navigator.clipboard.writeText(link);
+    $('link-said').textContent = 'The link is copied.';
+  } catch {
+    $('link-said').textContent = 'This browser lets no page copy. The link is below, marked.';
+    $('link-field').hidden = false;
+    $('link-text').value = link;
+    $('link-text').focus();
+    $('link-text').select();
+  }
+});
+addEventListener('hashchange', openLink);
+
+function openLink() {
+  const { read, wrong } = fromLink();
+  settings = read;
+  showSettings();
+  $('link-said').textContent = wrong.join('; ');
+  ask();
+}
+
+/* The planner. One question is under way at a time; the latest that waits comes next. */
+
+const source = new Blob([$('engine').textContent], { type: 'text/javascript' });
+const planner = new Worker(URL.createObjectURL(source));
+let [isBusy, isWaiting] = [true, false];
+let errorsOf = '';
+let shown = null;
+planner.onerror = (error) => refuse(`The planner does not start: ${error.message || 'this browser refuses it'}.`);
+planner.onmessage = ({ data }) => {
+  isBusy = false;
+  if (data.fault) refuse(`The planner failed: ${data.fault}.`);
+  else if (!data.isReady) take(data);
+  if (isWaiting) ask();
+};
+planner.postMessage({ module: $('module').textContent });
+
+/** What the errors over the start angle depend on. */
+const errorsKey = ({ head, rollers, perRev, volume }) => [head, rollers, perRev, volume].join();
+
+function ask() {
+  isWaiting = isBusy;
+  if (isBusy) return;
+  question(settings);
+}
+
+let asked = null;
+function question(of) {
+  isBusy = true;
+  asked = { ...of };
+  planner.postMessage({ settings: asked, withErrors: errorsKey(asked) !== errorsOf });
+}
+
+function take({ facts, trace, errors, refusal, took }) {
+  const reason = refusal || (trace ? '' : 'the dose takes too long to be drawn');
+  // The usual dose stands in, paler, where the first one is refused.
+  const standsIn = !shown && asked.isStandIn;
+  if (!standsIn) {
+    refuse(reason && `Not planned: ${reason}.`);
+    document.body.classList.toggle('stale', Boolean(reason));
+  }
+  if (reason) {
+    if (!shown && !isWaiting) question({ ...USUAL, isStandIn: true });
+    return;
+  }
+  if (errors) errorsOf = errorsKey(asked);
+  shown = { settings: asked, facts, trace, took, errors: errors || shown.errors };
+  head.build(facts);
+  draw();
+  tell();
+  rewind();
+}
+
+/* Words. */
+
+let telling = 0;
+function tell() {
+  const { settings: set, facts } = shown;
+  const percent = (error) => {
+    const part = 100 * error / set.volume;
+    const digits = Math.abs(part) < 0.1 ? 4 : Math.abs(part) < 1 ? 2 : 1;
+    return `${part > 0 ? '+' : ''}${fixed(part, digits)} %`;
+  };
+  const ours = facts.planned - set.volume;
+  const theirs = facts.constant - set.volume;
+  $('ours').textContent = `${fixed(facts.planned, 4)} mL`;
+  $('ours-error').textContent = `${percent(ours)}, ${grouped(facts.steps)} steps`;
+  $('theirs').textContent = `${fixed(facts.constant, 4)} mL`;
+  $('theirs-error').textContent = `${percent(theirs)}, ${grouped(facts.constantSteps)} steps`;
+  const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
+  $('command-line').hidden = !(HEADS[set.head] && isPublished);
+  $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg` +
+    `${set.smooth ? ' --smooth' : ''}${set.head === 2 ? ' --pump two-roller' : ''} --dry-run`;
+  clearTimeout(telling);
+  // A slider that moves is not told at each place.
+  telling = setTimeout(() => {
+    $('said').textContent = `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
+      `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
+      `the flow that leaves varies by ${fixed(facts.ripple, 0)} % of its mean` +
+      `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed` : ''}. ` +
+      `Planned in ${fixed(shown.took, 1)} ms.`;
+    $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
+      `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);
+    for (const chart of charts) chart.tell();
+  }, 400);
+}
+
+/* The head. Angles are clockwise from the top; a roller at angle 0 of the model stands where the outlet begins. */
+
+const svg = (tag, attributes, ...kids) => {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...kids);
+  return made;
+};
+
+const head = {
+  of: '',
+
+  /** The lengths of a head, mm. Those of a head without a drawing are made up. */
+  lengths({ rollers, backplate, tube, rollerRadius, rollerOffset, contact, engagement }) {
+    if (backplate) return { rollers, bed: backplate, tube, radius: rollerRadius, offset: rollerOffset, half: Math.PI / 2 + contact };
+    const pitch = 2 * Math.PI / rollers;
+    const radius = Math.min(20, 0.62 * Math.PI * 46 / rollers);
+    // The outlet's pulse begins where the inlet's ends, whole pitches apart.
+    const most = Math.min(4 * Math.PI / 3, 2 * Math.PI - 2 * engagement);
+    const span = Math.max(1, Math.floor(most / pitch + 1e-9)) * pitch;
+    return { rollers, bed: 63, tube: 7, radius, offset: 60 - radius, half: span / 2 };
+  },
+
+  build(facts) {
+    const key = [facts.rollers, facts.backplate].join();
+    if (key === this.of) return;
+    this.of = key;
+    const { rollers, bed, tube, radius, offset, half } = this.lengths(facts);
+    const at = (r, angle) => `${(r * Math.sin(angle)).toFixed(2)} ${(-r * Math.cos(angle)).toFixed(2)}`;
+    const middle = bed - tube;
+    const arc = (r) => `${at(r, -half)}A${r} ${r} 0 ${half > Math.PI / 2 ? 1 : 0} 1 ${at(r, half)}`;
+    // Beyond the backplate the tube bends away and leaves downwards.
+    const away = 18 * Math.max(0.1, Math.sin(half));
+    const leaves = (side) => `C${at2(side, middle, half, away)} ${side * 46} 62 ${side * 46} 80`;
+    const path = `M-46 80C-46 62 ${at2(-1, middle, half, away)} ${arc(middle)}${leaves(1)}`;
+    this.half = half;
+    const still = svg('svg', { viewBox: '-80 -76 160 160', 'aria-hidden': 'true' },
+      svg('path', { class: 'bed', d: `M${arc(bed + 2.5)}` }),
+      svg('path', { class: 'tube', d: path, 'stroke-width': 2 * tube }),
+      svg('path', { class: 'lumen', d: path, 'stroke-width': 1.43 * tube }),
+      svg('path', { class: 'zero', d: `M${at(bed + 6, half)}L${at(bed + 11, half)}` }),
+      svg('text', { x: (bed + 17) * Math.sin(half) + 1, y: -(bed + 17) * Math.cos(half) + 3 }, '0°'),
+      svg('text', { x: -62, y: 80 }, 'in'), svg('text', { x: 64, y: 80 }, 'out'));
+    const parts = [];
+    for (let n = 0; n < rollers; n += 1) {
+      const [x, y] = at(offset, 2 * Math.PI * n / rollers).split(' ');
+      parts.push(svg('line', { class: 'arm', x2: x, y2: y }), svg('circle', { class: 'roller', r: radius, cx: x, cy: y }),
+        svg('circle', { class: 'pin', r: Math.min(3, radius / 3), cx: x, cy: y }));
+    }
+    const wheel = svg('svg', { viewBox: '-80 -76 160 160', 'aria-hidden': 'true' }, ...parts,
+      svg('circle', { class: 'hub', r: 11 }));
+    this.rotor = document.createElement('div');
+    this.rotor.className = 'rotor';
+    // The shaft stands at 80 of 160 from the left, and 76 of 160 from the top.
+    this.rotor.style.transformOrigin = '50% 47.5%';
+    this.rotor.append(wheel);
+    $('head').replaceChildren(still, this.rotor);
+  },
+
+  turn(angle) {
+    this.rotor.style.transform = `rotate(${(degrees(this.half + angle) % 360).toFixed(3)}deg)`;
+  },
+};
+
+/** The point of the tube's tangent beyond the backplate's end on a side, right or left. */
+function at2(side, r, half, away) {
+  const x = r * Math.sin(half) + away * Math.cos(half);
+  const y = -r * Math.cos(half) + away * Math.sin(half);
+  return `${(side * x).toFixed(2)} ${y.toFixed(2)}`;
+}
+
+/* The curves. */
+
+const EDGE = { left: 46, right: 8, top: 6, bottom: 20 };
+
+/** Steps of an axis: 1, 2 or 5 times a power of ten, `count` at most. */
+function ticks(least, most, count) {
+  const raw = (most - least) / count;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((n) => n * power).find((n) => n >= 0.999 * raw);
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const found = [];
+  for (let n = Math.ceil(least / step - 1e-9); n * step <= most + 1e-9 * step; n += 1) found.push(fixed(n * step, digits));
+  return found;
+}
+
+class Chart {
+  constructor({ title, unit, along, alongUnit, keys, isMark, data }) {
+    Object.assign(this, { title, unit, along, alongUnit, keys, data, range: null });
+    const make = (tag, name, ...kids) => {
+      const made = document.createElement(tag);
+      made.className = name;
+      made.append(...kids);
+      return made;
+    };
+    this.canvas = document.createElement('canvas');
+    this.canvas.setAttribute('role', 'img');
+    this.canvas.setAttribute('aria-label', title);
+    this.veil = make('div', isMark ? 'veil mark' : 'veil');
+    const keyed = keys.map(({ name, colour, isDashed }) => {
+      const key = make('span', isDashed ? 'key dashed' : 'key', name);
+      key.style.setProperty('--colour', `var(--${colour})`);
+      return key;
+    });
+    const caption = make('figcaption', '', make('h2', '', `${title}, ${unit}`), ...keyed);
+    const plot = make('div', 'plot', this.canvas, make('div', 'window', this.veil));
+    $('charts').append(make('figure', 'panel chart', caption, plot));
+  }
+
+  /** Draws the curves of what is planned. */
+  draw() {
+    const { x, curves } = this.data(shown);
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const density = Math.min(devicePixelRatio || 1, 2);
+    this.canvas.width = Math.round(width * density);
+    this.canvas.height = Math.round(height * density);
+    const pen = this.canvas.getContext('2d');
+    pen.scale(density, density);
+    let [least, most] = [Infinity, -Infinity];
+    for (const values of curves) {
+      for (const value of values) {
+        if (value < least) least = value;
+        if (value > most) most = value;
+      }
+    }
+    this.range = [least, most];
+    const room = 0.06 * (most - least) || 1;
+    [least, most] = [least - room, most + room];
+    const [from, to] = [x[0], x[x.length - 1]];
+    const [w, h] = [width - EDGE.left - EDGE.right, height - EDGE.top - EDGE.bottom];
+    const [sx, sy] = [w / (to - from), h / (most - least)];
+    const px = (value) => EDGE.left + (value - from) * sx;
+    const py = (value) => EDGE.top + (most - value) * sy;
+    pen.font = '12px system-ui, sans-serif';
+    pen.fillStyle = colours.soft;
+    pen.strokeStyle = colours.line;
+    pen.lineWidth = 1;
+    pen.textAlign = 'right';
+    pen.textBaseline = 'middle';
+    for (const tick of ticks(least, most, 5)) {
+      const y = Math.round(py(Number(tick))) + 0.5;
+      pen.beginPath();
+      pen.moveTo(EDGE.left, y);
+      pen.lineTo(width - EDGE.right, y);
+      pen.stroke();
+      pen.fillText(tick, EDGE.left - 6, Math.min(y, height - EDGE.bottom - 4));
+    }
+    pen.textAlign = 'center';
+    pen.textBaseline = 'bottom';
+    const along = ticks(from, to, Math.max(2, Math.floor(w / 80)));
+    along.forEach((tick, n) => {
+      const isLast = n === along.length - 1;
+      const text = isLast ? `${tick} ${this.alongUnit}` : tick;
+      const half = pen.measureText(text).width / 2;
+      pen.fillText(text, Math.min(px(Number(tick)), width - half - 1), height);
+    });
+    pen.lineJoin = 'round';
+    curves.forEach((values, n) => {
+      const { colour, isDashed, isWide } = this.keys[n];
+      pen.strokeStyle = colours[colour];
+      pen.lineWidth = isWide ? 3.5 : 1.6;
+      pen.setLineDash(isDashed ? [5, 4] : []);
+      pen.beginPath();
+      let isOpen = false;
+      for (let i = 0; i < values.length; i += 1) {
+        // What is no number leaves a gap.
+        if (Number.isNaN(values[i])) isOpen = false;
+        else if (isOpen) pen.lineTo(px(x[i]), py(values[i]));
+        else {
+          pen.moveTo(px(x[i]), py(values[i]));
+          isOpen = true;
+        }
+      }
+      pen.stroke();
+    });
+    pen.setLineDash([]);
+  }
+
+  /** Says in words what the curves show. */
+  tell() {
+    const [least, most] = this.range;
+    const digits = most - least < 1 ? 3 : 1;
+    const names = this.keys.map(({ name }) => name).join(', ');
+    this.canvas.setAttribute('aria-label', `${this.title} over ${this.along}: ${names}; from ` +
+      `${fixed(least, digits)} to ${fixed(most, digits)} ${this.unit}`);
+  }
+
+  /** Moves the edge of the veil to a part of the width. */
+  place(part) {
+    this.veil.style.transform = `translateX(${(100 * part).toFixed(3)}%)`;
+  }
+}
+
+const overTime = { along: 'time', alongUnit: 's' };
+const charts = [
+  new Chart({
+    ...overTime, title: 'Flow', unit: 'mL/s',
+    keys: [{ name: 'at the outlet rollers', colour: 'outlet' }, { name: 'leaves the line', colour: 'ours' }],
+    data: ({ trace }) => ({ x: trace.time, curves: [trace.qOut, trace.leaves] }),
+  }),
+  new Chart({
+    ...overTime, title: 'Pressure', unit: 'kPa absolute',
+    keys: [{ name: 'inlet', colour: 'inlet' }, { name: 'outlet', colour: 'outlet' }],
+    data: ({ trace }) => ({ x: trace.time, curves: [trace.pIn, trace.pOut] }),
+  }),
+  new Chart({
+    ...overTime, title: 'Delivered', unit: 'mL',
+    keys: [
+      { name: 'by one constant', colour: 'theirs', isDashed: true }, { name: 'asked', colour: 'ours', isDashed: true },
+      { name: 'in the vessel', colour: 'outlet' },
+    ],
+    data: ({ settings: set, facts, trace }) => ({
+      x: trace.time,
+      curves: [
+        trace.angle.map((angle) => (angle - facts.start) / (2 * Math.PI) * facts.revolution),
+        trace.time.map(() => set.volume),
+        trace.vessel,
+      ],
+    }),
+  }),
+  new Chart({
+    title: 'Error over the start angle', unit: '%', along: 'the start angle', alongUnit: '°', isMark: true,
+    keys: [{ name: 'by one constant', colour: 'theirs' }, { name: 'pump-dose', colour: 'ours', isWide: true }],
+    data: ({ settings: set, errors }) => ({
+      x: errors.angle.map(degrees),
+      curves: [errors.constant, errors.planned].map((all) => all.map((error) => 100 * error / set.volume)),
+    }),
+  }),
+];
+
+let colours = {};
+function draw() {
+  if (!shown) return;
+  const style = getComputedStyle(document.documentElement);
+  const names = ['soft', 'line', 'inlet', 'outlet', 'ours', 'theirs'];
+  colours = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+  for (const chart of charts) chart.draw();
+  const pitch = 360 / shown.facts.rollers;
+  const angle = degrees(shown.facts.start);
+  charts[3].place((angle / pitch) - Math.floor(angle / pitch));
+  show();
+}
+new ResizeObserver(draw).observe($('charts'));
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
+
+/* The course of time. */
+
+const clock = { at: 0, row: 0, isRunning: false, before: 0 };
+const PAUSE_MS = 700;
+let starting = 0;
+
+const total = () => shown.trace.time[shown.trace.time.length - 1];
+
+/** Shows the dose from its begin, and plays it once nothing has changed for a while. */
+function rewind() {
+  clearTimeout(starting);
+  pause();
+  $('time').max = total();
+  // Who wants no motion sees the whole dose.
+  seek(calm.matches ? total() : 0);
+  if (!calm.matches) starting = setTimeout(play, PAUSE_MS);
+}
+
+function seek(at) {
+  clock.at = Math.min(Math.max(at, 0), total());
+  show();
+}
+
+const word = (id, text) => {
+  const node = $(id).firstChild;
+  if (node.data !== text) node.data = text;
+};
+
+/** Shows the moment. */
+function show() {
+  if (!shown) return;
+  const { trace } = shown;
+  const { time } = trace;
+  let row = Math.min(clock.row, time.length - 2);
+  while (row > 0 && time[row] > clock.at) row -= 1;
+  while (row < time.length - 2 && time[row + 1] <= clock.at) row += 1;
+  clock.row = row;
+  const part = (clock.at - time[row]) / (time[row + 1] - time[row] || 1);
+  const of = (column) => column[row] + part * (column[row + 1] - column[row]);
+  const angle = of(trace.angle);
+  head.turn(angle);
+  for (const chart of charts.slice(0, 3)) chart.place(clock.at / total());
+  word('now-volume', fixed(of(trace.vessel), 2));
+  word('now-time', fixed(clock.at, 2));
+  word('now-angle', fixed(degrees(angle), 1));
+  word('now-flow', fixed(of(trace.leaves), 2));
+  if (document.activeElement !== $('time') || !clock.isRunning) $('time').value = clock.at;
+}
+
+function frame(now) {
+  if (!clock.isRunning) return;
+  // A page that was out of sight goes on from where it was.
+  seek(clock.at + Math.min(now - clock.before, 100) / 1000);
+  clock.before = now;
+  if (clock.at < total()) requestAnimationFrame(frame);
+  else pause();
+}
+
+function play() {
+  if (clock.isRunning || !shown) return;
+  if (clock.at >= total()) seek(0);
+  clock.isRunning = true;
+  clock.before = performance.now();
+  $('play').textContent = 'Pause';
+  requestAnimationFrame(frame);
+}
+
+function pause() {
+  clock.isRunning = false;
+  $('play').textContent = clock.at > 0 && shown && clock.at >= total() ? 'Play again' : 'Play';
+}
+
+$('play').addEventListener('click', () => {
+  clearTimeout(starting);
+  if (clock.isRunning) pause();
+  else play();
+});
+$('time').addEventListener('input', () => {
+  clearTimeout(starting);
+  pause();
+  if (shown) seek(Number($('time').value));
+});
+
+openLink();
