@@ -6,7 +6,7 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
 /** The settings of a page without a link: the dose of the README, lines of the paper. */
 const USUAL = {
-  head: 3, rollers: 6, perRev: 1.2, volume: 25, angle: 17.19, rate: 5, smooth: 0, r: 0.1108, c: 0.0361, l: 0.0042,
+  head: 3, rollers: 6, perRev: 5, volume: 25, angle: 17.19, rate: 5, smooth: 0, r: 0.1108, c: 0.0361, l: 0.0042,
 };
 const NAMES = Object.keys(USUAL);
 const HEADS = { 3: 'three-roller', 2: 'two-roller' };
@@ -130,9 +130,12 @@ let shown = null;
 planner.onerror = (error) => refuse(`The planner does not start: ${error.message || 'this browser refuses it'}.`);
 planner.onmessage = ({ data }) => {
   isBusy = false;
-  if (data.fault) refuse(`The planner failed: ${data.fault}.`);
-  else if (!data.isReady) take(data);
+  if (data.errors) errorsOf = errorsKey(asked);
+  const of = asked;
+  // The planner goes on while the page draws.
   if (isWaiting) ask();
+  if (data.fault) refuse(`The planner failed: ${data.fault}.`);
+  else if (!data.isReady) take(data, of);
 };
 planner.postMessage({ module: $('module').textContent });
 
@@ -152,20 +155,19 @@ function question(of) {
   planner.postMessage({ settings: asked, withErrors: errorsKey(asked) !== errorsOf });
 }
 
-function take({ facts, trace, errors, refusal, took }) {
+function take({ facts, trace, errors, refusal, took }, of) {
   const reason = refusal || (trace ? '' : 'the dose takes too long to be drawn');
   // The usual dose stands in, paler, where the first one is refused.
-  const standsIn = !shown && asked.isStandIn;
+  const standsIn = !shown && of.isStandIn;
   if (!standsIn) {
     refuse(reason && `Not planned: ${reason}.`);
     document.body.classList.toggle('stale', Boolean(reason));
   }
   if (reason) {
-    if (!shown && !isWaiting) question({ ...USUAL, isStandIn: true });
+    if (!shown && !isBusy) question({ ...USUAL, isStandIn: true });
     return;
   }
-  if (errors) errorsOf = errorsKey(asked);
-  shown = { settings: asked, facts, trace, took, errors: errors || shown.errors };
+  shown = { settings: of, facts, trace, took, errors: errors || shown.errors };
   head.build(facts);
   draw();
   tell();
@@ -190,7 +192,7 @@ function tell() {
   $('theirs-error').textContent = `${percent(theirs)}, ${grouped(facts.constantSteps)} steps`;
   const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
   $('command-line').hidden = !(HEADS[set.head] && isPublished);
-  $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg` +
+  $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg+-0deg` +
     `${set.smooth ? ' --smooth' : ''}${set.head === 2 ? ' --pump two-roller' : ''} --dry-run`;
   clearTimeout(telling);
   // A slider that moves is not told at each place.
@@ -214,6 +216,9 @@ const svg = (tag, attributes, ...kids) => {
   made.append(...kids);
   return made;
 };
+
+/** Most angles of a dose that an animation is given. */
+const TURNS = 400;
 
 const head = {
   of: '',
@@ -265,8 +270,16 @@ const head = {
     $('head').replaceChildren(still, this.rotor);
   },
 
-  turn(angle) {
-    this.rotor.style.transform = `rotate(${(degrees(this.half + angle) % 360).toFixed(3)}deg)`;
+  /** The turn over the time of a trace, as a browser's animation has it. */
+  turns({ time, angle }, most = TURNS) {
+    const last = time.length - 1;
+    const step = Math.ceil(last / most);
+    const frames = [];
+    for (let n = 0; n < last + step; n += step) {
+      const row = Math.min(n, last);
+      frames.push({ offset: time[row] / time[last], transform: `rotate(${degrees(this.half + angle[row]).toFixed(3)}deg)` });
+    }
+    return frames;
   },
 };
 
@@ -292,9 +305,21 @@ function ticks(least, most, count) {
   return found;
 }
 
+/** The least and the largest value of curves. What is no number is left out. */
+function range(curves) {
+  let [least, most] = [Infinity, -Infinity];
+  for (const values of curves) {
+    for (const value of values) {
+      if (value < least) least = value;
+      if (value > most) most = value;
+    }
+  }
+  return [least, most];
+}
+
 class Chart {
   constructor({ title, unit, along, alongUnit, keys, isMark, data }) {
-    Object.assign(this, { title, unit, along, alongUnit, keys, data, range: null });
+    Object.assign(this, { title, unit, along, alongUnit, keys, isMark, data });
     const make = (tag, name, ...kids) => {
       const made = document.createElement(tag);
       made.className = name;
@@ -313,10 +338,23 @@ class Chart {
     const caption = make('figcaption', '', make('h2', '', `${title}, ${unit}`), ...keyed);
     const plot = make('div', 'plot', this.canvas, make('div', 'window', this.veil));
     $('charts').append(make('figure', 'panel chart', caption, plot));
+    // What is out of sight is drawn once it comes into sight.
+    this.isSeen = false;
+    this.isDue = true;
+    new IntersectionObserver(([{ isIntersecting }]) => {
+      this.isSeen = isIntersecting;
+      if (shown && isIntersecting && this.isDue) this.draw();
+    }).observe(this.canvas);
   }
 
-  /** Draws the curves of what is planned. */
+  /** Draws the curves of what is planned anew, once they are in sight. */
+  renew() {
+    this.isDue = true;
+    if (this.isSeen) this.draw();
+  }
+
   draw() {
+    this.isDue = false;
     const { x, curves } = this.data(shown);
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     const density = Math.min(devicePixelRatio || 1, 2);
@@ -324,14 +362,7 @@ class Chart {
     this.canvas.height = Math.round(height * density);
     const pen = this.canvas.getContext('2d');
     pen.scale(density, density);
-    let [least, most] = [Infinity, -Infinity];
-    for (const values of curves) {
-      for (const value of values) {
-        if (value < least) least = value;
-        if (value > most) most = value;
-      }
-    }
-    this.range = [least, most];
+    let [least, most] = range(curves);
     const room = 0.06 * (most - least) || 1;
     [least, most] = [least - room, most + room];
     const [from, to] = [x[0], x[x.length - 1]];
@@ -386,20 +417,15 @@ class Chart {
 
   /** Says in words what the curves show. */
   tell() {
-    const [least, most] = this.range;
+    const [least, most] = range(this.data(shown).curves);
     const digits = most - least < 1 ? 3 : 1;
     const names = this.keys.map(({ name }) => name).join(', ');
-    this.canvas.setAttribute('aria-label', `${this.title} over ${this.along}: ${names}; from ` +
+    this.canvas.setAttribute('aria-label', `${this.title}${this.along}: ${names}; from ` +
       `${fixed(least, digits)} to ${fixed(most, digits)} ${this.unit}`);
-  }
-
-  /** Moves the edge of the veil to a part of the width. */
-  place(part) {
-    this.veil.style.transform = `translateX(${(100 * part).toFixed(3)}%)`;
   }
 }
 
-const overTime = { along: 'time', alongUnit: 's' };
+const overTime = { along: ' over time', alongUnit: 's' };
 const charts = [
   new Chart({
     ...overTime, title: 'Flow', unit: 'mL/s',
@@ -427,7 +453,7 @@ const charts = [
     }),
   }),
   new Chart({
-    title: 'Error over the start angle', unit: '%', along: 'the start angle', alongUnit: '°', isMark: true,
+    title: 'Error over the start angle', unit: '%', along: '', alongUnit: '°', isMark: true,
     keys: [{ name: 'by one constant', colour: 'theirs' }, { name: 'pump-dose', colour: 'ours', isWide: true }],
     data: ({ settings: set, errors }) => ({
       x: errors.angle.map(degrees),
@@ -442,36 +468,75 @@ function draw() {
   const style = getComputedStyle(document.documentElement);
   const names = ['soft', 'line', 'inlet', 'outlet', 'ours', 'theirs'];
   colours = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
-  for (const chart of charts) chart.draw();
-  const pitch = 360 / shown.facts.rollers;
-  const angle = degrees(shown.facts.start);
-  charts[3].place((angle / pitch) - Math.floor(angle / pitch));
-  show();
+  for (const chart of charts) chart.renew();
+  const pitches = degrees(shown.facts.start) * shown.facts.rollers / 360;
+  const mark = charts.find((chart) => chart.isMark);
+  mark.veil.style.transform = `translateX(${(100 * (pitches - Math.floor(pitches))).toFixed(3)}%)`;
 }
 new ResizeObserver(draw).observe($('charts'));
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
 
-/* The course of time. */
+/* The course of time. The browser's compositor turns the rotor and moves the veils, so a slow processor does not make
+   them jerk; only the figures are written here. */
 
-const clock = { at: 0, row: 0, isRunning: false, before: 0 };
 const PAUSE_MS = 700;
-let starting = 0;
+const FIGURES_MS = 100;
+let motions = [];
+let [starting, writing, isRunning] = [0, 0, false];
 
 const total = () => shown.trace.time[shown.trace.time.length - 1];
+const now = () => (motions.length ? Math.min(motions[0].currentTime / 1000, total()) : 0);
 
 /** Shows the dose from its begin, and plays it once nothing has changed for a while. */
 function rewind() {
   clearTimeout(starting);
-  pause();
+  for (const motion of motions) motion.cancel();
+  motions = [];
+  head.rotor.style.transform = head.turns(shown.trace, 1)[0].transform;
   $('time').max = total();
   // Who wants no motion sees the whole dose.
-  seek(calm.matches ? total() : 0);
-  if (!calm.matches) starting = setTimeout(play, PAUSE_MS);
+  if (calm.matches) seek(total());
+  else {
+    stand();
+    starting = setTimeout(play, PAUSE_MS);
+  }
 }
 
+/** Makes the motions of the dose. A slider that moves has no time for them. */
+function move() {
+  if (motions.length) return;
+  const timing = { duration: 1000 * total(), fill: 'both' };
+  const veils = charts.filter((chart) => !chart.isMark).map(({ veil }) => veil.animate(
+    [{ transform: 'translateX(0)' }, { transform: 'translateX(100%)' }], timing));
+  motions = [...veils, head.rotor.animate(head.turns(shown.trace), timing)];
+  motions[0].onfinish = stand;
+}
+
+/** Stands at a time. */
 function seek(at) {
-  clock.at = Math.min(Math.max(at, 0), total());
-  show();
+  move();
+  for (const motion of motions) {
+    motion.pause();
+    motion.currentTime = 1000 * Math.min(Math.max(at, 0), total());
+  }
+  stand();
+}
+
+function stand() {
+  clearInterval(writing);
+  isRunning = false;
+  $('play').textContent = now() >= total() ? 'Play again' : 'Play';
+  write();
+}
+
+function play() {
+  if (isRunning || !shown) return;
+  move();
+  if (now() >= total()) seek(0);
+  isRunning = true;
+  for (const motion of motions) motion.play();
+  $('play').textContent = 'Pause';
+  writing = setInterval(write, FIGURES_MS);
 }
 
 const word = (id, text) => {
@@ -479,58 +544,33 @@ const word = (id, text) => {
   if (node.data !== text) node.data = text;
 };
 
-/** Shows the moment. */
-function show() {
-  if (!shown) return;
+/** Writes the figures of the moment. */
+function write() {
   const { trace } = shown;
   const { time } = trace;
-  let row = Math.min(clock.row, time.length - 2);
-  while (row > 0 && time[row] > clock.at) row -= 1;
-  while (row < time.length - 2 && time[row + 1] <= clock.at) row += 1;
-  clock.row = row;
-  const part = (clock.at - time[row]) / (time[row + 1] - time[row] || 1);
-  const of = (column) => column[row] + part * (column[row + 1] - column[row]);
-  const angle = of(trace.angle);
-  head.turn(angle);
-  for (const chart of charts.slice(0, 3)) chart.place(clock.at / total());
+  const at = now();
+  let [row, above] = [0, time.length - 1];
+  while (above - row > 1) {
+    const middle = (row + above) >> 1;
+    if (time[middle] <= at) row = middle;
+    else above = middle;
+  }
+  const part = (at - time[row]) / (time[above] - time[row]);
+  const of = (column) => column[row] + part * (column[above] - column[row]);
   word('now-volume', fixed(of(trace.vessel), 2));
-  word('now-time', fixed(clock.at, 2));
-  word('now-angle', fixed(degrees(angle), 1));
+  word('now-time', fixed(at, 2));
+  word('now-angle', fixed(degrees(of(trace.angle)), 1));
   word('now-flow', fixed(of(trace.leaves), 2));
-  if (document.activeElement !== $('time') || !clock.isRunning) $('time').value = clock.at;
-}
-
-function frame(now) {
-  if (!clock.isRunning) return;
-  // A page that was out of sight goes on from where it was.
-  seek(clock.at + Math.min(now - clock.before, 100) / 1000);
-  clock.before = now;
-  if (clock.at < total()) requestAnimationFrame(frame);
-  else pause();
-}
-
-function play() {
-  if (clock.isRunning || !shown) return;
-  if (clock.at >= total()) seek(0);
-  clock.isRunning = true;
-  clock.before = performance.now();
-  $('play').textContent = 'Pause';
-  requestAnimationFrame(frame);
-}
-
-function pause() {
-  clock.isRunning = false;
-  $('play').textContent = clock.at > 0 && shown && clock.at >= total() ? 'Play again' : 'Play';
+  $('time').value = at;
 }
 
 $('play').addEventListener('click', () => {
   clearTimeout(starting);
-  if (clock.isRunning) pause();
+  if (isRunning) seek(now());
   else play();
 });
 $('time').addEventListener('input', () => {
   clearTimeout(starting);
-  pause();
   if (shown) seek(Number($('time').value));
 });
 
