@@ -42,7 +42,6 @@ DEMO := --locked --manifest-path demo/Cargo.toml --target-dir target
 demo:
 	rustup target add wasm32-unknown-unknown
 	command -v node || (apt-get update && apt-get install -y --no-install-recommends nodejs)
-	cargo fmt --manifest-path demo/Cargo.toml --check
 	cargo build $(DEMO) --release --target wasm32-unknown-unknown
 	$(PYTHON) demo/build.py target/wasm32-unknown-unknown/release/pump_demo.wasm target/demo/index.html
 	cargo test $(DEMO)
@@ -111,10 +110,13 @@ lint: $(VENV)/installed
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	cargo fmt --all --check
 	cargo fmt --manifest-path tests/no_panic/Cargo.toml --check
+	cargo fmt --manifest-path demo/Cargo.toml --check
 	cargo clippy --locked --workspace --exclude pump-benches --all-targets --features serve -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --exclude pump-benches --features serve --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd tests/browser && $(BIN)/ruff check . && $(BIN)/ruff format --check .
+	$(BIN)/ruff check --config tests/browser/pyproject.toml demo
+	$(BIN)/ruff format --config tests/browser/pyproject.toml --check demo
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
 

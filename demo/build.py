@@ -12,7 +12,8 @@ def page(module):
     """Return the page with its parts, and the module as base64 of its gzip."""
     text = (HERE / "page.html").read_text()
     packed = base64.b64encode(gzip.compress(module, mtime=0)).decode()
-    parts = {"pump_demo.wasm": packed} | {name: (HERE / name).read_text() for name in ("page.css", "engine.js", "page.js")}
+    names = ("page.css", "engine.js", "head.js", "chart.js", "page.js")
+    parts = {"pump_demo.wasm": packed} | {name: (HERE / name).read_text() for name in names}
     for name, part in parts.items():
         place = f"/* {name} */"
         if text.count(place) != 1:

@@ -8,7 +8,8 @@ const [page, reference] = process.argv.slice(2).map((name) => readFileSync(name,
 /** A part of the page, as the browser finds it. */
 const part = (id) => page.match(new RegExp(`<script type="text/plain" id="${id}">([^<]*(?:<(?!/script)[^<]*)*)`))[1];
 
-const { Engine, SETTINGS, FACTS, COLUMNS } = runInThisContext(`${part('engine')}; ({ Engine, SETTINGS, FACTS, COLUMNS })`);
+const names = '{ Engine, SETTINGS, FACTS, COLUMNS }';
+const { Engine, SETTINGS, FACTS, COLUMNS } = runInThisContext(`${part('engine')}; (${names})`);
 const engine = await Engine.load(part('module'));
 const numbers = (words) => new Float64Array(BigUint64Array.from(words, (word) => BigInt(`0x${word}`)).buffer);
 

@@ -7,8 +7,8 @@ const SETTINGS = ['head', 'rollers', 'perRev', 'volume', 'angle', 'rate', 'smoot
 
 /** Names of the figures, in the order of `facts.rs`: mL, s, kPa absolute, rad, mm, percent. */
 const FACTS = [
-  'steps', 'planned', 'carry', 'motion', 'settle', 'inletLeast', 'inletMost', 'outletLeast', 'outletMost', 'start', 'end',
-  'constantSteps', 'constant', 'revolution', 'rollers', 'speed', 'rippleConstant', 'ripple', 'backplate', 'tube',
+  'steps', 'planned', 'carry', 'motion', 'settle', 'inletLeast', 'inletMost', 'outletLeast', 'outletMost', 'start',
+  'end', 'constantSteps', 'constant', 'revolution', 'rollers', 'speed', 'rippleConstant', 'ripple', 'backplate', 'tube',
   'rollerRadius', 'rollerOffset', 'contact', 'engagement',
 ];
 

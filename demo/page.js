@@ -187,9 +187,9 @@ function tell() {
   const ours = facts.planned - set.volume;
   const theirs = facts.constant - set.volume;
   $('ours').textContent = `${fixed(facts.planned, 4)} mL`;
-  $('ours-error').textContent = `${percent(ours)}, ${grouped(facts.steps)} steps`;
+  $('ours-error').textContent = `${percent(ours)}\n${grouped(facts.steps)} steps`;
   $('theirs').textContent = `${fixed(facts.constant, 4)} mL`;
-  $('theirs-error').textContent = `${percent(theirs)}, ${grouped(facts.constantSteps)} steps`;
+  $('theirs-error').textContent = `${percent(theirs)}\n${grouped(facts.constantSteps)} steps`;
   const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
   $('command-line').hidden = !(HEADS[set.head] && isPublished);
   $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg+-0deg` +
@@ -204,232 +204,30 @@ function tell() {
       `Planned in ${fixed(shown.took, 1)} ms.`;
     $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
       `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);
-    for (const chart of charts) chart.tell();
+    for (const chart of charts) {
+      chart.tell();
+      if (chart.isDue) chart.draw();
+    }
   }, 400);
-}
-
-/* The head. Angles are clockwise from the top; a roller at angle 0 of the model stands where the outlet begins. */
-
-const svg = (tag, attributes, ...kids) => {
-  const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  made.append(...kids);
-  return made;
-};
-
-/** Most angles of a dose that an animation is given. */
-const TURNS = 400;
-
-const head = {
-  of: '',
-
-  /** The lengths of a head, mm. Those of a head without a drawing are made up. */
-  lengths({ rollers, backplate, tube, rollerRadius, rollerOffset, contact, engagement }) {
-    if (backplate) return { rollers, bed: backplate, tube, radius: rollerRadius, offset: rollerOffset, half: Math.PI / 2 + contact };
-    const pitch = 2 * Math.PI / rollers;
-    const radius = Math.min(20, 0.62 * Math.PI * 46 / rollers);
-    // The outlet's pulse begins where the inlet's ends, whole pitches apart.
-    const most = Math.min(4 * Math.PI / 3, 2 * Math.PI - 2 * engagement);
-    const span = Math.max(1, Math.floor(most / pitch + 1e-9)) * pitch;
-    return { rollers, bed: 63, tube: 7, radius, offset: 60 - radius, half: span / 2 };
-  },
-
-  build(facts) {
-    const key = [facts.rollers, facts.backplate].join();
-    if (key === this.of) return;
-    this.of = key;
-    const { rollers, bed, tube, radius, offset, half } = this.lengths(facts);
-    const at = (r, angle) => `${(r * Math.sin(angle)).toFixed(2)} ${(-r * Math.cos(angle)).toFixed(2)}`;
-    const middle = bed - tube;
-    const arc = (r) => `${at(r, -half)}A${r} ${r} 0 ${half > Math.PI / 2 ? 1 : 0} 1 ${at(r, half)}`;
-    // Beyond the backplate the tube bends away and leaves downwards.
-    const away = 18 * Math.max(0.1, Math.sin(half));
-    const leaves = (side) => `C${at2(side, middle, half, away)} ${side * 46} 62 ${side * 46} 80`;
-    const path = `M-46 80C-46 62 ${at2(-1, middle, half, away)} ${arc(middle)}${leaves(1)}`;
-    this.half = half;
-    const still = svg('svg', { viewBox: '-80 -76 160 160', 'aria-hidden': 'true' },
-      svg('path', { class: 'bed', d: `M${arc(bed + 2.5)}` }),
-      svg('path', { class: 'tube', d: path, 'stroke-width': 2 * tube }),
-      svg('path', { class: 'lumen', d: path, 'stroke-width': 1.43 * tube }),
-      svg('path', { class: 'zero', d: `M${at(bed + 6, half)}L${at(bed + 11, half)}` }),
-      svg('text', { x: (bed + 17) * Math.sin(half) + 1, y: -(bed + 17) * Math.cos(half) + 3 }, '0°'),
-      svg('text', { x: -62, y: 80 }, 'in'), svg('text', { x: 64, y: 80 }, 'out'));
-    const parts = [];
-    for (let n = 0; n < rollers; n += 1) {
-      const [x, y] = at(offset, 2 * Math.PI * n / rollers).split(' ');
-      parts.push(svg('line', { class: 'arm', x2: x, y2: y }), svg('circle', { class: 'roller', r: radius, cx: x, cy: y }),
-        svg('circle', { class: 'pin', r: Math.min(3, radius / 3), cx: x, cy: y }));
-    }
-    const wheel = svg('svg', { viewBox: '-80 -76 160 160', 'aria-hidden': 'true' }, ...parts,
-      svg('circle', { class: 'hub', r: 11 }));
-    this.rotor = document.createElement('div');
-    this.rotor.className = 'rotor';
-    // The shaft stands at 80 of 160 from the left, and 76 of 160 from the top.
-    this.rotor.style.transformOrigin = '50% 47.5%';
-    this.rotor.append(wheel);
-    $('head').replaceChildren(still, this.rotor);
-  },
-
-  /** The turn over the time of a trace, as a browser's animation has it. */
-  turns({ time, angle }, most = TURNS) {
-    const last = time.length - 1;
-    const step = Math.ceil(last / most);
-    const frames = [];
-    for (let n = 0; n < last + step; n += step) {
-      const row = Math.min(n, last);
-      frames.push({ offset: time[row] / time[last], transform: `rotate(${degrees(this.half + angle[row]).toFixed(3)}deg)` });
-    }
-    return frames;
-  },
-};
-
-/** The point of the tube's tangent beyond the backplate's end on a side, right or left. */
-function at2(side, r, half, away) {
-  const x = r * Math.sin(half) + away * Math.cos(half);
-  const y = -r * Math.cos(half) + away * Math.sin(half);
-  return `${(side * x).toFixed(2)} ${y.toFixed(2)}`;
 }
 
 /* The curves. */
 
-const EDGE = { left: 46, right: 8, top: 6, bottom: 20 };
-
-/** Steps of an axis: 1, 2 or 5 times a power of ten, `count` at most. */
-function ticks(least, most, count) {
-  const raw = (most - least) / count;
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((n) => n * power).find((n) => n >= 0.999 * raw);
-  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const found = [];
-  for (let n = Math.ceil(least / step - 1e-9); n * step <= most + 1e-9 * step; n += 1) found.push(fixed(n * step, digits));
-  return found;
-}
-
-/** The least and the largest value of curves. What is no number is left out. */
-function range(curves) {
-  let [least, most] = [Infinity, -Infinity];
-  for (const values of curves) {
-    for (const value of values) {
-      if (value < least) least = value;
-      if (value > most) most = value;
-    }
-  }
-  return [least, most];
-}
-
-class Chart {
-  constructor({ title, unit, along, alongUnit, keys, isMark, data }) {
-    Object.assign(this, { title, unit, along, alongUnit, keys, isMark, data });
-    const make = (tag, name, ...kids) => {
-      const made = document.createElement(tag);
-      made.className = name;
-      made.append(...kids);
-      return made;
-    };
-    this.canvas = document.createElement('canvas');
-    this.canvas.setAttribute('role', 'img');
-    this.canvas.setAttribute('aria-label', title);
-    this.veil = make('div', isMark ? 'veil mark' : 'veil');
-    const keyed = keys.map(({ name, colour, isDashed }) => {
-      const key = make('span', isDashed ? 'key dashed' : 'key', name);
-      key.style.setProperty('--colour', `var(--${colour})`);
-      return key;
-    });
-    const caption = make('figcaption', '', make('h2', '', `${title}, ${unit}`), ...keyed);
-    const plot = make('div', 'plot', this.canvas, make('div', 'window', this.veil));
-    $('charts').append(make('figure', 'panel chart', caption, plot));
-    // What is out of sight is drawn once it comes into sight.
-    this.isSeen = false;
-    this.isDue = true;
-    new IntersectionObserver(([{ isIntersecting }]) => {
-      this.isSeen = isIntersecting;
-      if (shown && isIntersecting && this.isDue) this.draw();
-    }).observe(this.canvas);
-  }
-
-  /** Draws the curves of what is planned anew, once they are in sight. */
-  renew() {
-    this.isDue = true;
-    if (this.isSeen) this.draw();
-  }
-
-  draw() {
-    this.isDue = false;
-    const { x, curves } = this.data(shown);
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    const density = Math.min(devicePixelRatio || 1, 2);
-    this.canvas.width = Math.round(width * density);
-    this.canvas.height = Math.round(height * density);
-    const pen = this.canvas.getContext('2d');
-    pen.scale(density, density);
-    let [least, most] = range(curves);
-    const room = 0.06 * (most - least) || 1;
-    [least, most] = [least - room, most + room];
-    const [from, to] = [x[0], x[x.length - 1]];
-    const [w, h] = [width - EDGE.left - EDGE.right, height - EDGE.top - EDGE.bottom];
-    const [sx, sy] = [w / (to - from), h / (most - least)];
-    const px = (value) => EDGE.left + (value - from) * sx;
-    const py = (value) => EDGE.top + (most - value) * sy;
-    pen.font = '12px system-ui, sans-serif';
-    pen.fillStyle = colours.soft;
-    pen.strokeStyle = colours.line;
-    pen.lineWidth = 1;
-    pen.textAlign = 'right';
-    pen.textBaseline = 'middle';
-    for (const tick of ticks(least, most, 5)) {
-      const y = Math.round(py(Number(tick))) + 0.5;
-      pen.beginPath();
-      pen.moveTo(EDGE.left, y);
-      pen.lineTo(width - EDGE.right, y);
-      pen.stroke();
-      pen.fillText(tick, EDGE.left - 6, Math.min(y, height - EDGE.bottom - 4));
-    }
-    pen.textAlign = 'center';
-    pen.textBaseline = 'bottom';
-    const along = ticks(from, to, Math.max(2, Math.floor(w / 80)));
-    along.forEach((tick, n) => {
-      const isLast = n === along.length - 1;
-      const text = isLast ? `${tick} ${this.alongUnit}` : tick;
-      const half = pen.measureText(text).width / 2;
-      pen.fillText(text, Math.min(px(Number(tick)), width - half - 1), height);
-    });
-    pen.lineJoin = 'round';
-    curves.forEach((values, n) => {
-      const { colour, isDashed, isWide } = this.keys[n];
-      pen.strokeStyle = colours[colour];
-      pen.lineWidth = isWide ? 3.5 : 1.6;
-      pen.setLineDash(isDashed ? [5, 4] : []);
-      pen.beginPath();
-      let isOpen = false;
-      for (let i = 0; i < values.length; i += 1) {
-        // What is no number leaves a gap.
-        if (Number.isNaN(values[i])) isOpen = false;
-        else if (isOpen) pen.lineTo(px(x[i]), py(values[i]));
-        else {
-          pen.moveTo(px(x[i]), py(values[i]));
-          isOpen = true;
-        }
-      }
-      pen.stroke();
-    });
-    pen.setLineDash([]);
-  }
-
-  /** Says in words what the curves show. */
-  tell() {
-    const [least, most] = range(this.data(shown).curves);
-    const digits = most - least < 1 ? 3 : 1;
-    const names = this.keys.map(({ name }) => name).join(', ');
-    this.canvas.setAttribute('aria-label', `${this.title}${this.along}: ${names}; from ` +
-      `${fixed(least, digits)} to ${fixed(most, digits)} ${this.unit}`);
-  }
-}
-
 const overTime = { along: ' over time', alongUnit: 's' };
 const charts = [
   new Chart({
+    title: 'Error over the start angle', unit: '%', along: '', alongUnit: '°', isMark: true,
+    keys: [{ name: 'by one constant', colour: 'theirs' }, { name: 'pump-dose', colour: 'ours', isWide: true }],
+    data: ({ settings: set, errors }) => ({
+      x: errors.angle.map(degrees),
+      curves: [errors.constant, errors.planned].map((all) => all.map((error) => 100 * error / set.volume)),
+    }),
+  }),
+  new Chart({
     ...overTime, title: 'Flow', unit: 'mL/s',
-    keys: [{ name: 'at the outlet rollers', colour: 'outlet' }, { name: 'leaves the line', colour: 'ours' }],
+    keys: [
+      { name: 'at the outlet rollers', colour: 'outlet', isWide: true }, { name: 'leaves the line', colour: 'ours' },
+    ],
     data: ({ trace }) => ({ x: trace.time, curves: [trace.qOut, trace.leaves] }),
   }),
   new Chart({
@@ -450,14 +248,6 @@ const charts = [
         trace.time.map(() => set.volume),
         trace.vessel,
       ],
-    }),
-  }),
-  new Chart({
-    title: 'Error over the start angle', unit: '%', along: '', alongUnit: '°', isMark: true,
-    keys: [{ name: 'by one constant', colour: 'theirs' }, { name: 'pump-dose', colour: 'ours', isWide: true }],
-    data: ({ settings: set, errors }) => ({
-      x: errors.angle.map(degrees),
-      curves: [errors.constant, errors.planned].map((all) => all.map((error) => 100 * error / set.volume)),
     }),
   }),
 ];
