@@ -77,14 +77,12 @@ class Engine {
 
   /** All that the page shows. The errors do not depend on most settings, so they are asked for where they change. */
   answer({ settings, withErrors }) {
-    const begun = performance.now();
     const facts = this.plan(settings);
-    const took = performance.now() - begun;
     if (facts.refusal) return { refusal: facts.refusal };
     const pulses = (facts.end - facts.start) * facts.rollers / (2 * Math.PI);
     const rows = Math.min(ROWS.most, Math.max(ROWS.least, ROWS.perPulse * pulses));
     const trace = this.trace((facts.motion + facts.settle) / rows);
-    return { facts, trace, took, errors: withErrors ? this.errors() : null };
+    return { facts, trace, errors: withErrors ? this.errors() : null };
   }
 }
 

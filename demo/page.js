@@ -11,6 +11,11 @@ const USUAL = {
 const NAMES = Object.keys(USUAL);
 const HEADS = { 3: 'three-roller', 2: 'two-roller' };
 
+/** Writes a text where it is another one: only then is anything laid out anew. */
+const word = (id, text) => {
+  const node = $(id);
+  if (node.textContent !== text) node.textContent = text;
+};
 const fixed = (value, digits) => {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? text.replace('-', '') : text;
@@ -68,10 +73,12 @@ function showSliders() {
 $('form').addEventListener('input', ({ target }) => {
   const name = target.dataset.for || target.name;
   if (!NAMES.includes(name)) return;
+  const slider = document.querySelector(`[data-for="${name}"]`);
   if (target.dataset.for) $(name).value = target.value;
+  else if (slider) slider.value = target.value;
   // A field that is empty for a moment is no number, and the planner says so.
   settings[name] = name === 'smooth' ? Number(target.checked) : target.value === '' ? NaN : Number(target.value);
-  showSliders();
+  if (name === 'head' || name === 'rollers') showSliders();
   changed();
 });
 $('form').addEventListener('submit', (event) => event.preventDefault());
@@ -83,7 +90,7 @@ $('usual').addEventListener('click', () => {
 
 /** Says what is wrong, or nothing. The curves stay, paler. */
 function refuse(text) {
-  $('refusal').textContent = text;
+  word('refusal', text);
   $('refusal').hidden = !text;
 }
 
@@ -91,7 +98,7 @@ let linked = 0;
 function changed() {
   clearTimeout(linked);
   linked = setTimeout(() => history.replaceState(null, '', toLink()), 300);
-  $('link-said').textContent = '';
+  word('link-said', '');
   $('link-field').hidden = true;
   ask();
 }
@@ -101,9 +108,9 @@ $('link').addEventListener('click', async () => {
   const link = location.href.split('#')[0] + toLink();
   try {
     await navigator.clipboard.writeText(link);
-    $('link-said').textContent = 'The link is copied.';
+    word('link-said', 'The link is copied.');
   } catch {
-    $('link-said').textContent = 'This browser lets no page copy. The link is below, marked.';
+    word('link-said', 'This browser lets no page copy. The link is below, marked.');
     $('link-field').hidden = false;
     $('link-text').value = link;
     $('link-text').focus();
@@ -116,7 +123,7 @@ function openLink() {
   const { read, wrong } = fromLink();
   settings = read;
   showSettings();
-  $('link-said').textContent = wrong.join('; ');
+  word('link-said', wrong.join('; '));
   ask();
 }
 
@@ -155,7 +162,7 @@ function question(of) {
   planner.postMessage({ settings: asked, withErrors: errorsKey(asked) !== errorsOf });
 }
 
-function take({ facts, trace, errors, refusal, took }, of) {
+function take({ facts, trace, errors, refusal }, of) {
   const reason = refusal || (trace ? '' : 'the dose takes too long to be drawn');
   // The usual dose stands in, paler, where the first one is refused.
   const standsIn = !shown && of.isStandIn;
@@ -167,7 +174,7 @@ function take({ facts, trace, errors, refusal, took }, of) {
     if (!shown && !isBusy) question({ ...USUAL, isStandIn: true });
     return;
   }
-  shown = { settings: of, facts, trace, took, errors: errors || shown.errors };
+  shown = { settings: of, facts, trace, errors: errors || shown.errors };
   head.build(facts);
   draw();
   tell();
@@ -186,22 +193,21 @@ function tell() {
   };
   const ours = facts.planned - set.volume;
   const theirs = facts.constant - set.volume;
-  $('ours').textContent = `${fixed(facts.planned, 4)} mL`;
-  $('ours-error').textContent = `${percent(ours)}\n${grouped(facts.steps)} steps`;
-  $('theirs').textContent = `${fixed(facts.constant, 4)} mL`;
-  $('theirs-error').textContent = `${percent(theirs)}\n${grouped(facts.constantSteps)} steps`;
-  const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
-  $('command-line').hidden = !(HEADS[set.head] && isPublished);
-  $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg+-0deg` +
-    `${set.smooth ? ' --smooth' : ''}${set.head === 2 ? ' --pump two-roller' : ''} --dry-run`;
+  word('ours', `${fixed(facts.planned, 4)} mL`);
+  word('ours-error', `${percent(ours)}\n${grouped(facts.steps)} steps`);
+  word('theirs', `${fixed(facts.constant, 4)} mL`);
+  word('theirs-error', `${percent(theirs)}\n${grouped(facts.constantSteps)} steps`);
   clearTimeout(telling);
   // A slider that moves is not told at each place.
   telling = setTimeout(() => {
+    const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
+    $('command-line').hidden = !(HEADS[set.head] && isPublished);
+    $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg+-0deg` +
+      `${set.smooth ? ' --smooth' : ''}${set.head === 2 ? ' --pump two-roller' : ''} --dry-run`;
     $('said').textContent = `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
       `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
       `the flow that leaves varies by ${fixed(facts.ripple, 0)} % of its mean` +
-      `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed` : ''}. ` +
-      `Planned in ${fixed(shown.took, 1)} ms.`;
+      `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed` : ''}.`;
     $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
       `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);
     for (const chart of charts) {
@@ -315,7 +321,7 @@ function seek(at) {
 function stand() {
   clearInterval(writing);
   isRunning = false;
-  $('play').textContent = now() >= total() ? 'Play again' : 'Play';
+  word('play', now() >= total() ? 'Play again' : 'Play');
   write();
 }
 
@@ -325,14 +331,9 @@ function play() {
   if (now() >= total()) seek(0);
   isRunning = true;
   for (const motion of motions) motion.play();
-  $('play').textContent = 'Pause';
+  word('play', 'Pause');
   writing = setInterval(write, FIGURES_MS);
 }
-
-const word = (id, text) => {
-  const node = $(id).firstChild;
-  if (node.data !== text) node.data = text;
-};
 
 /** Writes the figures of the moment. */
 function write() {
