@@ -1,5 +1,5 @@
 'use strict';
-/* Curves on canvases. What is yet to come lies under a veil, whose edge is now. */
+/* Curves on canvases. The future lies under a veil, whose edge is now. */
 
 const EDGE = { left: 46, right: 8, top: 6, bottom: 20 };
 
@@ -16,7 +16,7 @@ function ticks(least, most, count) {
   return found;
 }
 
-/** The least and the largest value of curves. What is no number is left out. */
+/** The least and the largest value of curves. NaN is left out. */
 function range(curves) {
   let [least, most] = [Infinity, -Infinity];
   for (const values of curves) {
@@ -49,7 +49,7 @@ class Chart {
     const caption = make('figcaption', '', make('h2', '', `${title}, ${unit}`), ...keyed);
     const plot = make('div', 'plot', this.canvas, make('div', 'window', this.veil));
     $('charts').append(make('figure', 'panel chart', caption, plot));
-    // What is out of sight is drawn once it comes into sight, or nothing changes for a while.
+    // A chart out of sight is drawn once it comes into sight, or nothing changes for a while.
     this.isSeen = false;
     this.isDue = true;
     new IntersectionObserver(([{ isIntersecting }]) => {
@@ -113,7 +113,7 @@ class Chart {
       pen.beginPath();
       let isOpen = false;
       for (let i = 0; i < values.length; i += 1) {
-        // What is no number leaves a gap.
+        // NaN leaves a gap.
         if (Number.isNaN(values[i])) isOpen = false;
         else if (isOpen) pen.lineTo(px(x[i]), py(values[i]));
         else {

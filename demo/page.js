@@ -1,5 +1,5 @@
 'use strict';
-/* What a person sees and sets. The planner runs in a worker, so nothing here waits for it. */
+/* The page: settings, words and the course of time. The planner runs in a worker, so nothing here waits for it. */
 
 const $ = (id) => document.getElementById(id);
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
@@ -27,7 +27,7 @@ const degrees = (rad) => rad * 180 / Math.PI;
 
 let settings = { ...USUAL };
 
-/** Reads a link's words. What is no number is left as usual, and said. */
+/** Reads a link's words. A word that is no number is left as usual, and said. */
 function fromLink() {
   const words = new URLSearchParams(location.hash.slice(1));
   const read = { ...USUAL };
@@ -146,7 +146,7 @@ planner.onmessage = ({ data }) => {
 };
 planner.postMessage({ module: $('module').textContent });
 
-/** What the errors over the start angle depend on. */
+/** The settings on which the errors over the start angle depend. */
 const errorsKey = ({ head, rollers, perRev, volume }) => [head, rollers, perRev, volume].join();
 
 function ask() {
@@ -290,7 +290,7 @@ function rewind() {
   motions = [];
   head.rotor.style.transform = head.turns(shown.trace, 1)[0].transform;
   $('time').max = total();
-  // Who wants no motion sees the whole dose.
+  // A person who wants no motion sees the whole dose.
   if (calm.matches) seek(total());
   else {
     stand();

@@ -39,7 +39,7 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// A text of fixed room. What does not fit is cut off.
+/// A text of fixed room. The end is cut off where it does not fit.
 #[derive(Debug)]
 pub(crate) struct Words {
     bytes: [u8; 512],

@@ -1,4 +1,4 @@
-//! What the page is told of a dose.
+//! The figures that the page is told of a dose.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -167,7 +167,7 @@ def test_the_demo_suits_everyone(demo):
 
 def test_the_keyboard_alone_sets_and_plays(demo):
     page = demo(reduced_motion="reduce")
-    # Who wants no motion sees the whole dose at once.
+    # A person who wants no motion sees the whole dose at once.
     expect(page.get_by_role("button", name="Play again")).to_be_visible()
     expect(page.locator("#now-volume")).to_have_text("25.00")
     page.keyboard.press("Tab")
