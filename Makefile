@@ -51,7 +51,7 @@ demo:
 	node demo/check.mjs target/demo/index.html target/demo/reference.json
 
 # The page of `dose serve` in Chromium: what people do, over bad networks and kills too, for barriers with axe, and its
-# times. Two idle cores take less than 4 minutes. `PAGE=crates/pump-service/src/page` at pytest tries a page before a build.
+# times. Two idle cores take less than 5 minutes. `PAGE=crates/pump-service/src/page` at pytest tries a page before a build.
 # npm keeps what it fetches within the checkout.
 BROWSER := .venv-browser
 browser: demo $(BROWSER)/installed

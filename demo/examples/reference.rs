@@ -1,4 +1,5 @@
-//! The figures that this machine computes for some doses, bit by bit, as JSON. `check.mjs` holds the page's module to it.
+//! The figures that this machine computes for some doses, bit by bit, as JSON. `check.mjs` holds the page's module to
+//! them.
 
 use std::fmt::Write;
 
