@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock browser mqtt faults long fuzz lint features oldest packages packaging wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
+.PHONY: test test-rust test-python clock demo browser mqtt faults long fuzz lint features oldest packages packaging wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
 
 # With the example, the command takes the libraries that `make test` has built.
 COMMAND := cargo build --locked --features serve --bin dose --example simulated_node
@@ -36,11 +36,25 @@ clock:
 	command -v systemd-analyze || (apt-get update && apt-get install -y --no-install-recommends systemd)
 	FAKETIME_NEEDED=1 SYSTEMD_NEEDED=1 cargo test --locked --features serve --test command -- unattended::clock unattended::units
 
+# The demo: one page with the planner and the model inside, target/demo/index.html. Node.js holds the module to the bits
+# that this machine computes. `make browser` opens it in Chromium.
+DEMO := --locked --manifest-path demo/Cargo.toml --target-dir target
+demo:
+	rustup target add wasm32-unknown-unknown
+	command -v node || (apt-get update && apt-get install -y --no-install-recommends nodejs)
+	cargo build $(DEMO) --release --target wasm32-unknown-unknown
+	$(PYTHON) demo/build.py target/wasm32-unknown-unknown/release/pump_demo.wasm target/demo/index.html
+	cargo test $(DEMO)
+	cargo clippy $(DEMO) --all-targets -- -D warnings
+	cargo clippy $(DEMO) --release --target wasm32-unknown-unknown -- -D warnings
+	cargo run $(DEMO) --example reference >target/demo/reference.json
+	node demo/check.mjs target/demo/index.html target/demo/reference.json
+
 # The page of `dose serve` in Chromium: what people do, over bad networks and kills too, for barriers with axe, and its
-# times. Two idle cores take less than 4 minutes. `PAGE=crates/pump-service/src/page` at pytest tries a page before a build.
+# times. Two idle cores take less than 5 minutes. `PAGE=crates/pump-service/src/page` at pytest tries a page before a build.
 # npm keeps what it fetches within the checkout.
 BROWSER := .venv-browser
-browser: $(BROWSER)/installed
+browser: demo $(BROWSER)/installed
 	command -v chromium || (apt-get update && apt-get install -y --no-install-recommends chromium fonts-liberation)
 	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
 	cd tests/browser && npm ci --no-audit --no-fund --cache ../../target/npm
@@ -96,10 +110,13 @@ lint: $(VENV)/installed
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	cargo fmt --all --check
 	cargo fmt --manifest-path tests/no_panic/Cargo.toml --check
+	cargo fmt --manifest-path demo/Cargo.toml --check
 	cargo clippy --locked --workspace --exclude pump-benches --all-targets --features serve -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --exclude pump-benches --features serve --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd tests/browser && $(BIN)/ruff check . ../../book && $(BIN)/ruff format --check . ../../book
+	$(BIN)/ruff check --config tests/browser/pyproject.toml demo packaging
+	$(BIN)/ruff format --config tests/browser/pyproject.toml --check demo packaging
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
 

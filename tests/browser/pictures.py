@@ -1,7 +1,9 @@
-"""Make the pictures of docs/serve.md: `python tests/browser/pictures.py`."""
+"""Make the pictures of docs/serve.md and docs/demo.md: `python tests/browser/pictures.py` after `make browser`."""
 
 import tempfile
 from pathlib import Path
+
+from playwright.sync_api import expect
 
 from conftest import launched
 from laboratory import ROOT, Laboratory
@@ -20,9 +22,19 @@ def take(browser, service, address, size, name, height):
     page.context.close()
 
 
+def take_demo(browser):
+    """Write a picture of the demo in the middle of its dose."""
+    page = watch(browser, (ROOT / "target/demo/index.html").as_uri(), size={"width": 1280, "height": 1225})
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    page.evaluate("seek(3)")
+    page.screenshot(path=ROOT / "docs/demo.png")
+    page.context.close()
+
+
 def main():
     """Let pumps move, and take their pictures."""
     with tempfile.TemporaryDirectory() as folder, launched() as browser:
+        take_demo(browser)
         limit = "\n[safety]\nmax_ml_per_day = 500.0\nvessel_ml = 1000.0\n"
         laboratory = Laboratory(Path(folder), pumps=tuple(PUMPS), titles=PUMPS, lines={"base": limit})
         try:

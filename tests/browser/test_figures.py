@@ -4,11 +4,8 @@ from itertools import pairwise
 
 from playwright.sync_api import expect
 
-from laboratory import ROOT, wait_for
-from watching import state
-
-SLOWER = 6
-"""How many times slower than this machine's a phone's processor is taken to be."""
+from laboratory import ROOT
+from watching import SLOWER, frames, state
 
 
 def test_the_page_is_small(service, open_page):
@@ -18,24 +15,6 @@ def test_the_page_is_small(service, open_page):
     assert sum(sizes.values()) < 100_000, sizes
     kept = {file.name for file in (ROOT / "crates/pump-service/src/page").iterdir()}
     assert kept == set(sizes), "each file of the page is counted"
-
-
-def frames(page, session, seconds):
-    """Return the times of the frames that were drawn, by the browser's own trace, in ms."""
-    events, ended = [], []
-    session.on("Tracing.dataCollected", lambda part: events.extend(part["value"]))
-    session.on("Tracing.tracingComplete", lambda _: ended.append(True))
-    categories = "disabled-by-default-devtools.timeline.frame,devtools.timeline.frame"
-    session.send("Tracing.start", {"transferMode": "ReportEvents", "categories": categories})
-    page.wait_for_timeout(1000 * seconds)
-    session.send("Tracing.end")
-
-    def is_over():
-        page.wait_for_timeout(20)
-        return ended
-
-    wait_for("the trace", is_over)
-    return sorted(event["ts"] / 1000 for event in events if event["name"] == "DrawFrame")
 
 
 def test_eight_turning_heads_are_drawn_smoothly_by_a_slow_phone(make_laboratory, open_page, capsys):

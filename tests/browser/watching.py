@@ -9,12 +9,17 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import expect
 
+from laboratory import wait_for
+
 HERE = Path(__file__).parent
 AXE = HERE / "node_modules/axe-core/axe.min.js"
 WIDE = {"width": 1280, "height": 900}
 PHONE = {"width": 360, "height": 740}
 DRAFT = os.environ.get("PAGE")
 """A folder whose files stand for the page's own, so that a change is seen without a build."""
+
+SLOWER = 6
+"""How many times slower than this machine's a phone's processor is taken to be."""
 
 expect.set_options(timeout=20_000)
 
@@ -116,3 +121,21 @@ def wait_for_dose(page, service, pump, volume="90mL"):
     """Let a pump dose by another program, until the page shows it."""
     service.dose(pump, volume)
     expect(state(page, pump)).to_have_text("Dosing")
+
+
+def frames(page, session, seconds):
+    """Return the times of the frames that were drawn, by the browser's own trace, in ms."""
+    events, ended = [], []
+    session.on("Tracing.dataCollected", lambda part: events.extend(part["value"]))
+    session.on("Tracing.tracingComplete", lambda _: ended.append(True))
+    categories = "disabled-by-default-devtools.timeline.frame,devtools.timeline.frame"
+    session.send("Tracing.start", {"transferMode": "ReportEvents", "categories": categories})
+    page.wait_for_timeout(1000 * seconds)
+    session.send("Tracing.end")
+
+    def is_over():
+        page.wait_for_timeout(20)
+        return ended
+
+    wait_for("the trace", is_over)
+    return sorted(event["ts"] / 1000 for event in events if event["name"] == "DrawFrame")

@@ -9,20 +9,12 @@ use pump_model::units::radians;
 
 use super::PulseBounds;
 
-/// Geometric mean of the engagement angles of the drawings, in deg (`examples/pulse_prior`, as all figures here).
-const ENGAGEMENT_DEG: f64 = 59.916;
-
-/// Twice the standard deviation of the logarithms of these angles.
+/// Twice the standard deviation of the logarithms of the drawings' engagement angles (`examples/pulse_prior`, as all
+/// figures here).
 const ENGAGEMENT_SPREAD: f64 = 0.5037;
-
-/// Mean of V_r/(a phi) over the drawings.
-const FULLNESS: f64 = 0.41938;
 
 /// Twice the standard deviation of V_r/(a phi).
 const FULLNESS_STANDARD: f64 = 0.11025;
-
-/// Largest engagement angle of the drawings, as a part of the pitch. More rollers leave less room for each.
-const WIDEST_PART: f64 = 0.6167;
 
 /// Number of drawings that show the scatter.
 const DRAWINGS: u32 = 5;
@@ -56,12 +48,11 @@ pub struct PulsePrior {
 impl PulsePrior {
     /// Returns the default pulse of a head with this number of rollers.
     pub fn of(rollers: u32) -> Self {
-        let pitch_deg = 360.0 / f64::from(rollers.max(1));
         Self {
             rollers,
-            engagement_deg: ENGAGEMENT_DEG.min(WIDEST_PART * pitch_deg),
+            engagement_deg: DefaultPulse::usual_engagement_deg(rollers),
             engagement_spread: ENGAGEMENT_SPREAD,
-            fullness: FULLNESS,
+            fullness: DefaultPulse::FULLNESS,
             fullness_standard: FULLNESS_STANDARD,
         }
     }

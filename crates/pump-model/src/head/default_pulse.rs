@@ -22,6 +22,12 @@ const SHAPE: [(f64, f64); 11] = [
     (1.0, 0.0),
 ];
 
+/// Geometric mean of the engagement angles of these drawings, degrees.
+const ENGAGEMENT_DEG: f64 = 59.916;
+
+/// Largest engagement angle of these drawings, as a part of the pitch. More rollers leave less room for each.
+const WIDEST_PART: f64 = 0.6167;
+
 /// Pulse of a roller as a head's flow shows it: its share of the volume between two rollers, and its angle.
 ///
 /// The share is V_r/(V_pitch + V_r): the part of the bore's volume between two rollers that a roller takes when it
@@ -48,6 +54,27 @@ impl DefaultPulse {
     /// Returns the pulse with this share and this engagement angle, degrees.
     pub fn new(share: f64, engagement_deg: f64) -> Self {
         Self { share, engagement_rad: radians(engagement_deg) }
+    }
+
+    /// Mean fullness V_r/(a phi) of the drawings of heads: the part of the bore's volume over phi that a roller takes.
+    pub const FULLNESS: f64 = 0.41938;
+
+    /// Returns the engagement angle phi of a head of which only the number of rollers is known, degrees.
+    pub fn usual_engagement_deg(rollers: u32) -> f64 {
+        ENGAGEMENT_DEG.min(WIDEST_PART * (360.0 / f64::from(rollers.max(1))))
+    }
+
+    /// Returns the pulse of a head of which only the number of rollers is known.
+    ///
+    /// ```
+    /// use pump_model::DefaultPulse;
+    /// let pulse = DefaultPulse::of_rollers(4);
+    /// // The share of a pitch is the fullness times the part of the pitch that the pulse takes.
+    /// assert!((pulse.share - DefaultPulse::FULLNESS * pulse.engagement_deg() / 90.0).abs() < 1e-15);
+    /// ```
+    pub fn of_rollers(rollers: u32) -> Self {
+        let engagement_deg = Self::usual_engagement_deg(rollers);
+        Self::new(Self::FULLNESS * engagement_deg * f64::from(rollers) / 360.0, engagement_deg)
     }
 
     /// Returns the engagement angle phi, degrees.

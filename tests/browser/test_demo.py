@@ -1,0 +1,242 @@
+"""The demo of `make demo`: the bits of the command, what people do, barriers, and frames per second."""
+
+import csv
+import re
+import subprocess
+from itertools import pairwise
+
+import pytest
+from playwright.sync_api import expect
+
+from laboratory import DOSE, PATIENCE, ROOT
+from watching import AXE, PHONE, SLOWER, barriers, frames, is_too_wide
+
+PAGE = ROOT / "target/demo/index.html"
+
+
+@pytest.fixture
+def demo(open_page):
+    """Open the demo as a file, and wait for its dose."""
+
+    def opened(link="", **options):
+        assert PAGE.exists(), "`make demo` makes the page"
+        page = open_page(f"{PAGE.as_uri()}{link}", is_live=False, **options)
+        expect(page.locator("#theirs")).to_contain_text("mL")
+        return page
+
+    return opened
+
+
+def column(file, name):
+    """Return a column of a CSV file as numbers, each of the bits that were written."""
+    with file.open() as rows:
+        return [float(row[name]) for row in csv.DictReader(line for line in rows if not line.startswith("#"))]
+
+
+NAMES = {
+    "time": "time_s",
+    "angle": "angle_rad",
+    "speed": "speed_rad_s",
+    "qIn": "q_in_ml_s",
+    "qOut": "q_out_ml_s",
+    "pIn": "p_in_kpa",
+    "pOut": "p_out_kpa",
+    "vessel": "delivered_ml",
+}
+
+
+@pytest.mark.parametrize(("link", "steps"), [("", 15287), ("#smooth=1&angle=61.5", 0), ("#head=2&volume=7&rate=9", 0)])
+def test_the_browser_plans_the_bits_of_the_command(demo, tmp_path, link, steps):
+    page = demo(link)
+    expect(page.locator("#command")).to_contain_text("--dry-run")
+    words = page.locator("#command").text_content().split()[1:]
+    home = {"HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
+    outputs = ["--no-service", "--steps", "steps.csv", "--trace", "trace.csv", "--dt", "1ms"]
+    subprocess.run([DOSE, *words, *outputs], cwd=tmp_path, env=home, check=True, capture_output=True, timeout=PATIENCE)
+    # The debugger puts the planner in, since the page's policy forbids other scripts.
+    page.evaluate((ROOT / "demo/engine.js").read_text() + "; globalThis.Engine = Engine; undefined")
+    found = page.evaluate(
+        """async () => {
+            const engine = await Engine.load(document.getElementById('module').textContent);
+            const facts = engine.plan(settings);
+            const trace = engine.trace(0.001);
+            const lists = Object.entries(trace).map(([name, all]) => [name, Array.from(all)]);
+            return { facts, steps: Array.from(engine.stepTimes(facts.steps)), trace: Object.fromEntries(lists) };
+        }"""
+    )
+    times = column(tmp_path / "steps.csv", "time_s")
+    assert found["facts"]["steps"] == len(times) == (steps or len(times))
+    assert found["steps"] == times
+    for name, there in NAMES.items():
+        assert found["trace"][name] == column(tmp_path / "trace.csv", there), name
+
+
+def test_a_slow_phone_draws_the_dose_smoothly(demo, capsys):
+    page = demo(size=PHONE)
+    session = page.context.new_cdp_session(page)
+    session.send("Emulation.setCPUThrottlingRate", {"rate": SLOWER})
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    drawn = frames(page, session, 4)
+    gaps = sorted(after - before for before, after in pairwise(drawn))
+    rate = 1000 * len(gaps) / (drawn[-1] - drawn[0])
+    with capsys.disabled():
+        print(
+            f"\n  the dose plays, processor {SLOWER} times slower: {rate:.1f} frames/s, "
+            f"99 of 100 within {gaps[int(0.99 * len(gaps))]:.1f} ms, longest {gaps[-1]:.1f} ms"
+        )
+    assert rate >= 45, "frames/s"
+
+
+def test_a_slow_phone_shows_twenty_changes_of_a_slider_a_second(demo, capsys):
+    page = demo(size=PHONE)
+    session = page.context.new_cdp_session(page)
+    # Time of the processor, so that other work on this machine changes little.
+    session.send("Performance.enable", {"timeDomain": "threadTicks"})
+    # A finger moves the slider at each frame.
+    page.evaluate(
+        """() => {
+            globalThis.answers = 0;
+            const shows = planner.onmessage;
+            planner.onmessage = (event) => { answers += 1; shows(event); };
+            const slider = document.querySelector('[data-for=angle]');
+            const move = (now) => {
+                slider.value = 60 + 59 * Math.sin(now / 700);
+                slider.dispatchEvent(new Event('input', { bubbles: true }));
+                requestAnimationFrame(move);
+            };
+            requestAnimationFrame(move);
+        }"""
+    )
+
+    def spent():
+        metrics = session.send("Performance.getMetrics")["metrics"]
+        return next(one["value"] for one in metrics if one["name"] == "TaskDuration"), page.evaluate("answers")
+
+    before = spent()
+    page.wait_for_timeout(4000)
+    after = spent()
+    answers = after[1] - before[1]
+    change_ms = 1000 * (after[0] - before[0]) / answers
+    with capsys.disabled():
+        print(
+            f"\n  a slider moves: {answers / 4:.0f} plans a second are shown, {change_ms:.2f} ms of the page for each"
+        )
+    assert answers > 20
+    assert SLOWER * change_ms < 50, "ms"
+
+
+def test_nothing_is_drawn_while_the_dose_stands(demo):
+    page = demo("#volume=1&rate=5")
+    expect(page.get_by_role("button", name="Play again")).to_be_visible()
+    page.wait_for_timeout(800)
+    assert len(frames(page, page.context.new_cdp_session(page), 1)) < 5
+
+
+def inspected(page, where):
+    """Hold what is shown against axe in light and dark, wide and on a phone."""
+    found = []
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        found += barriers(page, f"{where}, {scheme}")
+    size = page.viewport_size
+    page.set_viewport_size(PHONE)
+    found += barriers(page, f"{where}, phone")
+    if is_too_wide(page):
+        found.append(f"{where}: it scrolls sideways at 360 px")
+    page.set_viewport_size(size)
+    return found
+
+
+def test_the_demo_suits_everyone(demo):
+    assert AXE.exists(), "npm has put axe-core in place"
+    page = demo()
+    found = inspected(page, "a dose")
+    page.get_by_label("Pump head", exact=True).select_option("another head, by its volume")
+    page.get_by_label("Rollers, 2 to 24").fill("8")
+    expect(page.locator("#head .roller")).to_have_count(8)
+    page.get_by_text("Line at inlet and outlet").click()
+    found += inspected(page, "another head")
+    page.get_by_label("Rate, mL/s", exact=True).fill("90")
+    expect(page.get_by_role("alert")).to_contain_text("a rate of 90 mL/s needs")
+    found += inspected(page, "a refusal")
+    page.get_by_role("button", name="Usual settings").click()
+    expect(page.get_by_role("alert")).to_be_hidden()
+    expect(page.locator("#ours-error")).to_contain_text("15,287 steps")
+    assert not found, "\n".join(found)
+
+
+def test_the_keyboard_alone_sets_and_plays(demo):
+    page = demo(reduced_motion="reduce")
+    # A person who wants no motion sees the whole dose at once.
+    expect(page.get_by_role("button", name="Play again")).to_be_visible()
+    expect(page.locator("#now-volume")).to_have_text("25.00")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Space")
+    expect(page.get_by_role("button", name="Pause")).to_be_focused()
+    expect(page.locator("#now-volume")).not_to_have_text("25.00")
+    page.keyboard.press("Space")
+    for _ in range(3):
+        page.keyboard.press("Tab")
+    expect(page.get_by_label("Volume, mL", exact=True)).to_be_focused()
+    page.keyboard.press("ControlOrMeta+a")
+    page.keyboard.type("1")
+    expect(page.locator("#ours")).to_contain_text("1.000")
+    page.keyboard.press("Tab")
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_label("Volume, mL", exact=True)).to_have_value("1.5")
+
+
+def test_a_link_carries_the_settings(demo, chromium):
+    page = demo()
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_label("Volume, mL", exact=True).fill("2.5")
+    page.get_by_label("Smooth").check()
+    page.get_by_text("Line at inlet and outlet").click()
+    page.get_by_label("Compliance C").fill("0.05")
+    page.get_by_role("button", name="Copy a link").click()
+    expect(page.locator("#link-said")).to_have_text("The link is copied.")
+    link = page.evaluate("navigator.clipboard.readText()")
+    assert re.search(r"index\.html#volume=2.5&smooth=1&c=0.05$", link), link
+    other = demo(link.partition("index.html")[2])
+    expect(other.get_by_label("Volume, mL", exact=True)).to_have_value("2.5")
+    expect(other.get_by_label("Smooth")).to_be_checked()
+    expect(other.get_by_label("Compliance C")).to_have_value("0.05")
+    expect(other.locator("#ours")).to_have_text(page.locator("#ours").text_content())
+
+
+def test_a_link_that_cannot_be_read_says_so_and_doses_as_usual(demo):
+    page = demo("#volume=abc&speed=3&rate=90")
+    said = page.locator("#link-said")
+    expect(said).to_contain_text("volume is “abc” in the link; it must be a number, and 25 stands for it")
+    expect(said).to_contain_text("“speed”, which is no setting")
+    # The first dose is refused: the usual one stands in, paler.
+    expect(page.get_by_role("alert")).to_contain_text("a rate of 90 mL/s needs")
+    expect(page.locator("#head .roller")).to_have_count(3)
+    expect(page.locator("body")).to_have_class("stale")
+
+
+def test_each_roller_is_drawn_at_its_angle(demo):
+    page = demo("#angle=30", reduced_motion="reduce")
+    page.evaluate("seek(0)")
+    # A roller at 0 degrees stands 120 degrees clockwise from the top, where the backplate of the paper ends.
+    assert abs(turned(page) - (120 + 30)) < 0.01
+    page.evaluate("seek(shown.facts.motion)")
+    end = page.evaluate("degrees(shown.facts.end)")
+    assert abs(turned(page) - (120 + end) % 360) < 0.05
+
+
+def turned(page):
+    """Return the angle by which the rotor is turned, in degrees."""
+    matrix = "(rotor) => { const m = new DOMMatrix(getComputedStyle(rotor).transform); return Math.atan2(m.b, m.a); }"
+    return page.locator(".rotor").evaluate(matrix) * 180 / 3.141592653589793 % 360
+
+
+def test_the_demo_asks_no_server(chromium):
+    context = chromium.new_context()
+    asked = []
+    page = context.new_page()
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(PAGE.as_uri())
+    expect(page.locator("#ours")).to_contain_text("25.000")
+    context.close()
+    assert [url for url in asked if not url.startswith(("file:", "blob:", "data:"))] == []
