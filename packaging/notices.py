@@ -34,16 +34,16 @@ def is_permissive(licence: str) -> bool:
     while match := re.search(r"\(([^()]*)\)", expression):
         inner = "MIT" if is_permissive(match[1]) else "unknown"
         expression = expression[: match.start()] + inner + expression[match.end() :]
-    return any(
-        all(part.strip() in PERMISSIVE for part in option.split(" AND ")) for option in expression.split(" OR ")
-    )
+    return any(all(part.strip() in PERMISSIVE for part in option.split(" AND ")) for option in expression.split(" OR "))
 
 
 def dependencies(features: str) -> list[dict[str, str]]:
-    """Returns name, version, licence and source of each package that the command links, but for its own workspace."""
+    """Return name, version, licence and source of each package that the command links, but for its own workspace."""
     tree = subprocess.run(
-        ["cargo", "tree", "--locked", "-p", "pump-dose", "--features", features]
-        + ["--edges", "normal", "--prefix", "none", "--target", "all", "--format", "{p}"],
+        [
+            *"cargo tree --locked -p pump-dose --edges normal --prefix none --target all --format {p} --features".split(),
+            features,
+        ],
         check=True,
         capture_output=True,
         text=True,
@@ -68,7 +68,7 @@ def dependencies(features: str) -> list[dict[str, str]]:
 
 
 def main() -> int:
-    """Prints the notices; returns 1 at a licence that is not known here."""
+    """Print the notices, and return 1 at a licence that is not known here."""
     packages = dependencies(sys.argv[1] if len(sys.argv) > 1 else "serve")
     unknown = []
     print("# Licences of what is compiled into dose\n")
