@@ -41,7 +41,8 @@ def dependencies(features: str) -> list[dict[str, str]]:
     """Return name, version, licence and source of each package that the command links, but for its own workspace."""
     tree = subprocess.run(
         [
-            *"cargo tree --locked -p pump-dose --edges normal --prefix none --target all --format {p} --features".split(),
+            *("cargo", "tree", "--locked", "-p", "pump-dose", "--edges", "normal", "--prefix", "none"),
+            *("--target", "all", "--format", "{p}", "--features"),
             features,
         ],
         check=True,
