@@ -4,7 +4,7 @@
 //! direction on GP(3 + 4k), enable on GP(4 + 4k), its index sensor on GP(5 + 4k), and its driver's fault output on
 //! GP(18 + k). GP22 is the emergency stop: low while it is released.
 //!
-//! The board's own USB port is a second serial port.
+//! The board's own USB port is a second serial port. The processor runs at 200 MHz ([`clock`]).
 //!
 //! Three interrupts run. The timer's alarm 0 makes the steps. The serial port's takes and sends bytes. That of the USB
 //! port wakes the loop below, which does everything else.
