@@ -28,6 +28,7 @@ A simulated grbl board, of one axis, X, without --axes, at the end of a pseudo-t
   --fast <factor>         its motor runs so many times faster
   --resets                opening the port resets it, as an Arduino
   --set <number>=<value>  a setting that differs, as --set 100=80
+  --info <text>           the text that somebody has stored in the board with $I=
   --sensor <step>         an index sensor at this step of 12800
   --firmware grbl|grbl09|grblhal|fluidnc
   --auto-report <seconds> reports its position by itself, as grblHAL's $481
@@ -86,6 +87,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let (number, value) = text.split_once('=').ok_or("--set needs <number>=<value>")?;
                 options.settings.push((number.parse()?, value.parse()?));
             }
+            // The board keeps it for as long as the program runs.
+            "--info" => options.text = value()?.leak(),
             "--sensor" => options.sensor = Some(Sensor { at: value()?.parse()?, width: 128, every: 12_800 }),
             "--auto-report" => options.auto_report = Some(Duration::from_secs_f64(value()?.parse()?)),
             "--chatter" => options.chatters = true,

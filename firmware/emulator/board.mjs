@@ -6,8 +6,15 @@ import { GPIOPinState, Simulator } from 'rp2040js';
 import { Flash } from './flash.mjs';
 import { UsbHost } from './usb_host.mjs';
 
-/** Time of one cycle at 125 MHz, in ns. */
-const CYCLE_NS = 8;
+/** Fastest clock of the processor at the core's voltage after a reset, and at 1.15 V (pico-sdk 2.1.1), in Hz. */
+const FASTEST_HZ = 133e6;
+const FASTEST_HZ_1V15 = 200e6;
+/** Base of the core's regulator, as the emulator numbers it, its register, and the code of 1.15 V (RP2040 datasheet,
+ * section 2.10.6). After a reset the code is that of 1.10 V. */
+const REGULATOR = 0x40064;
+const VREG = 0x00;
+const VREG_AFTER_RESET = 0xb1;
+const CODE_1V15 = 12;
 /** Start of the flash (RP2040 datasheet, section 2.2). */
 const FLASH = 0x10000000;
 /** Start of the vector table: the 256 bytes before it are the second boot stage. */
@@ -76,6 +83,7 @@ export class Board {
       };
     }
     this.flash = new Flash(chip, this.number);
+    this.clock(chip);
     chip.gpio.forEach((pin, number) => {
       pin.addListener((state) => this.edges.push({ ns: this.now, pin: number, level: level(state) }));
     });
@@ -88,6 +96,29 @@ export class Board {
     }
     chip.core.VTOR = VECTORS;
     chip.core.reset();
+  }
+
+  /**
+   * Has time follow the clock that the firmware sets, and refuses one that the core's voltage does not allow. Until
+   * then a cycle is that of the emulator's own rate.
+   */
+  clock(chip) {
+    let vreg = VREG_AFTER_RESET;
+    const regulator = chip.peripherals[REGULATOR];
+    regulator.readUint32 = (offset) => (offset === VREG ? vreg : 0);
+    regulator.writeUint32 = (offset, value) => {
+      if (offset === VREG) vreg = value;
+    };
+    this.cycleNs = 1e9 / chip.clkSys;
+    this.isClockSet = false;
+    chip.addClockListener((hz) => {
+      const allowed = ((vreg >>> 4) & 0xf) >= CODE_1V15 ? FASTEST_HZ_1V15 : FASTEST_HZ;
+      if (hz > allowed) {
+        throw new Error(`the firmware sets a clock of ${hz / 1e6} MHz; the core's voltage allows ${allowed / 1e6} MHz`);
+      }
+      this.cycleNs = 1e9 / hz;
+      this.isClockSet = true;
+    });
   }
 
   /** Feeds bytes from now on, each in the time that the line takes for it. */
@@ -113,9 +144,9 @@ export class Board {
       if (core.waiting) {
         const byteNs = fed.length ? this.nextByteNs : endNs;
         const alarmNs = clock.nextAlarm ? clock.nextAlarm.nanos : endNs;
-        clock.tick(Math.max(CYCLE_NS, Math.min(byteNs, alarmNs, endNs) - clock.nanos));
+        clock.tick(Math.max(this.cycleNs, Math.min(byteNs, alarmNs, endNs) - clock.nanos));
       } else {
-        clock.tick(core.executeInstruction() * CYCLE_NS);
+        clock.tick(core.executeInstruction() * this.cycleNs);
         this.count(core.IPSR, core.PM);
         this.watch(core);
       }
@@ -150,8 +181,8 @@ export class Board {
     if (!core.PM) {
       if (this.offFrom === undefined) return;
       const offNs = this.chip.clock.nanos - this.offFrom;
-      // The start of the firmware, which asks the flash chip, has no step to make.
-      if (this.usb.ids) extremes.offNs = Math.max(extremes.offNs, offNs);
+      // The start of the firmware, which asks the flash chip before it sets the clock, has no step to make.
+      if (this.isClockSet) extremes.offNs = Math.max(extremes.offNs, offNs);
       if (this.usesUsb) extremes.usbOffNs = Math.max(extremes.usbOffNs, offNs);
       this.offFrom = undefined;
     } else if (this.offFrom === undefined) {

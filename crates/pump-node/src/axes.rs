@@ -7,16 +7,15 @@ use pump_link::timing::{ns_in_ticks, rate_hz};
 use crate::axis::{Axis, NEVER, Setup};
 use crate::board::{Board, Edge, Pins};
 
-/// Largest sum of the step rates of all axes, Hz. At 100 kHz, evenly spread over four axes, the interrupt of an RP2040
-/// leaves no time to the thread (measured in an emulator, docs/node.md).
-pub const MAX_STEP_HZ: u32 = 66_000;
+/// Largest sum of the step rates of all axes, Hz (measured in an emulator of an RP2040 at 200 MHz, docs/node.md).
+pub const MAX_STEP_HZ: u32 = 100_000;
 
 /// Time before a step at which the interrupt begins, ns. It covers the way into the interrupt. A firmware keeps its
 /// thread's critical sections clear of the alarm ([`crate::Shared`]).
-pub const LEAD_NS: u32 = 5_000;
+pub const LEAD_NS: u32 = 3_000;
 
 /// Time for which the interrupt counts a step at most, ns. Steps that come due within it are made before.
-const COUNT_NS: u32 = 8_000;
+const COUNT_NS: u32 = 3_000;
 
 /// Time from a request to begin to the earliest tick at which a move can begin, ns: 1 ms.
 const BEGIN_LEAD_NS: u32 = 1_000_000;
@@ -28,9 +27,9 @@ pub struct Axes<'a, P, B, const Q: usize, const A: usize> {
     board: B,
     tick_hz: u32,
     /// [`LEAD_NS`] in ticks.
-    lead: u64,
+    lead: u32,
     /// [`COUNT_NS`] in ticks.
-    count: u64,
+    count: u32,
     /// [`BEGIN_LEAD_NS`] in ticks.
     begin_lead: u64,
     /// True while the emergency stop is pressed.
@@ -45,8 +44,8 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
         Self {
             board,
             tick_hz,
-            lead: ns_in_ticks(LEAD_NS, tick_hz),
-            count: ns_in_ticks(COUNT_NS, tick_hz),
+            lead: ns_in_ticks(LEAD_NS, tick_hz) as u32,
+            count: ns_in_ticks(COUNT_NS, tick_hz) as u32,
             begin_lead: ns_in_ticks(BEGIN_LEAD_NS, tick_hz),
             estop: false,
             axes,
@@ -57,44 +56,46 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
     /// fire next, or `None` if all motors stand. If the tick has passed, call again at once.
     ///
     /// Pins rise first, and the steps are counted while they are high. The tick of each step is known since the step
-    /// before, so the pins of several axes rise together, and no step waits for the arithmetic of another.
+    /// before, so the pins of several axes rise together, and no step waits for the arithmetic of another. Times are
+    /// those since the call, in 32 bits: a small processor compares them in a third of the instructions.
     pub fn on_timer(&mut self) -> Option<u64> {
         self.look_at_estop();
-        let mut rises = self.axes.each_ref().map(Axis::rises_at);
+        let called = self.board.now();
+        let mut rises = self.axes.each_ref().map(|axis| axis.rises_after(called));
         let mut ahead = self.lead;
         loop {
-            let latest = self.board.now().saturating_add(ahead);
+            let latest = self.board.since(called).saturating_add(ahead);
             ahead = self.count;
-            let tick = soonest(&rises);
-            if tick <= latest {
-                self.raise(tick, &mut rises);
+            let soonest = rises.iter().fold(NEVER, |soonest, ticks| soonest.min(*ticks));
+            if soonest <= latest {
+                self.raise(called, soonest, &mut rises);
                 continue;
             }
-            let Some((axis, at)) = self.axes.iter_mut().zip(&mut rises).find(|(axis, _)| axis.is_high())
+            let Some((axis, ticks)) = self.axes.iter_mut().zip(&mut rises).find(|(axis, _)| axis.is_high())
             else {
-                return (tick != NEVER).then(|| tick.saturating_sub(self.lead));
+                return (soonest != NEVER).then(|| called + u64::from(soonest.saturating_sub(self.lead)));
             };
             axis.count_step();
-            axis.lower(&mut self.board);
-            *at = axis.rises_at();
+            axis.lower(&mut self.board, called);
+            *ticks = axis.rises_after(called);
         }
     }
 
-    /// Begins the pulses that are due at `tick`, all at once.
+    /// Begins the pulses that are due `soonest` ticks after the interrupt was `called`, all at once.
     #[inline]
-    fn raise(&mut self, tick: u64, rises: &mut [u64; A]) {
+    fn raise(&mut self, called: u64, soonest: u32, rises: &mut [u32; A]) {
         let mut edge = Edge::default();
-        for (axis, at) in self.axes.iter().zip(rises.iter()) {
-            if *at <= tick {
+        for (axis, ticks) in self.axes.iter().zip(rises.iter()) {
+            if *ticks <= soonest {
                 edge.join(axis.rise());
             }
         }
-        self.board.wait_until(tick);
+        self.board.wait_until(called + u64::from(soonest));
         self.board.set_steps(edge);
-        let now = self.board.now();
-        for (axis, at) in self.axes.iter_mut().zip(rises) {
-            if *at <= tick {
-                *at = NEVER;
+        let now = called + u64::from(self.board.since(called));
+        for (axis, ticks) in self.axes.iter_mut().zip(rises) {
+            if *ticks <= soonest {
+                *ticks = NEVER;
                 axis.rose(now);
             }
         }
@@ -103,7 +104,7 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
     /// Returns the tick at which the timer must fire next, or `None` if all motors stand. It is [`LEAD_NS`] before the
     /// next step.
     pub fn next_alarm(&self) -> Option<u64> {
-        self.next_deadline().map(|tick| tick.saturating_sub(self.lead))
+        self.next_deadline().map(|tick| tick.saturating_sub(self.lead.into()))
     }
 
     /// Returns the tick of the next step, or `None` if all motors stand.
@@ -283,12 +284,6 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
     fn axis(&mut self, axis: u8) -> Result<&mut Axis<P, Q>, Refusal> {
         self.axes.get_mut(usize::from(axis)).ok_or(no_such_axis::<A>())
     }
-}
-
-/// Returns the soonest of these ticks.
-#[inline]
-fn soonest<const A: usize>(ticks: &[u64; A]) -> u64 {
-    ticks.iter().fold(NEVER, |soonest, tick| soonest.min(*tick))
 }
 
 fn no_such_axis<const A: usize>() -> Refusal {

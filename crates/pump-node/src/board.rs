@@ -60,6 +60,12 @@ pub trait Board {
     /// Returns the tick of the timer. It never falls, and has 64 bits.
     fn now(&mut self) -> u64;
 
+    /// Returns the ticks since `tick`, which is at most 2^32 - 1 ticks ago. It is called in the interrupt, and a timer
+    /// that is read in two halves needs the lower one alone.
+    fn since(&mut self, tick: u64) -> u32 {
+        self.now().wrapping_sub(tick) as u32
+    }
+
     /// Waits until the timer is at `tick`, if it is not beyond. It is called in the interrupt, before a step.
     fn wait_until(&mut self, tick: u64);
 

@@ -17,8 +17,8 @@ use crate::doses::START_RAD;
 /// Largest distance of a rise from its time in the old or the new plan, us.
 const MOST_OFF_US: f64 = 1.0;
 
-/// Most instructions for which a change may keep the interrupts off: 30 us at 125 MHz.
-const MOST_KEPT_OFF: f64 = 3_750.0;
+/// Most instructions for which a change may keep the interrupts off: 15 us at 200 MHz, by a cycle each.
+const MOST_KEPT_OFF: f64 = 3_000.0;
 
 /// Changes: volume and flow before and after, mL and mL/s.
 const CHANGES: [[(f64, f64); 2]; 3] =

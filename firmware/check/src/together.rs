@@ -22,12 +22,16 @@ const MOST_OFF_US: f64 = 2.0;
 /// Allowed distance of 99.9 % of the rises that are due alone, us.
 const MOSTLY_OFF_US: f64 = 1.0;
 
-/// Rate of evenly spread steps up to which these distances hold, steps/s. Above it the thread finds no gap for its
+/// Shortest interval of evenly spread steps at which these distances hold, us. Below it the thread finds no gap for its
 /// critical sections, and one of them holds up a step.
-const HELD_HZ: u64 = 40_000;
+const HELD_US: u64 = 16;
 
-/// Allowed distance of a rise above that rate, us.
-const MOST_OFF_FASTEST_US: f64 = 10.0;
+/// Allowed distance of a rise at shorter intervals, us.
+const MOST_OFF_FASTEST_US: f64 = 7.0;
+
+/// Segments that a move begins with, and those that follow where the queue is fed on its way: more than it holds.
+const SEGMENTS: usize = 4;
+const FED_SEGMENTS: usize = 300;
 
 /// Most instructions of an interrupt, and of a step on average. The waits within the interrupt are among them.
 const MOST_INSTRUCTIONS: f64 = 6_000.0;
@@ -52,22 +56,23 @@ pub(crate) fn smooth(firmware: &Path) -> Result<(), Box<dyn Error>> {
     make(&mut host, &moves, MOST_OFF_US)
 }
 
-/// Makes even steps with some axes, `apart` us from one axis to the next.
+/// Makes even steps with some axes, `apart` us from one axis to the next. Fast moves are so long that the queues are fed
+/// meanwhile.
 fn even(firmware: &Path, axes: u8, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
     let mut host = Host::new(firmware, 500)?;
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
+    let gap = if apart == 0 { interval } else { apart };
+    let (segments, count) = if gap <= HELD_US { (FED_SEGMENTS, 40) } else { (SEGMENTS, 500) };
     let mut moves = Vec::new();
     for axis in 0..axes {
         host.configure(axis, &brake)?;
-        let even = Segment { count: 500, interval, add: 0, frac: 0 };
+        let even = Segment { count, interval, add: 0, frac: 0 };
         let first = Segment { count: 1, interval: interval + apart * u64::from(axis), ..even };
-        moves.push(Move::new(axis, [first, even, even, even, even])?);
+        moves.push(Move::new(axis, std::iter::once(first).chain(std::iter::repeat_n(even, segments)))?);
     }
     let sum_hz = f64::from(axes) * 1e6 / interval as f64;
     println!("{axes} axes every {interval} us, {apart} us apart, {sum_hz:.0} steps/s in all:");
-    let gap = if apart == 0 { interval } else { apart };
-    let has_no_gap = gap * HELD_HZ < 1_000_000;
-    make(&mut host, &moves, if has_no_gap { MOST_OFF_FASTEST_US } else { MOST_OFF_US })
+    make(&mut host, &moves, if gap < HELD_US { MOST_OFF_FASTEST_US } else { MOST_OFF_US })
 }
 
 /// Returns the shortest interval of four axes whose even steps are `sum_hz` at most, us.
@@ -78,17 +83,16 @@ fn even_interval(sum_hz: u32) -> u64 {
 /// Makes even steps with one axis and with four, at one tick and evenly spread, up to the largest rate that the board
 /// accepts. The board refuses more.
 pub(crate) fn evens(firmware: &Path) -> Result<(), Box<dyn Error>> {
-    for interval in [1_000, 108, 1_000_000 / HELD_HZ] {
+    for interval in [1_000, 108, 25, HELD_US, 12] {
         even(firmware, 1, interval, 0)?;
     }
     even(firmware, 4, 1_000, 0)?;
-    for apart in [250, 27, 1_000_000 / HELD_HZ] {
+    for apart in [250, 27, HELD_US, 12] {
         even(firmware, 4, 4 * apart, apart)?;
     }
-    // One axis at the shortest interval that the board accepts, and four between that rate and the held one.
+    // One axis at the shortest interval that the board accepts, and four.
     let allowed = Host::new(firmware, 500)?.identity.max_step_hz;
     even(firmware, 1, 1_000_000_u64.div_ceil(u64::from(allowed)), 0)?;
-    even(firmware, 4, 4 * 22, 22)?;
     let interval = even_interval(allowed);
     even(firmware, 4, interval, 0)?;
     even(firmware, 4, interval, interval / 4)?;

@@ -4,7 +4,7 @@
 //! direction on GP(3 + 4k), enable on GP(4 + 4k), its index sensor on GP(5 + 4k), and its driver's fault output on
 //! GP(18 + k). GP22 is the emergency stop: low while it is released.
 //!
-//! The board's own USB port is a second serial port.
+//! The board's own USB port is a second serial port. The processor runs at 200 MHz ([`clock`]).
 //!
 //! Three interrupts run. The timer's alarm 0 makes the steps. The serial port's takes and sends bytes. That of the USB
 //! port wakes the loop below, which does everything else.
@@ -13,6 +13,7 @@
 
 mod axis_pins;
 mod boot;
+mod clock;
 mod critical;
 mod flash_id;
 mod lights;
@@ -25,8 +26,8 @@ use core::panic::PanicInfo;
 
 use cortex_m_rt::{ExceptionFrame, exception};
 use pump_node::{Node, identity};
-use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
-use rp2040_hal::{Sio, Watchdog, entry, pac};
+use rp2040_hal::clocks::Clock;
+use rp2040_hal::{Sio, entry, pac};
 
 use lights::Light;
 use serial::Serial;
@@ -38,9 +39,6 @@ const AXES: usize = 4;
 
 /// Number of segments that the queue of an axis holds.
 const QUEUE: usize = 256;
-
-/// Rate of the crystal, Hz.
-const CRYSTAL_HZ: u32 = 12_000_000;
 
 /// Ports of the node: the UART, and the board's own USB port.
 const UART: usize = 0;
@@ -55,17 +53,15 @@ fn main() -> ! {
         halt()
     };
     let number = flash_id::read();
-    let mut watchdog = Watchdog::new(registers.WATCHDOG);
-    let clocks = init_clocks_and_plls(
-        CRYSTAL_HZ,
-        registers.XOSC,
-        registers.CLOCKS,
-        registers.PLL_SYS,
-        registers.PLL_USB,
-        &mut registers.RESETS,
-        &mut watchdog,
-    );
-    let Ok(clocks) = clocks else { halt() };
+    let parts = clock::Parts {
+        crystal: registers.XOSC,
+        clocks: registers.CLOCKS,
+        system: registers.PLL_SYS,
+        usb: registers.PLL_USB,
+        regulator: registers.VREG_AND_CHIP_RESET,
+        watchdog: registers.WATCHDOG,
+    };
+    let Some(clocks) = clock::set_up(parts, &mut registers.RESETS) else { halt() };
     let sio = Sio::new(registers.SIO);
     let gpio = rp2040_hal::gpio::Pins::new(
         registers.IO_BANK0,

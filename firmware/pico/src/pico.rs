@@ -16,6 +16,11 @@ impl Board for Pico {
     }
 
     #[inline(always)]
+    fn since(&mut self, tick: u64) -> u32 {
+        step_timer::low().wrapping_sub(tick as u32)
+    }
+
+    #[inline(always)]
     fn wait_until(&mut self, tick: u64) {
         step_timer::wait_until(tick);
     }

@@ -19,7 +19,7 @@ const FARTHEST: u64 = 1 << 30;
 
 /// Time before the alarm of the steps in which the thread enters no critical section, ticks. Most take less, and the
 /// clock tells whole ticks.
-const CLEAR: u32 = 12;
+const CLEAR: u32 = 8;
 
 type NodeAxes = Axes<'static, AxisPins, Pico, QUEUE, AXES>;
 
@@ -98,6 +98,7 @@ pub(crate) fn sleep_until(tick: u64) {
 }
 
 /// Returns the lower half of the tick.
+#[inline(always)]
 pub(crate) fn low() -> u32 {
     timer().timerawl().read().bits()
 }
@@ -163,9 +164,10 @@ impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
 /// Sets the alarm for a tick, or has the interrupt come at once.
 fn set_alarm(tick: Option<u64>) {
     let Some(tick) = tick else { return };
-    let tick = tick.min(now() + FARTHEST);
-    timer().alarm0().write(|word| unsafe { word.bits(tick as u32) });
-    if tick <= now() {
+    let tick = tick.min(now() + FARTHEST) as u32;
+    timer().alarm0().write(|word| unsafe { word.bits(tick) });
+    // The alarm compares for equality, and the difference of the lower halves is positive until the tick.
+    if tick.wrapping_sub(low()) as i32 <= 0 {
         NVIC::pend(Interrupt::TIMER_IRQ_0);
     }
 }

@@ -73,6 +73,9 @@ fn a_pump_file_is_refused_by_its_check_where_it_cannot_dose() {
     let without = check(&format!("{three}\n[drive]\ndriver = \"grbl\"\n"));
     assert_eq!(without.code, 2, "{}", without.out);
     assert!(without.err.contains("[drive] port is missing; allowed: "), "{}", without.err);
+    let empty = check(&format!("{three}\n[drive]\ndriver = \"node\"\nport = \"\"\n"));
+    assert_eq!(empty.code, without.code);
+    assert!(empty.err.contains("[drive] port is \"\"; allowed: a serial port"), "{}", empty.err);
     assert_eq!(check(&format!("{three}\n[drive]\ndriver = \"grbl\"\nport = \"/dev/ttyUSB0\"\n")).code, 0);
     assert_eq!(check(&format!("{three}\n[drive]\ndriver = \"sim\"\n")).code, 0);
     for (rate, allowed) in [("1e300", "1e-6 or more"), ("1e-12", "1e-6 or more"), ("-1.0", "1e-6 or more")] {

@@ -222,6 +222,8 @@ impl DriveTable {
 
     /// Refuses the first value outside its range.
     pub(super) fn check(&self) -> Result<(), WrongValue> {
+        let has_name = self.port.as_ref().is_none_or(|port| !port.as_os_str().is_empty());
+        allow(has_name, "[drive] port", "\"\"", "a serial port, as \"/dev/ttyUSB0\"")?;
         if let Some(baud) = self.baud {
             within("[drive] baud", baud, 300..=4_000_000)?;
             let allowed = "115200 to 4000000 beside driver = \"node\"; the Pico's own firmware speaks 460800";

@@ -219,7 +219,7 @@ fn a_fault_before_the_common_begin_is_no_end_of_a_rack_that_is_complete() {
 fn a_later_step_of_more_steps_a_second_than_the_board_makes_is_refused_before_the_rack_moves() {
     static STOPPED: AtomicBool = AtomicBool::new(false);
     let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
-    let (file, ml_s) = fine_pump(64_000.0);
+    let (file, ml_s) = fine_pump(98_000.0);
     let rack = format!(
         "schema = 'rack/1'\n[pumps]\nacid = 'acid'\nbase = 'base'\n\
          [[step]]\npump = 'acid'\nvolume = '0.1mL'\nrate = '0.5mL/s'\n\
@@ -229,7 +229,7 @@ fn a_later_step_of_more_steps_a_second_than_the_board_makes_is_refused_before_th
     let refused = ran(&rack, benches, &mut drives, &STOPPED, &|| {}).unwrap_err();
     let told = pump_bench::report::with_sources(&refused);
     assert!(told.contains("pump `base` of the rack, step 2"), "{told}");
-    assert!(told.contains("the node driver makes 61068 steps/s at most"), "{told}");
+    assert!(told.contains("the node driver makes 96385 steps/s at most"), "{told}");
     assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
 }
 
@@ -239,7 +239,7 @@ const TWO: &str = "schema = 'rack/1'\n[pumps]\nacid = 'acid'\nbase = 'base'\n";
 #[test]
 fn axes_that_together_exceed_the_board_are_refused_with_the_sum_before_anything_is_on_record() {
     static STOPPED: AtomicBool = AtomicBool::new(false);
-    let (file, ml_s) = fine_pump(40_000.0);
+    let (file, ml_s) = fine_pump(60_000.0);
     let together = format!(
         "{TWO}[[step]]\nratio = {{ acid = 1, base = 1 }}\nvolume = '0.4mL'\nrate = '{}mL/s'\n",
         2.0 * ml_s
@@ -249,7 +249,7 @@ fn axes_that_together_exceed_the_board_are_refused_with_the_sum_before_anything_
     };
     // Each step is given to the board before it begins, so it needs its part of the board from then on.
     let meeting = [TWO, &alone("at = '0s'", "acid"), &alone("at = '0.1s'", "base")].concat();
-    for (rack, base) in [(together, "`base` in step 1 41667"), (meeting, "`base` in step 2 41667")] {
+    for (rack, base) in [(together, "`base` in step 1 62500"), (meeting, "`base` in step 2 62500")] {
         let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
         let (benches, mut drives) = pumps(file.clone(), &world, state.path());
         let journals = || {
@@ -259,8 +259,8 @@ fn axes_that_together_exceed_the_board_are_refused_with_the_sum_before_anything_
         let before = journals();
         let refused = ran(&rack, benches.clone(), &mut drives, &STOPPED, &|| {}).unwrap_err();
         let told = refused.to_string();
-        assert!(told.contains("need 83334 steps/s, and the board at"), "{told}");
-        assert!(told.contains("has 66000 for all its axes: `acid` in step 1 41667"), "{told}");
+        assert!(told.contains("need 125000 steps/s, and the board at"), "{told}");
+        assert!(told.contains("has 100000 for all its axes: `acid` in step 1 62500"), "{told}");
         assert!(told.contains(base) && told.ends_with("or one after another"), "{told}");
         assert_eq!((rises(&world, 0).len(), rises(&world, 1).len()), (0, 0));
         assert_eq!(journals(), before);
@@ -307,7 +307,7 @@ fn of_unfinished(error: &RackError) -> [f64; 2] {
 #[test]
 fn axes_that_together_exceed_the_board_run_one_after_another() {
     static STOPPED: AtomicBool = AtomicBool::new(false);
-    let (file, ml_s) = fine_pump(40_000.0);
+    let (file, ml_s) = fine_pump(60_000.0);
     let step = |pump: &str| format!("[[step]]\npump = '{pump}'\nvolume = '0.4mL'\nrate = '{ml_s}mL/s'\n");
     let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
     let (benches, mut drives) = pumps(file, &world, state.path());

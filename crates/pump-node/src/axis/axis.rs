@@ -43,8 +43,11 @@ pub struct Axis<P, const Q: usize> {
     pub(super) actuator: Actuator<Driver<P>, Q>,
 }
 
-/// Tick that never comes.
-pub(crate) const NEVER: u64 = u64::MAX;
+/// Ticks after which no step comes, because the motor stands.
+pub(crate) const NEVER: u32 = u32::MAX;
+
+/// Most ticks to a step that is far. The interrupt asks again before.
+const FAR: u32 = NEVER - 1;
 
 /// A move of no steps.
 const NO_ORDER: MoveOrder = MoveOrder { from: 0, last: 0, shortest_interval: u32::MAX };
@@ -170,10 +173,17 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         }
     }
 
-    /// Returns the tick at which the step pin rises next. It is [`NEVER`] if the motor stands.
+    /// Returns the ticks from `called` to the next rise of the step pin. They are 0 if it is overdue, and [`NEVER`] if
+    /// the motor stands.
     #[inline]
-    pub(crate) fn rises_at(&self) -> u64 {
-        self.next_rise().unwrap_or(NEVER)
+    pub(crate) fn rises_after(&self, called: u64) -> u32 {
+        let Some(tick) = self.next_rise() else { return NEVER };
+        let ticks = tick.wrapping_sub(called);
+        match (ticks >> 32) as i32 {
+            0 => (ticks as u32).min(FAR),
+            ..0 => 0,
+            _ => FAR,
+        }
     }
 
     /// Returns the tick at which the step pin rises next, or `None` if the motor stands.
@@ -215,13 +225,13 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.ended_by_timer(said, at);
     }
 
-    /// Ends the pulse that is under way.
+    /// Ends the pulse that is under way, in an interrupt that was `called` at this tick.
     #[inline]
-    pub(crate) fn lower(&mut self, board: &mut impl Board) {
+    pub(crate) fn lower(&mut self, board: &mut impl Board, called: u64) {
         if let Some(tick) = self.pulse.ends_at() {
             board.wait_until(tick);
             board.set_steps(self.pulse.end);
-            self.pulse.ended(board.now());
+            self.pulse.ended(called + u64::from(board.since(called)));
         }
     }
 

@@ -168,14 +168,14 @@ fn the_sum_of_step_rates_is_limited_before_anything_moves() {
         Request::Prepare { axis, move_number: 1, order }
     };
     assert_eq!(direct.refused(&prepare(0, 5)), Refusal::Pulse);
-    assert_eq!(direct.ask(&prepare(0, 40)), Answer::Accepted { next: 0, room: 32 });
-    assert_eq!(direct.ask(&prepare(1, 25)), Answer::Accepted { next: 0, room: 32 });
-    // 1 MHz over 40, 25 and 500 ticks.
-    let refused = Refusal::StepRate { sum_hz: 25_000 + 40_000 + 2_000, allowed_hz: 66_000 };
-    assert_eq!(direct.refused(&prepare(2, 500)), refused);
+    assert_eq!(direct.ask(&prepare(0, 25)), Answer::Accepted { next: 0, room: 32 });
+    assert_eq!(direct.ask(&prepare(1, 20)), Answer::Accepted { next: 0, room: 32 });
+    // 1 MHz over 25, 20 and 80 ticks.
+    let refused = Refusal::StepRate { sum_hz: 40_000 + 50_000 + 12_500, allowed_hz: 100_000 };
+    assert_eq!(direct.refused(&prepare(2, 80)), refused);
     // A move that is over leaves its share.
     direct.ask(&Request::Stop { moves: [0, 1, 0, 0] });
-    assert_eq!(direct.ask(&prepare(2, 500)), Answer::Accepted { next: 0, room: 32 });
+    assert_eq!(direct.ask(&prepare(2, 80)), Answer::Accepted { next: 0, room: 32 });
 }
 
 #[test]

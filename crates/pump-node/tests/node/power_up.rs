@@ -12,7 +12,7 @@ fn a_node_touches_no_pin_before_an_axis_is_configured() {
     direct.run_to(2_000_000);
     let Answer::Identity(identity) = direct.ask_as(0, &Request::Identify) else { panic!() };
     assert_eq!((identity.board, identity.firmware, identity.axes, identity.queue), (7, [1, 2, 3], 4, 32));
-    assert_eq!((identity.tick_hz, identity.max_step_hz), (1_000_000, 66_000));
+    assert_eq!((identity.tick_hz, identity.max_step_hz), (1_000_000, 100_000));
     let moves = [1; 4];
     for request in [
         Request::Prepare { axis: 0, move_number: 1, order: order(0, 10) },

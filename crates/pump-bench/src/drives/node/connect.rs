@@ -202,6 +202,9 @@ pub(super) fn identify(
         match link.ask_once(&Request::Identify) {
             Ok(reply) => match reply.answer {
                 Answer::Identity(identity) => return Ok((identity, reply.session)),
+                Answer::Refused(Refusal::Version { known: theirs }) => {
+                    return Err(NodeError::Version { port: port.to_owned(), theirs });
+                }
                 Answer::Refused(refusal) => return Err(NodeError::of(refusal)),
                 _ => {}
             },
@@ -210,7 +213,7 @@ pub(super) fn identify(
         }
         let Line { other_version, bytes, .. } = *link.line();
         if let Some(theirs) = other_version {
-            return Err(NodeError::Version { theirs });
+            return Err(NodeError::Version { port: port.to_owned(), theirs });
         }
         let waited = link.now() - began;
         if waited < limit {

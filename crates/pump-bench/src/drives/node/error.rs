@@ -58,10 +58,13 @@ pub enum NodeError {
     },
     /// The firmware speaks another version of the protocol.
     #[error(
-        "the board's firmware speaks version {theirs} of the protocol, and this program speaks {VERSION}; update \
-         the older of the two"
+        "the firmware of the board at {} speaks version {theirs} of the protocol, and this program speaks {VERSION}; \
+         update the older of the two",
+        .port.display()
     )]
     Version {
+        /// Path of the port.
+        port: PathBuf,
         /// Version that the board speaks.
         theirs: u8,
     },
@@ -328,7 +331,6 @@ impl NodeError {
     pub(super) fn of(refusal: Refusal) -> Self {
         match refusal {
             Refusal::Session => Self::Reset,
-            Refusal::Version { known } => Self::Version { theirs: known },
             Refusal::Estop => Self::Estop,
             Refusal::Driver => Self::Driver,
             Refusal::AngleLost => Self::LetGo,
