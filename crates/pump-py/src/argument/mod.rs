@@ -9,5 +9,5 @@ pub(crate) mod speed;
 pub(crate) use choice::{choice, finish_named, ramps_named, word};
 pub(crate) use cruise::cruise;
 pub(crate) use floats::Floats;
-pub(crate) use quantity::{retracted_ml, text};
+pub(crate) use quantity::{quantity, retracted_ml, text};
 pub(crate) use speed::Argument;

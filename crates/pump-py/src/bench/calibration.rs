@@ -11,6 +11,7 @@ use pump_model::units::{degrees, rpm};
 use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
+use super::worker::Named;
 use crate::argument::{Argument, speed};
 use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of, scale_of};
 use crate::python::advice;
@@ -40,6 +41,7 @@ impl Bench {
         }
         self.worker.call(
             py,
+            Named::Motion("calibration_run"),
             progress,
             |_| "the run was stopped and is on record; do not weigh a part of a run".to_owned(),
             move |held, signal| {
@@ -76,7 +78,7 @@ impl Bench {
         let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = expected_of(scale, self.bench.file(), &runs)?;
         let expected = self.bench.with_drop(&expected).map_err(|error| errors::dose(py, error))?;
-        self.kept(py, move |file, before| {
+        self.kept(py, "calibrate", move |file, before| {
             let mut calibration =
                 DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
             (calibration.tube, calibration.note) = (tube, note);
@@ -105,11 +107,12 @@ impl Bench {
             (false, true) => Earlier::Left,
             (false, false) => Earlier::Joined,
         };
-        let reading = stated_reading(reading).map_err(value)?;
+        let reading = stated_reading(reading).map_err(|error| value(format_args!("reading: {error}")))?;
         let scale = scale.map(scale_of).transpose()?;
         let (name, degc) = self.fluid.clone();
         let stored = self.worker.call(
             py,
+            Named::Entry("calibrate_last"),
             None,
             |stored: &Stored| format!("calibration {} is kept", stored.version),
             move |held, _| {
@@ -155,7 +158,7 @@ impl Bench {
             })
             .collect();
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
-        self.kept(py, move |file, before| {
+        self.kept(py, "calibrate_phase", move |file, before| {
             let (mut calibration, found) = DoseCalibration::of_short_doses(file, doses, &expected, before)?;
             calibration.tube = tube.or(calibration.tube);
             calibration.note = note;
@@ -181,6 +184,7 @@ impl Bench {
     fn use_calibration(&self, py: Python<'_>, version: Option<u32>) -> PyResult<()> {
         self.worker.call(
             py,
+            Named::Entry("use_calibration"),
             None,
             |()| "the call was completed".to_owned(),
             move |held, _| {
@@ -196,6 +200,7 @@ impl Bench {
     fn kept<T: Send + 'static>(
         &self,
         py: Python<'_>,
+        name: &'static str,
         make: impl FnOnce(
             &pump_bench::pump_file::PumpFile,
             Option<&DoseCalibration>,
@@ -205,6 +210,7 @@ impl Bench {
     ) -> PyResult<(Calibration, T)> {
         let (stored, more): (Stored, T) = self.worker.call(
             py,
+            Named::Entry(name),
             None,
             |(stored, _): &(Stored, T)| format!("calibration {} is kept and used", stored.version),
             move |held, _| {

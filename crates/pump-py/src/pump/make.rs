@@ -2,7 +2,9 @@
 
 use pump_bench::catalogue::{BoughtPump, DrawnPump, unusual};
 use pump_bench::config::Config;
+use pump_bench::head_print;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
+use pump_bench::report::pump_check;
 use pump_model::Geometry;
 use pump_model::units::radians;
 use pyo3::exceptions::PyTypeError;
@@ -15,6 +17,9 @@ use crate::line::Line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
 use crate::python::warnings::warn;
+
+/// Most bytes of a pump's id.
+const MOST_ID_BYTES: usize = 64;
 
 #[pymethods]
 impl Pump {
@@ -169,6 +174,9 @@ impl Pump {
 
     /// Return this pump with some parts replaced. A part that is left out stays.
     ///
+    /// Other rollers make another head, whose record is its own: without an `id` its id ends with a number of that head,
+    /// and without a `name` its name tells the rollers.
+    ///
     /// Parameters
     /// ----------
     /// id : str, optional
@@ -201,11 +209,11 @@ impl Pump {
         roller_volume: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let mut file = self.file.clone();
+        if let Some(rollers) = rollers {
+            file = with_rollers(file, count(rollers)?);
+        }
         file.pump.id = id.unwrap_or(file.pump.id);
         file.pump.name = name.unwrap_or(file.pump.name);
-        if let Some(rollers) = rollers {
-            file.rollers.count = count(rollers)?;
-        }
         if let Some(line) = inlet {
             file.inlet = LineTable::from(line.get().0);
         }
@@ -250,6 +258,29 @@ impl Pump {
         Self::checked(file.with_assumptions())?.warning(data.py())
     }
 
+    /// Check the pump as `dose pumps check` does, and say what it gives.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     A line each for head, volumes, flows, speeds, motor, fluid, lines and uncertainty, with their units, and for
+    ///     each of `warnings`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the pump cannot work.
+    fn check(&self) -> PyResult<String> {
+        pump_check(&self.file, None).map_err(errors::displacement)
+    }
+
+    /// Warnings of values that are possible and unusual, mostly a slip of a unit or a digit, or rollers that overlap in
+    /// space. Every way to a pump gives them as Python warnings too.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        worded(&unusual(&self.file))
+    }
+
     /// True if the pump's volumes follow from a drawing, or from a volume per revolution, that no measurement has
     /// confirmed.
     #[getter]
@@ -283,6 +314,26 @@ impl Pump {
         warn(py, &worded(&unusual(&self.file)))?;
         Ok(self)
     }
+}
+
+/// Returns the file with another number of rollers, by names of its own.
+fn with_rollers(mut file: PumpFile, count: u32) -> PumpFile {
+    if file.rollers.count == count {
+        return file;
+    }
+    let ending = |file: &PumpFile| (format!("-{:08x}", head_print(file)), format!(", {} rollers", file.rollers.count));
+    // A head that was itself made in this way has its ending exchanged.
+    let (id, name) = ending(&file);
+    if let Some(first) = file.pump.id.strip_suffix(&id) {
+        file.pump.id = first.to_owned();
+        file.pump.name = file.pump.name.strip_suffix(&name).unwrap_or(&file.pump.name).to_owned();
+    }
+    file.rollers.count = count;
+    let (id, name) = ending(&file);
+    file.pump.id.truncate(MOST_ID_BYTES - id.len());
+    file.pump.id += &id;
+    file.pump.name += &name;
+    file
 }
 
 /// Reads a number of rollers.
