@@ -65,9 +65,7 @@ impl Balance {
     ) -> PyResult<Self> {
         let protocol = word("protocol", protocol, Protocol::ALL)?;
         let line = match line {
-            Some(line) => line
-                .parse::<SerialLine>()
-                .map_err(|error| value(format_args!("line: {error}")))?,
+            Some(line) => line.parse::<SerialLine>().map_err(|error| value(format_args!("line: {error}")))?,
             None => protocol.usual_line(),
         };
         let wait = wait_of(wait)?;

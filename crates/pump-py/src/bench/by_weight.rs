@@ -32,9 +32,8 @@ impl AskedByWeight<'_> {
     /// Returns the order of a dose.
     fn order(&self, request: DoseRequest) -> PyResult<OrderByWeight> {
         let most_ml = self.max_volume.as_ref();
-        let most_ml = most_ml
-            .map(|most| quantity("max_volume", "27mL", most, units::volume_ml))
-            .transpose()?;
+        let most_ml =
+            most_ml.map(|most| quantity("max_volume", "27mL", most, units::volume_ml)).transpose()?;
         let slow = self.slow_rate.as_ref();
         let slow = slow.map(|slow| quantity("slow_rate", "0.5 mL/s", slow, units::rate)).transpose()?;
         let wait = self.balance.get().wait;

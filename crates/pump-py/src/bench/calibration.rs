@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
 use super::worker::Named;
-use crate::argument::{Argument, speed};
+use crate::argument::{Argument, speed, whole};
 use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of, scale_of};
 use crate::python::advice;
 use crate::python::errors::{self, value};
@@ -29,16 +29,14 @@ impl Bench {
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
-        pitches: u32,
+        pitches: &Bound<'py, PyAny>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<TurnedRun> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
         if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
         }
-        if !(1..=100_000).contains(&pitches) {
-            return Err(value(format_args!("pitches is {pitches}; allowed: 1 to 100000")));
-        }
+        let pitches: u32 = whole("pitches", pitches, 1, 100_000)?;
         self.worker.call(
             py,
             Named::Motion("calibration_run"),
@@ -181,7 +179,8 @@ impl Bench {
 
     /// Makes doses use another calibration, or none, from now on.
     #[pyo3(signature = (version))]
-    fn use_calibration(&self, py: Python<'_>, version: Option<u32>) -> PyResult<()> {
+    fn use_calibration(&self, py: Python<'_>, version: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let version = version.map(|version| whole("version", version, 1, u32::MAX.into())).transpose()?;
         self.worker.call(
             py,
             Named::Entry("use_calibration"),

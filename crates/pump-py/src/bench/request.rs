@@ -62,9 +62,7 @@ impl AskedDose<'_> {
             None => 0.0,
         };
         let end = match &self.duration {
-            Some(time) => {
-                RunEnd::Time { time_s: quantity("duration", "2h", time, units::time_s)? }
-            }
+            Some(time) => RunEnd::Time { time_s: quantity("duration", "2h", time, units::time_s)? },
             None if self.until_stopped => RunEnd::Stop,
             None => RunEnd::Volume,
         };

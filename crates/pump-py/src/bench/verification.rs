@@ -27,7 +27,8 @@ impl Bench {
         }
         let mut volumes_ml = Vec::new();
         for reading in readings.try_iter()? {
-            let amount = quantity("a reading", "9.98g", &reading?, units::amount)?;
+            let amount =
+                quantity(&format!("readings[{}]", volumes_ml.len()), "9.98g", &reading?, units::amount)?;
             volumes_ml.push(weighing.amount_ml(amount).map_err(value)?);
         }
         let standard = Tolerance::of_standard(nominal_ml);

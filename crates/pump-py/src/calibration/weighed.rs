@@ -4,6 +4,7 @@ use pump_bench::calibration::{CalibrationRun, Expected, Fit};
 use pump_bench::pump_file::PumpFile;
 use pump_bench::units;
 use pump_bench::units::Amount;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::argument::{quantity, word};
@@ -53,7 +54,14 @@ pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Opt
 pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<CalibrationRun>> {
     runs.try_iter()?
         .map(|run| {
-            let json: String = run?.call_method0("_json")?.extract()?;
+            let run = run?;
+            let Ok(json) = run.getattr("_json") else {
+                return Err(PyTypeError::new_err(format!(
+                    "runs must be WeighedRuns, not {}",
+                    run.get_type().name()?
+                )));
+            };
+            let json: String = json.call0()?.extract()?;
             serde_json::from_str(&json)
                 .map_err(|error| value(format_args!("these are not the data of a weighed run: {error}")))
         })

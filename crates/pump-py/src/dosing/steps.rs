@@ -20,9 +20,9 @@ impl Plan {
     /// line has settled after the dose.
     #[getter]
     fn step_times_s(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        let times = self
-            .step_times_s
-            .get_or_try_init(py, || frozen(py, self.of_each_step(py, |start_s, step| start_s + step.time_s)?))?;
+        let times = self.step_times_s.get_or_try_init(py, || {
+            frozen(py, self.of_each_step(py, |start_s, step| start_s + step.time_s)?)
+        })?;
         Ok(times.clone_ref(py))
     }
 
@@ -80,7 +80,8 @@ impl Plan {
             )));
         }
         let model = &self.prepared.model;
-        let waveform = Waveform::new(model, self.prepared.legs(), Method::Exact, times(dt_s, motion_s, end_s));
+        let waveform =
+            Waveform::new(model, self.prepared.legs(), Method::Exact, times(dt_s, motion_s, end_s));
         // Rows of the grid, the last step and the end.
         Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::model)?)
     }

@@ -13,9 +13,11 @@ use pyo3::types::PyString;
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
+use crate::argument::whole;
 use crate::line::Line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
+use crate::python::plain;
 use crate::python::warnings::warn;
 
 /// Most bytes of a pump's id.
@@ -93,7 +95,7 @@ impl Pump {
     fn from_drawing(
         py: Python<'_>,
         id: &str,
-        rollers: i64,
+        rollers: &Bound<'_, PyAny>,
         bore_radius_mm: f64,
         tube_outer_radius_mm: f64,
         backplate_radius_mm: f64,
@@ -159,7 +161,7 @@ impl Pump {
         py: Python<'_>,
         id: &str,
         ml_per_rev: f64,
-        rollers: i64,
+        rollers: &Bound<'_, PyAny>,
         tube_bore_mm: Option<f64>,
         inlet: Option<Py<Line>>,
         outlet: Option<Py<Line>>,
@@ -203,7 +205,7 @@ impl Pump {
         py: Python<'_>,
         id: Option<String>,
         name: Option<String>,
-        rollers: Option<i64>,
+        rollers: Option<&Bound<'_, PyAny>>,
         inlet: Option<Py<Line>>,
         outlet: Option<Py<Line>>,
         roller_volume: Option<&Bound<'_, PyAny>>,
@@ -251,10 +253,12 @@ impl Pump {
     ///     If a key is unknown or missing, or its value is not allowed. It is a ValueError too.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let json: String = data.py().import("json")?.call_method1("dumps", (data,))?.extract()?;
-        let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
-            errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
-        })?;
+        let file = plain::read(
+            "a pump",
+            data,
+            |json| serde_json::from_str::<PumpFile>(json),
+            errors::PumpFileError::new_err,
+        )?;
         Self::checked(file.with_assumptions())?.warning(data.py())
     }
 
@@ -321,7 +325,8 @@ fn with_rollers(mut file: PumpFile, count: u32) -> PumpFile {
     if file.rollers.count == count {
         return file;
     }
-    let ending = |file: &PumpFile| (format!("-{:08x}", head_print(file)), format!(", {} rollers", file.rollers.count));
+    let ending =
+        |file: &PumpFile| (format!("-{:08x}", head_print(file)), format!(", {} rollers", file.rollers.count));
     // A head that was itself made in this way has its ending exchanged.
     let (id, name) = ending(&file);
     if let Some(first) = file.pump.id.strip_suffix(&id) {
@@ -337,8 +342,8 @@ fn with_rollers(mut file: PumpFile, count: u32) -> PumpFile {
 }
 
 /// Reads a number of rollers.
-fn count(rollers: i64) -> PyResult<u32> {
-    u32::try_from(rollers).map_err(|_| value(format_args!("rollers is {rollers}; allowed: 1 to 1000")))
+fn count(rollers: &Bound<'_, PyAny>) -> PyResult<u32> {
+    whole("rollers", rollers, 1, 1000)
 }
 
 /// Reads a roller volume: the word "drawing", or a `VolumeFit`.

@@ -2,7 +2,7 @@
 
 /// Longest number, and longest word, that a message repeats.
 const LONGEST_NUMBER: usize = 24;
-const LONGEST_WORD: usize = 120;
+const LONGEST_WORD: usize = 80;
 
 /// Returns a message with its long numbers in scientific notation and its long words cut.
 pub(crate) fn readable(message: &str) -> String {

@@ -62,7 +62,9 @@ def test_a_cancelled_dose_decelerates_and_its_exception_has_the_delivered_volume
             assert not dose.completed
             assert dose.delivered_ml is not None
             assert 0 < dose.delivered_ml < 9000
-            assert cancelled.value.__notes__ == [f"{dose.delivered_ml:.4f} mL were delivered and are on record"]
+            assert cancelled.value.__notes__ == [
+                f"{dose.delivered_ml:.4f} mL were delivered and are on record"
+            ]
             unfinished = (await bench.status()).unfinished
             assert unfinished is not None
             assert unfinished.delivered_most_ml == pytest.approx(dose.delivered_ml)

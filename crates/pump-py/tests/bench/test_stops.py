@@ -45,7 +45,9 @@ def test_no_stop_of_a_dose_that_is_just_starting_is_missed(bench: pm.Bench) -> N
     before_motion = 0
     for _ in range(150):
         # It takes seconds, if nothing stops it.
-        stopped, made = stopped_at(bench, dice.uniform(0, 4e-3), lambda: [bench.dose("9000mL", rate="20mL/s")])
+        stopped, made = stopped_at(
+            bench, dice.uniform(0, 4e-3), lambda: [bench.dose("9000mL", rate="20mL/s")]
+        )
         assert stopped == "dose"
         [dose] = made
         if isinstance(dose, str):

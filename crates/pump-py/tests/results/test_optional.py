@@ -7,7 +7,9 @@ from pumpmodel._results.optional import optional
 
 
 def test_a_package_that_is_missing_is_told_with_its_extra() -> None:
-    with pytest.raises(ModuleNotFoundError, match=r'nonesuch is not installed: pip install "pumpmodel\[plot\]"'):
+    with pytest.raises(
+        ModuleNotFoundError, match=r'nonesuch is not installed: pip install "pumpmodel\[plot\]"'
+    ):
         optional("nonesuch.part", "plot")
 
 

@@ -43,8 +43,8 @@ impl Bench {
 /// Returns a number that changes with every value in `tables` of the pump file. Of a table in `keys` only those keys
 /// count.
 pub(in crate::bench) fn print_of(file: &PumpFile, tables: &[&str], keys: &[(&str, &[&str])]) -> u32 {
-    let mut all =
-        toml::Table::try_from(file).unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
+    let mut all = toml::Table::try_from(file)
+        .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
     all.retain(|table, _| tables.contains(&table));
     for (table, counting) in keys {
         if let Some(toml::Value::Table(keys)) = all.get_mut(*table) {

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pumpmodel._pumpmodel import _Call, _Schedule
 from pumpmodel.choices import Missed
 
-
 # Longest time until a wait hears of a stop, s.
 _LOOK_S = 0.05
 
