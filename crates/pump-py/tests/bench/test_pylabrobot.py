@@ -9,8 +9,14 @@ from typing import Any
 import pytest
 
 import pumpmodel as pm
-from pumpmodel.pylabrobot import BenchArrayBackend, BenchBackend, BenchPump, BenchPumpArray, HaltedError
-from pumpmodel.pylabrobot import bases
+from pumpmodel.pylabrobot import (
+    BenchArrayBackend,
+    BenchBackend,
+    BenchPump,
+    BenchPumpArray,
+    HaltedError,
+    bases,
+)
 
 # At 170 r/min this takes minutes of simulation: long enough to be interrupted.
 LONG_ML = 20_000

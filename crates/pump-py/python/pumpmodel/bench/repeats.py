@@ -37,9 +37,9 @@ class BenchRepeats(BenchDoses):
         """Dose again and again. Each step of `for dose in bench.batch(...)` makes one dose.
 
         Each dose carries its remainder to the next. A batch that is left early makes no more doses. A `stop`
-        ends the batch from its first dose on: at the start of a dose, on its way, in its suck-back, and in the
-        time between two doses, where the wait ends within 0.05 s. A dose that is stopped on its way is the
-        last one that the batch gives.
+        ends the batch from its first dose on: at the start of a dose, on its way, in its suck-back, and
+        between two doses, where the wait ends within 0.05 s. A dose that is stopped on its way is the last
+        one that the batch gives.
 
         Parameters
         ----------
