@@ -3,12 +3,16 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, TypeAlias, final
 
+import numpy as np
+
 from pumpmodel.choices import BalanceProtocol, CalibrationFit, Driver, Missed, Pace
 from pumpmodel.weighed import WeighedRun
 
 from .doser import Calibration
 from .pump import Pump
 
+# A number of Python or NumPy.
+_Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Progress: TypeAlias = Callable[[int, int], object]
 _Told: TypeAlias = tuple[str, list[str]]
 _Found: TypeAlias = tuple[float, float]
@@ -209,13 +213,13 @@ class _Bench:
         """Makes every call that has begun decelerate the motor, which holds. Returns the names of the calls."""
     def close(self) -> None:
         """Gives the pump back."""
-    def home_set(self, angle_rad: float | None, half_width_rad: float) -> _Told:
+    def home_set(self, angle_rad: _Number | None, half_width_rad: _Number) -> _Told:
         """Records the angle of the rotor; None records that it is unknown. A damaged journal is moved aside."""
     def home_sensor(self) -> _Told:
         """Turns forward until the index sensor answers. A stop before that is a warning."""
-    def home_mark(self, half_width_rad: float) -> _Told:
+    def home_mark(self, half_width_rad: _Number) -> _Told:
         """Records that the rotor's mark meets the housing's."""
-    def jog(self, angle_rad: float) -> float:
+    def jog(self, angle_rad: _Number) -> float:
         """Turns the rotor by about this angle, rad. Returns the angle of the steps made, rad."""
     def discard(self) -> _Told:
         """Accepts the unfinished dose with the volume that was delivered."""
@@ -228,7 +232,7 @@ class _Bench:
     def vessel_emptied(self) -> _Told:
         """Records that the receiving vessel is empty."""
     def calibration_run(
-        self, speed_rpm: float | None, speed_rad_s: float | None, pitches: int, progress: _Progress | None
+        self, speed_rpm: _Number | None, speed_rad_s: _Number | None, pitches: int, progress: _Progress | None
     ) -> tuple[float, float | None, float, str, bool, list[str]]:
         """Makes a run of whole pitches, to be weighed."""
     def calibrate(
@@ -271,8 +275,8 @@ class _Bench:
         self,
         nominal: str,
         readings: Sequence[str],
-        systematic_percent: float | None,
-        random_percent: float | None,
+        systematic_percent: _Number | None,
+        random_percent: _Number | None,
     ) -> str:
         """Returns the errors of weighed doses of the volume `nominal`, as the command's JSON."""
 
@@ -312,8 +316,8 @@ class _Rack:
 class _Schedule:
     """Schedule of a batch: the time at which each dose is due."""
 
-    def __new__(cls, count: int, every_s: float | None, missed: Missed) -> _Schedule: ...
-    def next(self, elapsed_s: float) -> tuple[str, float]:
+    def __new__(cls, count: int, every_s: _Number | None, missed: Missed) -> _Schedule: ...
+    def next(self, elapsed_s: _Number) -> tuple[str, float]:
         """Returns the next action, `elapsed_s` after the batch's start.
 
         The action is "wait" with the time to wait for, s; "dose" or "skip" with the dose's number; or "done".

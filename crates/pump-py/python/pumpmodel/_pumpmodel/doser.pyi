@@ -4,6 +4,7 @@ from typing import Any, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from pandas import Series
 
 from pumpmodel.choices import CalibrationFit, Finish, Ramps
 from pumpmodel.weighed import WeighedRun
@@ -11,9 +12,11 @@ from pumpmodel.weighed import WeighedRun
 from .pump import Pump
 from .results import Plan
 
+# A number of Python or NumPy.
+_Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Array: TypeAlias = NDArray[np.float64]
 # Arguments that become an array; a single number stays a number.
-_Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any]
+_Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any] | Series[Any]
 
 @final
 class Limits:
@@ -30,7 +33,7 @@ class Limits:
     """
 
     def __new__(
-        cls, *, max_outlet_kpa: float | None = None, min_inlet_kpa: float | None = None
+        cls, *, max_outlet_kpa: _Number | None = None, min_inlet_kpa: _Number | None = None
     ) -> Limits: ...
     @property
     def max_outlet_kpa(self) -> float | None:
@@ -147,7 +150,11 @@ class Calibration:
         """
     @overload
     def displacement_factor(
-        self, *, speed_rpm: float, speed_rad_s: None = None, pump: Pump | None = None
+        self,
+        *,
+        speed_rpm: _Number | None = None,
+        speed_rad_s: _Number | None = None,
+        pump: Pump | None = None,
     ) -> float:
         """Return measured over model volume at a cruise speed.
 
@@ -172,10 +179,6 @@ class Calibration:
         """
     @overload
     def displacement_factor(
-        self, *, speed_rpm: None = None, speed_rad_s: float, pump: Pump | None = None
-    ) -> float: ...
-    @overload
-    def displacement_factor(
         self, *, speed_rpm: _Numbers, speed_rad_s: None = None, pump: Pump | None = None
     ) -> _Array: ...
     @overload
@@ -184,7 +187,11 @@ class Calibration:
     ) -> _Array: ...
     @overload
     def standard_uncertainty(
-        self, *, speed_rpm: float, speed_rad_s: None = None, pump: Pump | None = None
+        self,
+        *,
+        speed_rpm: _Number | None = None,
+        speed_rad_s: _Number | None = None,
+        pump: Pump | None = None,
     ) -> float:
         """Return the standard uncertainty of `displacement_factor`.
 
@@ -209,10 +216,6 @@ class Calibration:
         ValueError
             If not exactly one speed is given, or if a speed law was fitted and no pump is given.
         """
-    @overload
-    def standard_uncertainty(
-        self, *, speed_rpm: None = None, speed_rad_s: float, pump: Pump | None = None
-    ) -> float: ...
     @overload
     def standard_uncertainty(
         self, *, speed_rpm: _Numbers, speed_rad_s: None = None, pump: Pump | None = None
@@ -302,21 +305,20 @@ class Doser:
     @property
     def calibration(self) -> Calibration | None:
         """Calibration of the volume, or None."""
-    @overload
     def plan(
         self,
         volume: str,
         *,
         rate: str | None = None,
-        speed: None = None,
-        within: None = None,
+        speed: str | None = None,
+        within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
         ramps: Ramps = "line",
         retract: str | None = None,
-        start_angle_rad: float = 0.0,
-        start_half_width_rad: float = 0.0,
-        carry_in_ml: float = 0.0,
+        start_angle_rad: _Number = 0.0,
+        start_half_width_rad: _Number = 0.0,
+        carry_in_ml: _Number = 0.0,
     ) -> Plan:
         """Plan a dose and predict its pressures. Nothing moves. Other Python threads run meanwhile.
 
@@ -366,38 +368,6 @@ class Doser:
         PlanError
             If the pump cannot make the dose, for example because its rate or pressure is beyond a limit.
         """
-    @overload
-    def plan(
-        self,
-        volume: str,
-        *,
-        rate: None = None,
-        speed: str,
-        within: None = None,
-        smooth: bool = False,
-        finish: Finish = "any",
-        ramps: Ramps = "line",
-        retract: str | None = None,
-        start_angle_rad: float = 0.0,
-        start_half_width_rad: float = 0.0,
-        carry_in_ml: float = 0.0,
-    ) -> Plan: ...
-    @overload
-    def plan(
-        self,
-        volume: str,
-        *,
-        rate: None = None,
-        speed: None = None,
-        within: str,
-        smooth: bool = False,
-        finish: Finish = "any",
-        ramps: Ramps = "line",
-        retract: str | None = None,
-        start_angle_rad: float = 0.0,
-        start_half_width_rad: float = 0.0,
-        carry_in_ml: float = 0.0,
-    ) -> Plan: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...

@@ -4,14 +4,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pandas import Series
 
 from pumpmodel.choices import Begin, LineParameter, Port, VolumeMethod
 
 from .pump import Line, Pump
 
+# A number of Python or NumPy.
+_Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Array: TypeAlias = NDArray[np.float64]
 # Arguments that become an array; a single number stays a number.
-_Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any]
+_Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any] | Series[Any]
 _Fluid: TypeAlias = tuple[float, float, float, float | None]
 _Hose: TypeAlias = tuple[float, float, float, float, float, float]
 _Law: TypeAlias = tuple[float, float, float, float]
@@ -26,7 +29,7 @@ def _choices() -> list[tuple[str, list[str]]]:
 def _fluid_check(fluid: _Fluid) -> None:
     """Refuses properties that no fluid has."""
 
-def _fluid_water(temperature_degc: float) -> _Fluid:
+def _fluid_water(temperature_degc: _Number) -> _Fluid:
     """Returns the properties of water at a temperature, degC."""
 
 def _heads(words: list[str]) -> str:
@@ -35,13 +38,13 @@ def _heads(words: list[str]) -> str:
 def _hose_volume(hose: _Hose) -> float:
     """Returns the volume of a hose's bore, mL. Refuses dimensions that no hose has."""
 
-def _hose_line(hose: _Hose, fluid: _Fluid, reservoir_kpa: float, flow_ml_s: float) -> Line:
+def _hose_line(hose: _Hose, fluid: _Fluid, reservoir_kpa: _Number, flow_ml_s: _Number) -> Line:
     """Returns the linear line of a hose."""
 
-def _hose_drop(hose: _Hose, fluid: _Fluid, flow_ml_s: float | _Numbers) -> float | _Array:
+def _hose_drop(hose: _Hose, fluid: _Fluid, flow_ml_s: _Number | _Numbers) -> float | _Array:
     """Returns the pressure drop at a flow, kPa."""
 
-def _hose_reynolds(hose: _Hose, fluid: _Fluid, flow_ml_s: float | _Numbers) -> float | _Array:
+def _hose_reynolds(hose: _Hose, fluid: _Fluid, flow_ml_s: _Number | _Numbers) -> float | _Array:
     """Returns the Reynolds number of a flow."""
 
 def _identify_resistance(
@@ -56,7 +59,7 @@ def _identify_resistance(
     """Finds R from steady flows, and from absolute pressures at the pump or drops along the flow."""
 
 def _identify_compliance(
-    pump: Pump, port: Port, volume_ml: ArrayLike, pressure_kpa: ArrayLike, total_ml: float | None
+    pump: Pump, port: Port, volume_ml: ArrayLike, pressure_kpa: ArrayLike, total_ml: _Number | None
 ) -> _Identified:
     """Finds C from injected volumes and pressures."""
 
@@ -65,12 +68,12 @@ def _identify_line(
     port: Port,
     time_s: ArrayLike,
     pressure_kpa: ArrayLike,
-    speed_rpm: float | None,
-    speed_rad: float | None,
+    speed_rpm: _Number | None,
+    speed_rad: _Number | None,
     fit: Sequence[LineParameter],
     begin: Begin,
-    start_s: float | None,
-    start_angle_rad: float | None,
+    start_s: _Number | None,
+    start_angle_rad: _Number | None,
 ) -> _Identified:
     """Finds R, C and L from a waveform."""
 
@@ -156,12 +159,12 @@ def _law_check(law: _Law) -> None:
     """Refuses parameters that no speed law has."""
 
 def _law_revolution(
-    law: _Law, pump: Pump, speed_rpm: float | _Numbers | None, speed_rad_s: float | _Numbers | None
+    law: _Law, pump: Pump, speed_rpm: _Number | _Numbers | None, speed_rad_s: _Number | _Numbers | None
 ) -> float | _Array:
     """Returns the volume of a revolution at a speed, mL."""
 
 def _law_trapped(
-    law: _Law, pump: Pump, speed_rpm: float | _Numbers | None, speed_rad_s: float | _Numbers | None
+    law: _Law, pump: Pump, speed_rpm: _Number | _Numbers | None, speed_rad_s: _Number | _Numbers | None
 ) -> float | _Array:
     """Returns the pressure at which a segment of tube is trapped at a speed, kPa absolute."""
 
@@ -170,7 +173,7 @@ def _volume_fit(
 ) -> tuple[float, float, list[float], float, _Falls | None, list[tuple[float, float]]]:
     """Fits points, and reports the residuals of the fit."""
 
-def _volume_fit_at(method: VolumeMethod, points: _Points, angle_rad: float | _Numbers) -> float | _Array:
+def _volume_fit_at(method: VolumeMethod, points: _Points, angle_rad: _Number | _Numbers) -> float | _Array:
     """Returns the volume displaced at an angle since first contact, mL."""
 
 def _volume_runs(path: str | PathLike[str]) -> list[tuple[str, float, float]]:

@@ -4,6 +4,7 @@ from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from pandas import Series
 from typing_extensions import deprecated
 
 from pumpmodel.choices import Initial, Method, Model, Variant
@@ -11,9 +12,11 @@ from pumpmodel.volume_fit import VolumeFit
 
 from .results import Run, SteadyState
 
+# A number of Python or NumPy.
+_Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Array: TypeAlias = NDArray[np.float64]
 # Arguments that become an array; a single number stays a number.
-_Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any]
+_Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any] | Series[Any]
 
 @final
 class Line:
@@ -48,10 +51,10 @@ class Line:
     def __new__(
         cls,
         *,
-        resistance_kpa_s_ml: float,
-        compliance_ml_kpa: float,
-        inertance_kpa_s2_ml: float,
-        reservoir_kpa: float,
+        resistance_kpa_s_ml: _Number,
+        compliance_ml_kpa: _Number,
+        inertance_kpa_s2_ml: _Number,
+        reservoir_kpa: _Number,
     ) -> Line: ...
     @property
     def resistance_kpa_s_ml(self) -> float:
@@ -68,10 +71,10 @@ class Line:
     def replace(
         self,
         *,
-        resistance_kpa_s_ml: float | None = None,
-        compliance_ml_kpa: float | None = None,
-        inertance_kpa_s2_ml: float | None = None,
-        reservoir_kpa: float | None = None,
+        resistance_kpa_s_ml: _Number | None = None,
+        compliance_ml_kpa: _Number | None = None,
+        inertance_kpa_s2_ml: _Number | None = None,
+        reservoir_kpa: _Number | None = None,
     ) -> Line:
         """Return this line with some values replaced. A value that is left out stays.
 
@@ -208,13 +211,13 @@ class Pump:
         id: str,
         *,
         rollers: int,
-        bore_radius_mm: float,
-        tube_outer_radius_mm: float,
-        backplate_radius_mm: float,
-        contact_angle_deg: float,
-        roller_radius_mm: float,
-        roller_offset_mm: float,
-        hose_length_mm: float,
+        bore_radius_mm: _Number,
+        tube_outer_radius_mm: _Number,
+        backplate_radius_mm: _Number,
+        contact_angle_deg: _Number,
+        roller_radius_mm: _Number,
+        roller_offset_mm: _Number,
+        hose_length_mm: _Number,
     ) -> Pump:
         """staticmethod(function) -> method
 
@@ -239,9 +242,9 @@ class Pump:
     def from_ml_per_rev(
         id: str,
         *,
-        ml_per_rev: float,
+        ml_per_rev: _Number,
         rollers: int,
-        tube_bore_mm: float | None = None,
+        tube_bore_mm: _Number | None = None,
         inlet: Line | None = None,
         outlet: Line | None = None,
     ) -> Pump:
@@ -430,7 +433,9 @@ class Pump:
     def default_rate_ml_s(self) -> float:
         """Rate of a dose that names no rate, speed or time, mL/s."""
     @overload
-    def average_flow_ml_s(self, *, speed_rpm: float, speed_rad_s: None = None) -> float:
+    def average_flow_ml_s(
+        self, *, speed_rpm: _Number | None = None, speed_rad_s: _Number | None = None
+    ) -> float:
         """Return the flow averaged over whole pitches.
 
         Parameters
@@ -451,13 +456,11 @@ class Pump:
             If not exactly one speed is given, or a speed is not finite or beyond 1e4 rad/s.
         """
     @overload
-    def average_flow_ml_s(self, *, speed_rpm: None = None, speed_rad_s: float) -> float: ...
-    @overload
     def average_flow_ml_s(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> _Array: ...
     @overload
     def average_flow_ml_s(self, *, speed_rpm: None = None, speed_rad_s: _Numbers) -> _Array: ...
     @overload
-    def speed_for_flow_rpm(self, *, flow_ml_s: float) -> float:
+    def speed_for_flow_rpm(self, *, flow_ml_s: _Number) -> float:
         """Return the speed of the pump head for an average flow: the inverse of `average_flow_ml_s(speed_rpm=...)`.
 
         Parameters
@@ -478,7 +481,7 @@ class Pump:
     @overload
     def speed_for_flow_rpm(self, *, flow_ml_s: _Numbers) -> _Array: ...
     @overload
-    def outlet_volume_ml(self, angle_rad: float) -> float:
+    def outlet_volume_ml(self, angle_rad: _Number) -> float:
         """Return the volume that the outlet rollers deliver from angle 0 to `angle_rad`.
 
         Parameters
@@ -499,7 +502,7 @@ class Pump:
     @overload
     def outlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
     @overload
-    def outlet_flow_ml_rad(self, angle_rad: float) -> float:
+    def outlet_flow_ml_rad(self, angle_rad: _Number) -> float:
         """Return the flow at the outlet rollers per angle, mL/rad.
 
         The product with the speed in rad/s is the flow in mL/s.
@@ -522,7 +525,7 @@ class Pump:
     @overload
     def outlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
-    def inlet_volume_ml(self, angle_rad: float) -> float:
+    def inlet_volume_ml(self, angle_rad: _Number) -> float:
         """Return the volume that the inlet rollers take in from angle 0 to `angle_rad`, mL.
 
         Parameters
@@ -543,7 +546,7 @@ class Pump:
     @overload
     def inlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
     @overload
-    def inlet_flow_ml_rad(self, angle_rad: float) -> float:
+    def inlet_flow_ml_rad(self, angle_rad: _Number) -> float:
         """Return the flow at the inlet rollers per angle, mL/rad.
 
         Parameters
@@ -565,11 +568,8 @@ class Pump:
     def inlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
     @deprecated("use average_flow_ml_s")
-    def average_flow(self, *, speed_rpm: float, speed_rad_s: None = None) -> float:
+    def average_flow(self, *, speed_rpm: _Number | None = None, speed_rad_s: _Number | None = None) -> float:
         """Deprecated name of `average_flow_ml_s`."""
-    @overload
-    @deprecated("use average_flow_ml_s")
-    def average_flow(self, *, speed_rpm: None = None, speed_rad_s: float) -> float: ...
     @overload
     @deprecated("use average_flow_ml_s")
     def average_flow(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> _Array: ...
@@ -578,35 +578,35 @@ class Pump:
     def average_flow(self, *, speed_rpm: None = None, speed_rad_s: _Numbers) -> _Array: ...
     @overload
     @deprecated("use speed_for_flow_rpm")
-    def speed_for_flow(self, *, flow_ml_s: float) -> float:
+    def speed_for_flow(self, *, flow_ml_s: _Number) -> float:
         """Deprecated name of `speed_for_flow_rpm`."""
     @overload
     @deprecated("use speed_for_flow_rpm")
     def speed_for_flow(self, *, flow_ml_s: _Numbers) -> _Array: ...
     @overload
     @deprecated("use outlet_volume_ml")
-    def outlet_volume(self, angle_rad: float) -> float:
+    def outlet_volume(self, angle_rad: _Number) -> float:
         """Deprecated name of `outlet_volume_ml`."""
     @overload
     @deprecated("use outlet_volume_ml")
     def outlet_volume(self, angle_rad: _Numbers) -> _Array: ...
     @overload
     @deprecated("use outlet_flow_ml_rad")
-    def outlet_flow_per_rad(self, angle_rad: float) -> float:
+    def outlet_flow_per_rad(self, angle_rad: _Number) -> float:
         """Deprecated name of `outlet_flow_ml_rad`."""
     @overload
     @deprecated("use outlet_flow_ml_rad")
     def outlet_flow_per_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
     @deprecated("use inlet_volume_ml")
-    def inlet_volume(self, angle_rad: float) -> float:
+    def inlet_volume(self, angle_rad: _Number) -> float:
         """Deprecated name of `inlet_volume_ml`."""
     @overload
     @deprecated("use inlet_volume_ml")
     def inlet_volume(self, angle_rad: _Numbers) -> _Array: ...
     @overload
     @deprecated("use inlet_flow_ml_rad")
-    def inlet_flow_per_rad(self, angle_rad: float) -> float:
+    def inlet_flow_per_rad(self, angle_rad: _Number) -> float:
         """Deprecated name of `inlet_flow_ml_rad`."""
     @overload
     @deprecated("use inlet_flow_ml_rad")
@@ -615,18 +615,18 @@ class Pump:
     def simulate(
         self,
         *,
-        speed_rpm: float,
+        speed_rpm: _Number,
         speed_rad_s: None = None,
-        duration_s: float,
-        dt_s: float = 1e-3,
+        duration_s: _Number,
+        dt_s: _Number = 1e-3,
         model: Model = "flow-centric",
         method: Method = "auto",
         initial: Initial = "rest",
-        tolerance: float | None = None,
-        segment_scale: float | None = None,
-        distensibility_per_kpa: float | None = None,
-        valve_resistance_kpa_s_ml: float | None = None,
-        closure_rad: float | None = None,
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
     ) -> Run:
         """Run the model at constant speed from angle 0. Other Python threads run meanwhile.
 
@@ -682,20 +682,22 @@ class Pump:
         self,
         *,
         speed_rpm: None = None,
-        speed_rad_s: float,
-        duration_s: float,
-        dt_s: float = 1e-3,
+        speed_rad_s: _Number,
+        duration_s: _Number,
+        dt_s: _Number = 1e-3,
         model: Model = "flow-centric",
         method: Method = "auto",
         initial: Initial = "rest",
-        tolerance: float | None = None,
-        segment_scale: float | None = None,
-        distensibility_per_kpa: float | None = None,
-        valve_resistance_kpa_s_ml: float | None = None,
-        closure_rad: float | None = None,
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
     ) -> Run: ...
     @overload
-    def steady_state(self, *, speed_rpm: float, speed_rad_s: None = None) -> SteadyState[float]:
+    def steady_state(
+        self, *, speed_rpm: _Number | None = None, speed_rad_s: _Number | None = None
+    ) -> SteadyState[float]:
         """Compute the periodic steady state at constant speed. Other Python threads run meanwhile.
 
         A line that is a hose has its resistance at the pump's default rate. `simulate` follows its friction at every
@@ -720,8 +722,6 @@ class Pump:
         PumpError
             If the solver fails on the way.
         """
-    @overload
-    def steady_state(self, *, speed_rpm: None = None, speed_rad_s: float) -> SteadyState[float]: ...
     @overload
     def steady_state(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> SteadyState[_Array]: ...
     @overload

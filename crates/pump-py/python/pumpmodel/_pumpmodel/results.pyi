@@ -11,6 +11,8 @@ from pumpmodel.choices import LimitedBy
 
 from .pump import Pump
 
+# A number of Python or NumPy.
+_Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Array: TypeAlias = NDArray[np.float64]
 _Values = TypeVar("_Values", float, _Array)
 
@@ -360,7 +362,7 @@ class Plan:
         ImportError
             If xarray is not installed: `pip install "pumpmodel[xarray]"`.
         """
-    def trace(self, *, dt_s: float = 1e-3) -> Run:
+    def trace(self, *, dt_s: _Number = 1e-3) -> Run:
         """Predict flows and pressures over the dose and its retraction, from lines at rest until they have settled.
 
         Parameters

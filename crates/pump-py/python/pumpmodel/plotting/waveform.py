@@ -103,9 +103,7 @@ def plot(
         axis.grid(alpha=0.25)
         axis.margins(x=0)
         if isinstance(result, Plan):
-            axis.axvline(
-                result.motion_s, color="0.45", linewidth=1, linestyle=":", label="last step of the dose"
-            )
+            axis.axvline(result.motion_s, color="0.45", linewidth=1, linestyle=":", label="last step")
             if name == "delivered":
                 asked = result.requested_ml + result.carry_in_ml
                 axis.axhline(asked, color="0.45", linewidth=1, linestyle="--", label="asked for")
