@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Any, TypeVar, cast
 
 from pumpmodel._pumpmodel import _Bench
 
@@ -13,19 +13,15 @@ class HasCore:
     _core: _Bench
 
 
-_P = ParamSpec("_P")
-_Result = TypeVar("_Result")
-_Self = TypeVar("_Self", bound=HasCore)
+_Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
-def stoppable(
-    method: Callable[Concatenate[_Self, _P], _Result],
-) -> Callable[Concatenate[_Self, _P], _Result]:
+def stoppable(method: _Method) -> _Method:
     """Have `Bench.stop` reach a method from its first instruction to its last."""
 
     @wraps(method)
-    def call(self: _Self, /, *arguments: _P.args, **keywords: _P.kwargs) -> _Result:
+    def call(self: HasCore, *arguments: Any, **keywords: Any) -> Any:
         with self._core.begin(method.__name__):
             return method(self, *arguments, **keywords)
 
-    return call
+    return cast(_Method, call)
