@@ -10,6 +10,9 @@ from pumpmodel import _pumpmodel
 
 FOLDER = Path(__file__).parent / "python/pumpmodel/_pumpmodel"
 
+# Columns of a line, as everywhere in the repository.
+_COLUMNS = 120
+
 Node = ast.ClassDef | ast.FunctionDef
 
 
@@ -38,8 +41,12 @@ def written(text: str) -> str:
     lines = text.splitlines()
     for node, doc in sorted(documented(ast.parse(text)), key=lambda found: -found[0].lineno):
         indent = " " * (node.col_offset + 4)
+        if len(indent) + len(doc.split("\n")[0]) + 2 * len('"""') > _COLUMNS:
+            # The first line begins below its quotes.
+            doc = "\0" + doc
         quoted = doc.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
-        closing = "" if "\n" not in doc else f"\n{indent}"
+        closing = "" if "\n" not in doc and doc[0] != "\0" else f"\n{indent}"
+        quoted = quoted.replace("\0", "\\\n")
         body = "\n".join(f"{indent}{line}".rstrip() for line in f'"""{quoted}'.split("\n")) + f'{closing}"""'
         first = node.body[0]
         if ast.get_docstring(node) is not None:

@@ -148,8 +148,8 @@ impl Plan {
         self.report.motion_s
     }
 
-    /// Time from the last step of the dose until the undelivered volume stays below 1 µL, s. None if the outlet's line is not
-    /// known.
+    /// Time from the last step of the dose until the undelivered volume stays below 1 µL, s. None if the outlet's
+    /// line is not known.
     #[getter]
     fn settle_s(&self) -> Option<f64> {
         self.report.settle_s

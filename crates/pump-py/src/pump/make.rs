@@ -176,8 +176,8 @@ impl Pump {
 
     /// Return this pump with some parts replaced. A part that is left out stays.
     ///
-    /// Other rollers make another head, whose record is its own: without an `id` its id ends with a number of that head,
-    /// and without a `name` its name tells the rollers.
+    /// Other rollers make another head, whose record is its own: without an `id` its id ends with a number of that
+    /// head, and without a `name` its name tells the rollers.
     ///
     /// Parameters
     /// ----------

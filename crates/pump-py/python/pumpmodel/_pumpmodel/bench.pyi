@@ -206,7 +206,8 @@ class _Bench:
     def resume(self, asked: dict[str, Any], progress: _Progress | None) -> str:
         """Makes the rest of an unfinished dose. Returns the JSON of the command."""
     def begin(self, name: str, *, lasts: bool = False) -> _Call:
-        """Begins a call that can move the motor, so that a stop reaches it. One that lasts has a `with` block for each
+        """\
+        Begins a call that can move the motor, so that a stop reaches it. One that lasts has a `with` block for each
         of its motions.
         """
     def stop(self) -> list[str]:

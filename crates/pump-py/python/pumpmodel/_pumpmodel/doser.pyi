@@ -250,7 +250,9 @@ class Calibration:
         """Speeds of the runs, r/min, rising."""
     @property
     def scatter(self) -> float | None:
-        """Standard deviation of the runs about the fit, as a fraction of the volume; None if there were too few runs."""
+        """\
+        Standard deviation of the runs about the fit, as a fraction of the volume; None if there were too few runs.
+        """
     @property
     def outliers(self) -> list[int]:
         """Numbers, from 1, of runs that lie far from the others. The fit includes them."""
@@ -262,7 +264,9 @@ class Calibration:
         """Roller volume V_r that short doses found and its standard uncertainty, mL; None if the pump's own holds."""
     @property
     def engagement_rad(self) -> tuple[float, float] | None:
-        """Engagement angle phi that short doses found and its standard uncertainty, rad; None if the pump's own holds."""
+        """\
+        Engagement angle phi that short doses found and its standard uncertainty, rad; None if the pump's own holds.
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...

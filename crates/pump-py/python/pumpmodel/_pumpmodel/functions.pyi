@@ -194,7 +194,8 @@ def _steady_states(
     first: int = 0,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[_Array]:
-    """Computes the steady state of every pump at every speed: an array of shape (pumps, speeds) for each attribute of a
+    """\
+    Computes the steady state of every pump at every speed: an array of shape (pumps, speeds) for each attribute of a
     `SteadyState` but the speed, in their order.
 
     `first` is the number of the first pump in errors. `progress(done, total)` is called now and then and at the end.

@@ -20,7 +20,8 @@ _Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any
 
 @final
 class Line:
-    """Hydraulic line between the rollers and a reservoir: compliance at the pump, resistance and inertance in series.
+    """\
+    Hydraulic line between the rollers and a reservoir: compliance at the pump, resistance and inertance in series.
 
     Parameters
     ----------
@@ -316,8 +317,8 @@ class Pump:
     ) -> Pump:
         """Return this pump with some parts replaced. A part that is left out stays.
 
-        Other rollers make another head, whose record is its own: without an `id` its id ends with a number of that head,
-        and without a `name` its name tells the rollers.
+        Other rollers make another head, whose record is its own: without an `id` its id ends with a number of that
+        head, and without a `name` its name tells the rollers.
 
         Parameters
         ----------
@@ -355,7 +356,8 @@ class Pump:
         """
     @property
     def warnings(self) -> list[str]:
-        """Warnings of values that are possible and unusual, mostly a slip of a unit or a digit, or rollers that overlap in
+        """\
+        Warnings of values that are possible and unusual, mostly a slip of a unit or a digit, or rollers that overlap in
         space. Every way to a pump gives them as Python warnings too.
         """
     @property

@@ -275,8 +275,8 @@ class Plan:
         """Time from the start to the last step of the dose, s."""
     @property
     def settle_s(self) -> float | None:
-        """Time from the last step of the dose until the undelivered volume stays below 1 µL, s. None if the outlet's line is not
-        known.
+        """Time from the last step of the dose until the undelivered volume stays below 1 µL, s. None if the outlet's
+        line is not known.
         """
     @property
     def settled_s(self) -> float:
@@ -309,7 +309,9 @@ class Plan:
         """
     @property
     def ripple_before(self) -> tuple[float, float]:
-        """Ripple of the flow at the outlet's rollers at constant speed, over its mean: (peak to peak, root mean square)."""
+        """\
+        Ripple of the flow at the outlet's rollers at constant speed, over its mean: (peak to peak, root mean square).
+        """
     @property
     def ripple_after(self) -> tuple[float, float]:
         """Ripple of the flow at the outlet's rollers as planned, over its mean: (peak to peak, root mean square).
@@ -321,7 +323,8 @@ class Plan:
         """Warnings to read before the plan is run."""
     @property
     def step_times_s(self) -> _Array:
-        """Time of every motor step, s; read-only, shape (abs(steps) + abs(retract_steps),). The retraction begins once the
+        """\
+        Time of every motor step, s; read-only, shape (abs(steps) + abs(retract_steps),). The retraction begins once the
         line has settled after the dose.
         """
     @property
