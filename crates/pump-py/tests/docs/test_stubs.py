@@ -13,7 +13,11 @@ import stub_docs
 @pytest.mark.parametrize("stub", sorted(stub_docs.FOLDER.glob("*.pyi")), ids=lambda stub: stub.stem)
 def test_docstrings_of_the_stubs_are_those_of_the_compiled_module(stub: Path) -> None:
     tree = ast.parse(stub.read_text(encoding="utf-8"))
-    wrong = [node.name for node, doc in stub_docs.documented(tree) if ast.get_docstring(node) != doc]
+    wrong = [
+        node.name
+        for node, doc in stub_docs.documented(tree)
+        if (ast.get_docstring(node) or "").rstrip() != doc
+    ]
     assert wrong == [], "run `python stub_docs.py`"
 
 
