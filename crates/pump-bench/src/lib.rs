@@ -90,7 +90,7 @@ pub mod words;
 pub use bench::{
     Accepted, AngleSet, Bench, Cleared, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
     PreparedByWeight, PreparedProfile, Rehearsal, SeriesMotion, SeriesRequest, Session, TimedVolume,
-    ToleranceBy,
+    ToleranceBy, head_print,
 };
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};

@@ -19,7 +19,7 @@ mod simulation;
 #[pyo3::pymodule]
 mod _pumpmodel {
     #[pymodule_export]
-    use crate::bench::{Balance, Bench, Rack, Schedule};
+    use crate::bench::{Balance, Bench, Call, Rack, Schedule};
     #[pymodule_export]
     use crate::calibration::{_reading, Calibration};
     #[pymodule_export]

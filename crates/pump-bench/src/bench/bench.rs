@@ -1,8 +1,12 @@
 //! A bench: one pump, its drive, and its record.
 
 mod calibrating;
+mod head;
 mod planned_from;
 mod run_volume;
+
+pub use head::head_print;
+pub(super) use head::print_of;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -285,7 +289,8 @@ impl Bench {
     pub(crate) fn fresh(&self) -> PumpState {
         let pitch_rad = self.model.pitch_rad();
         let phase = if self.is_simulated() { Phase::known(0.0) } else { Phase::unknown(pitch_rad) };
-        PumpState::fresh(phase, PhaseSource::Home).as_recorded(pitch_rad)
+        let state = PumpState::fresh(phase, PhaseSource::Home).as_recorded(pitch_rad);
+        PumpState { head: Some(head_print(&self.file)), ..state }
     }
 
     /// Reads the journal of the pump.

@@ -20,8 +20,8 @@ mod series;
 mod session;
 mod stretches;
 
-pub use bench::Bench;
 pub(crate) use bench::headline;
+pub use bench::{Bench, head_print};
 pub use by_profile::PreparedProfile;
 pub use by_weight::{DeliveredByWeight, OrderByWeight, PreparedByWeight, ToleranceBy};
 pub use delivery::Delivered;

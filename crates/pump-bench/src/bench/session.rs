@@ -107,6 +107,7 @@ impl<'a> Session<'a> {
         let lock = patience.try_until(&bench.opening().stop, || Ok(bench.folder().lock()?))?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
         let (log, note) = SessionLog::open(bench.folder(), &story);
+        let other_head = story.other_head.then(|| bench.other_head());
         Ok(Self {
             bench,
             journal,
@@ -119,7 +120,7 @@ impl<'a> Session<'a> {
             is_given: bench.is_given_its_drive(),
             place: None,
             before_motion: None,
-            notes: note.into_iter().collect(),
+            notes: note.into_iter().chain(other_head).collect(),
             told_of_clock: false,
             may_home_unfinished: bench.may_home_unfinished(),
             moved: false,

@@ -64,6 +64,9 @@ pub struct PumpState {
     /// Print of the pump whose filled-in values a person has confirmed. `None` if nobody was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) confirmed_pump: Option<u32>,
+    /// Print of the head that the angle is of. `None` in a record of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) head: Option<u32>,
     /// Flow that still arrives after a stop, as doses by weight have found. `None` before the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) after_stop: Option<AfterStop>,
@@ -100,6 +103,7 @@ impl PumpState {
             disturbances: 0,
             released: false,
             confirmed_pump: None,
+            head: None,
             after_stop: None,
             doses: 0,
             tubes_before: 0,
@@ -148,6 +152,23 @@ impl PumpState {
         };
         let phase = phase.unwrap_or(Phase::within(0.0, UNKNOWN_RAD));
         Self { source, disturbances: 0, last: None, ..state.at(phase) }
+    }
+
+    /// Returns the state as the head with the print `head` takes it. The angle of another head tells nothing of this
+    /// one's: it is unknown then, and nothing is carried, unless it belongs to an unfinished dose.
+    #[must_use]
+    pub(crate) fn of_head(self, head: Option<u32>, pump: &Pump) -> Self {
+        let state = Self { head: head.or(self.head), ..self };
+        if !self.is_of_another_head(head) {
+            return state;
+        }
+        let state = if self.unfinished.is_some() { state } else { state.without_carry() };
+        Self { last: None, ..state.lost(pump) }
+    }
+
+    /// Returns true if the angle on record is of another head than the one with the print `head`.
+    pub(crate) fn is_of_another_head(&self, head: Option<u32>) -> bool {
+        self.head.zip(head).is_some_and(|(then, now)| then != now)
     }
 
     /// Returns the state with nothing to carry.

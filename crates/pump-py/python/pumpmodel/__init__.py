@@ -31,7 +31,7 @@ from pumpmodel._pumpmodel import (
     pearson,
     rmse,
 )
-from pumpmodel.bench import Bench
+from pumpmodel.bench import AsyncBench, Bench
 from pumpmodel.dose import Dose, LoggedDose, Status, Verification
 from pumpmodel.errors import (
     BalanceError,
@@ -40,6 +40,7 @@ from pumpmodel.errors import (
     PumpError,
     PumpFileError,
     SafetyError,
+    StoppedError,
     UnfinishedError,
 )
 from pumpmodel.fluid import Fluid
@@ -60,6 +61,7 @@ from pumpmodel.volume_fit import VolumeFit
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 __all__ = [
+    "AsyncBench",
     "Balance",
     "BalanceError",
     "Bench",
@@ -93,6 +95,7 @@ __all__ = [
     "SpeedLaw",
     "Status",
     "SteadyState",
+    "StoppedError",
     "Sweep",
     "UnfinishedError",
     "Verification",

@@ -59,6 +59,10 @@ class SafetyError(PumpError):
     allowed_ml: float
 
 
+class StoppedError(PumpError):
+    """A stop came before the motion of a call: nothing was delivered, and nothing new is on record."""
+
+
 class UnfinishedError(PumpError):
     """An earlier dose is unfinished: `Bench.resume` makes the rest, `Bench.discard` accepts it as it is.
 

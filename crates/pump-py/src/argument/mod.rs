@@ -5,9 +5,11 @@ mod cruise;
 mod floats;
 mod quantity;
 pub(crate) mod speed;
+mod whole;
 
 pub(crate) use choice::{choice, finish_named, ramps_named, word};
 pub(crate) use cruise::cruise;
 pub(crate) use floats::Floats;
-pub(crate) use quantity::{retracted_ml, text};
+pub(crate) use quantity::{quantity, retracted_ml, text};
 pub(crate) use speed::Argument;
+pub(crate) use whole::whole;

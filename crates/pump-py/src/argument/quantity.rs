@@ -1,5 +1,7 @@
 //! Quantities as text with their unit.
 
+use std::fmt::Display;
+
 use pump_bench::units;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -18,7 +20,17 @@ pub(crate) fn text<'a>(name: &str, example: &str, argument: &'a Bound<'_, PyAny>
     }
 }
 
+/// Returns the quantity that `read` finds in the text of the argument `name`. A refusal names the argument.
+pub(crate) fn quantity<T, E: Display>(
+    name: &str,
+    example: &str,
+    argument: &Bound<'_, PyAny>,
+    read: impl FnOnce(&str) -> Result<T, E>,
+) -> PyResult<T> {
+    read(text(name, example, argument)?).map_err(|error| value(format_args!("{name}: {error}")))
+}
+
 /// Reads the volume that is sucked back after a dose, mL.
 pub(crate) fn retracted_ml(retract: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    retract.map(|retract| units::volume_ml(text("retract", "0.1mL", retract)?).map_err(value)).transpose()
+    retract.map(|retract| quantity("retract", "0.1mL", retract, units::volume_ml)).transpose()
 }

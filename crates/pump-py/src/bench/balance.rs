@@ -13,7 +13,7 @@ use pump_bench::drives::StopRequest;
 use pump_bench::units;
 use pyo3::prelude::*;
 
-use crate::argument::{text, word};
+use crate::argument::{quantity, word};
 use crate::python::errors::{self, PumpError, value};
 
 /// Longest wait for a balance that can be asked for, s: a day.
@@ -65,7 +65,7 @@ impl Balance {
     ) -> PyResult<Self> {
         let protocol = word("protocol", protocol, Protocol::ALL)?;
         let line = match line {
-            Some(line) => line.parse::<SerialLine>().map_err(value)?,
+            Some(line) => line.parse::<SerialLine>().map_err(|error| value(format_args!("line: {error}")))?,
             None => protocol.usual_line(),
         };
         let wait = wait_of(wait)?;
@@ -217,7 +217,7 @@ fn closed() -> PyErr {
 /// Reads the longest wait for a balance to stand still. `None` is the usual one.
 fn wait_of(wait: Option<&Bound<'_, PyAny>>) -> PyResult<Duration> {
     let wait_s = match wait {
-        Some(wait) => units::time_s(text("wait", "60s", wait)?).map_err(value)?,
+        Some(wait) => quantity("wait", "60s", wait, units::time_s)?,
         None => 60.0,
     };
     Ok(Duration::from_secs_f64(wait_s.min(MOST_WAIT_S)))

@@ -12,11 +12,15 @@ use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared,
 use pyo3::prelude::*;
 
 use super::request::AskedDose;
-use super::worker::{Signal, Worker};
-use crate::argument::{choice, text, word};
+use super::worker::{Call, Named, Signal, Worker};
+use crate::argument::{choice, quantity, word};
 use crate::pump::Pump;
 use crate::python::advice;
 use crate::python::errors::{self, value};
+
+/// Methods of a bench that can move the motor.
+const CALLS: [&str; 9] =
+    ["dose", "prime", "purge", "run", "batch", "resume", "calibration_run", "home_sensor", "jog_rad"];
 
 /// Compiled half of `pumpmodel.Bench`; use that instead.
 #[pyclass(frozen, name = "_Bench", module = "pumpmodel._pumpmodel")]
@@ -57,11 +61,11 @@ impl Bench {
     ) -> PyResult<Self> {
         let mut file = pump.file.clone();
         if let Some(limit) = tube_limit {
-            let life_ml = units::volume_ml(text("tube_limit", "100L", limit)?).map_err(value)?;
+            let life_ml = quantity("tube_limit", "100L", limit, units::volume_ml)?;
             file.tube.life_ml = Some(life_ml);
         }
         let degc = temperature
-            .map(|degc| units::temperature_degc(text("temperature", "20degC", degc)?).map_err(value))
+            .map(|degc| quantity("temperature", "20degC", degc, units::temperature_degc))
             .transpose()?;
         file.fluid = file.fluid.changed_to(fluid, degc).map_err(value)?;
         let driver = driver.map(driver_named).transpose()?;
@@ -141,6 +145,7 @@ impl Bench {
     fn connect(&self, py: Python<'_>) -> PyResult<()> {
         self.worker.call(
             py,
+            Named::Motion("batch"),
             None,
             |()| "the motor is connected; nothing moved".to_owned(),
             |held, _| {
@@ -161,10 +166,11 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(purpose_named(purpose)?, &self.weighing())?;
-        self.run(py, progress, move |session, signal| {
+        self.run(py, "dose", progress, move |session, signal| {
             // No person watches the doses of a program.
             let is_free = session.state().is_none_or(|state| state.unfinished.is_none());
             if is_free && request.start_angle_rad.is_none() {
+                call_off(session, signal);
                 session.follow_home_policy(|_| signal.flow())?;
             }
             session.prepare(request)
@@ -180,15 +186,23 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(Purpose::Dose, &self.weighing())?;
-        self.run(py, progress, move |session, signal| {
+        self.run(py, "resume", progress, move |session, signal| {
             find_angle_of_rest(session, signal)?;
             session.prepare_rest(request)
         })
     }
 
-    /// Makes the motor of the call under way decelerate and hold.
-    fn stop(&self) {
-        self.worker.stop();
+    /// Begins a call that can move the motor, so that a stop reaches it. One that lasts has a `with` block for each
+    /// of its motions.
+    #[pyo3(signature = (name, *, lasts=false))]
+    fn begin(&self, name: &str, lasts: bool) -> PyResult<Call> {
+        let names = CALLS.map(|name| (name, name));
+        Ok(Call::new(self.worker.begin(choice("name", name, &names)?), lasts))
+    }
+
+    /// Makes every call that has begun decelerate the motor, which holds. Returns the names of the calls.
+    fn stop(&self) -> Vec<&'static str> {
+        self.worker.stop()
     }
 
     /// Gives the pump back.
@@ -206,11 +220,13 @@ impl Bench {
     fn run(
         &self,
         py: Python<'_>,
+        name: &'static str,
         progress: Option<&Bound<'_, PyAny>>,
-        prepare: impl FnOnce(&mut Session<'_>, &Signal) -> Result<Prepared, DoseError> + Send + 'static,
+        prepare: impl FnOnce(&mut Session<'_>, &Arc<Signal>) -> Result<Prepared, DoseError> + Send + 'static,
     ) -> PyResult<String> {
         let ran = self.worker.call(
             py,
+            Named::Motion(name),
             progress,
             |ran: &Ran| ran.note.clone(),
             move |held, signal| {
@@ -231,10 +247,11 @@ impl Bench {
 }
 
 /// Does as the pump file says if the angle of an unfinished dose was disturbed: no person watches its rest.
-pub(super) fn find_angle_of_rest(session: &mut Session<'_>, signal: &Signal) -> Result<(), DoseError> {
+pub(super) fn find_angle_of_rest(session: &mut Session<'_>, signal: &Arc<Signal>) -> Result<(), DoseError> {
     if session.state().is_none_or(|state| state.unfinished.is_none()) {
         return Ok(());
     }
+    call_off(session, signal);
     session.follow_home_policy(|_| signal.flow())
 }
 
@@ -242,10 +259,17 @@ pub(super) fn find_angle_of_rest(session: &mut Session<'_>, signal: &Signal) -> 
 pub(super) fn deliver(
     session: &mut Session<'_>,
     prepared: &Prepared,
-    signal: &Signal,
+    signal: &Arc<Signal>,
 ) -> Result<Delivered, DoseError> {
     signal.plans(prepared.plan.steps().unsigned_abs());
+    call_off(session, signal);
     session.run(prepared, |made| signal.made(made))
+}
+
+/// Has the next motion of `session` called off if the caller wants no more by then. Nothing is unfinished after that.
+pub(super) fn call_off(session: &mut Session<'_>, signal: &Arc<Signal>) {
+    let signal = Arc::clone(signal);
+    session.before_motion(move || signal.flow());
 }
 
 /// Returns the note on an interrupted caller's exception: the volume that was delivered.

@@ -9,8 +9,9 @@ use pump_bench::record::Purpose;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
-use super::bench::{Bench, Ran, note};
+use super::bench::{Bench, Ran, call_off, note};
 use super::request::AskedDose;
+use super::worker::Named;
 use crate::python::advice;
 use crate::python::errors::{self, value};
 
@@ -56,6 +57,7 @@ impl Bench {
         let profile = self::profile(profile, request.volume_ml < 0.0)?;
         let ran = self.worker.call(
             py,
+            Named::Motion("run"),
             progress,
             |ran: &Ran| ran.note.clone(),
             move |held, signal| {
@@ -64,9 +66,11 @@ impl Bench {
                 // No person watches the runs of a program.
                 let is_free = session.state().is_none_or(|state| state.unfinished.is_none());
                 if is_free && request.start_angle_rad.is_none() {
+                    call_off(session, signal);
                     session.follow_home_policy(|_| signal.flow())?;
                 }
                 let prepared = session.prepare_profile(request, &profile)?;
+                call_off(session, signal);
                 signal.plans(prepared.motion().steps().unsigned_abs());
                 let delivered = session.run_profile(&prepared, |made| signal.made(made))?;
                 let report = DoseReport::by_profile(bench, &prepared, Some(&delivered)).worded(advice::words);

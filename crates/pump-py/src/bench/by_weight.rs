@@ -1,5 +1,7 @@
 //! Doses that a balance ends.
 
+use std::sync::Arc;
+
 use pump_bench::balance::{self, BalanceError, BalanceReading};
 use pump_bench::record::Purpose;
 use pump_bench::units::{self, Amount};
@@ -9,12 +11,12 @@ use pump_bench::{
 use pyo3::prelude::*;
 
 use super::balance::{Balance, lock};
-use super::bench::{Bench, find_angle_of_rest};
+use super::bench::{Bench, call_off, find_angle_of_rest};
 use super::request::AskedDose;
-use super::worker::Signal;
-use crate::argument::{cruise, text};
+use super::worker::{Named, Signal};
+use crate::argument::quantity;
 use crate::python::advice;
-use crate::python::errors::{self, value};
+use crate::python::errors;
 
 /// Keywords of a dose by weight, read from a dict.
 #[derive(FromPyObject)]
@@ -30,10 +32,10 @@ impl AskedByWeight<'_> {
     /// Returns the order of a dose.
     fn order(&self, request: DoseRequest) -> PyResult<OrderByWeight> {
         let most_ml = self.max_volume.as_ref();
-        let most_ml = most_ml
-            .map(|most| units::volume_ml(text("max_volume", "27mL", most)?).map_err(value))
-            .transpose()?;
-        let slow = cruise(self.slow_rate.as_ref(), None, None)?;
+        let most_ml =
+            most_ml.map(|most| quantity("max_volume", "27mL", most, units::volume_ml)).transpose()?;
+        let slow = self.slow_rate.as_ref();
+        let slow = slow.map(|slow| quantity("slow_rate", "0.5 mL/s", slow, units::rate)).transpose()?;
         let wait = self.balance.get().wait;
         Ok(OrderByWeight::new(request).with_most_ml(most_ml).with_slow(slow).with_longest(wait))
     }
@@ -41,7 +43,7 @@ impl AskedByWeight<'_> {
     /// Returns the standard uncertainty of a reading, if it is given.
     fn scale(&self) -> PyResult<Option<Amount>> {
         let scale = self.scale.as_ref();
-        scale.map(|scale| units::amount(text("scale", "0.01g", scale)?).map_err(value)).transpose()
+        scale.map(|scale| quantity("scale", "0.01g", scale, units::amount)).transpose()
     }
 }
 
@@ -74,6 +76,7 @@ impl Bench {
         let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
         self.weighed(py, &by_weight, progress, move |session, balance, signal| {
             if session.state().is_none_or(|state| state.unfinished.is_none()) {
+                call_off(session, signal);
                 session.follow_home_policy(|_| signal.flow())?;
             }
             let prepared = session.prepare_by_weight(&order)?;
@@ -109,7 +112,7 @@ impl Bench {
         prepare: impl FnOnce(
             &mut Session<'_>,
             &mut dyn balance::Balance,
-            &Signal,
+            &Arc<Signal>,
         ) -> Result<(PreparedByWeight, BalanceReading), DoseError>
         + Send
         + 'static,
@@ -117,6 +120,7 @@ impl Bench {
         let (scale, device) = (by_weight.scale()?, by_weight.balance.get().device()?);
         let (json, _) = self.worker.call(
             py,
+            Named::Motion("dose"),
             progress,
             |(_, delivered): &(String, DeliveredByWeight)| note(delivered),
             move |held, signal| {
@@ -126,6 +130,7 @@ impl Bench {
                 // The balance was open when the call began.
                 let Some(balance) = device.as_mut() else { return Err(BalanceError::Stopped.into()) };
                 let (prepared, tare) = prepare(session, balance.as_mut(), signal)?;
+                call_off(session, signal);
                 signal.plans(prepared.whole.plan.steps().unsigned_abs());
                 let (mut before, mut last) = (0, 0);
                 let delivered = session.run_from_tare(&prepared, tare, balance.as_mut(), |made| {

@@ -11,7 +11,8 @@ use pump_model::units::{degrees, rpm};
 use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
-use crate::argument::{Argument, speed};
+use super::worker::Named;
+use crate::argument::{Argument, speed, whole};
 use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of, scale_of};
 use crate::python::advice;
 use crate::python::errors::{self, value};
@@ -28,18 +29,17 @@ impl Bench {
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
-        pitches: u32,
+        pitches: &Bound<'py, PyAny>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<TurnedRun> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
         if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
         }
-        if !(1..=100_000).contains(&pitches) {
-            return Err(value(format_args!("pitches is {pitches}; allowed: 1 to 100000")));
-        }
+        let pitches: u32 = whole("pitches", pitches, 1, 100_000)?;
         self.worker.call(
             py,
+            Named::Motion("calibration_run"),
             progress,
             |_| "the run was stopped and is on record; do not weigh a part of a run".to_owned(),
             move |held, signal| {
@@ -76,7 +76,7 @@ impl Bench {
         let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = expected_of(scale, self.bench.file(), &runs)?;
         let expected = self.bench.with_drop(&expected).map_err(|error| errors::dose(py, error))?;
-        self.kept(py, move |file, before| {
+        self.kept(py, "calibrate", move |file, before| {
             let mut calibration =
                 DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
             (calibration.tube, calibration.note) = (tube, note);
@@ -105,11 +105,12 @@ impl Bench {
             (false, true) => Earlier::Left,
             (false, false) => Earlier::Joined,
         };
-        let reading = stated_reading(reading).map_err(value)?;
+        let reading = stated_reading(reading).map_err(|error| value(format_args!("reading: {error}")))?;
         let scale = scale.map(scale_of).transpose()?;
         let (name, degc) = self.fluid.clone();
         let stored = self.worker.call(
             py,
+            Named::Entry("calibrate_last"),
             None,
             |stored: &Stored| format!("calibration {} is kept", stored.version),
             move |held, _| {
@@ -155,7 +156,7 @@ impl Bench {
             })
             .collect();
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
-        self.kept(py, move |file, before| {
+        self.kept(py, "calibrate_phase", move |file, before| {
             let (mut calibration, found) = DoseCalibration::of_short_doses(file, doses, &expected, before)?;
             calibration.tube = tube.or(calibration.tube);
             calibration.note = note;
@@ -178,9 +179,11 @@ impl Bench {
 
     /// Makes doses use another calibration, or none, from now on.
     #[pyo3(signature = (version))]
-    fn use_calibration(&self, py: Python<'_>, version: Option<u32>) -> PyResult<()> {
+    fn use_calibration(&self, py: Python<'_>, version: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let version = version.map(|version| whole("version", version, 1, u32::MAX.into())).transpose()?;
         self.worker.call(
             py,
+            Named::Entry("use_calibration"),
             None,
             |()| "the call was completed".to_owned(),
             move |held, _| {
@@ -196,6 +199,7 @@ impl Bench {
     fn kept<T: Send + 'static>(
         &self,
         py: Python<'_>,
+        name: &'static str,
         make: impl FnOnce(
             &pump_bench::pump_file::PumpFile,
             Option<&DoseCalibration>,
@@ -205,6 +209,7 @@ impl Bench {
     ) -> PyResult<(Calibration, T)> {
         let (stored, more): (Stored, T) = self.worker.call(
             py,
+            Named::Entry(name),
             None,
             |(stored, _): &(Stored, T)| format!("calibration {} is kept and used", stored.version),
             move |held, _| {

@@ -1,13 +1,15 @@
 //! A bench's rotor, tube and unfinished dose: the entries that a person makes in the record.
 
+use std::sync::Arc;
+
 use pump_bench::report::Status;
 use pump_bench::{DoseError, Session};
 use pump_ctl::plan::Phase;
 use pump_model::units::rad_s;
 use pyo3::prelude::*;
 
-use super::bench::Bench;
-use super::worker::{Held, Signal};
+use super::bench::{Bench, call_off};
+use super::worker::{Held, Named, Signal};
 use crate::python::advice;
 use crate::python::errors::value;
 
@@ -30,7 +32,7 @@ impl Bench {
         }
         let half_width_rad = width(half_width_rad)?;
         let phase = angle_rad.map(|angle_rad| Phase::within(angle_rad, half_width_rad));
-        self.tell(py, move |held, _| {
+        self.tell(py, Named::Entry("home_set"), move |held, _| {
             let mut told = Vec::new();
             let carry_ml = if let Some(session) = &mut held.session {
                 let carry_ml = session.owed_ml();
@@ -49,9 +51,10 @@ impl Bench {
 
     /// Turns forward until the index sensor answers. A stop before that is a warning.
     fn home_sensor(&self, py: Python<'_>) -> PyResult<Told> {
-        self.tell(py, |held, signal| {
+        self.tell(py, Named::Motion("home_sensor"), |held, signal| {
             let session = held.session()?;
             let carry_ml = session.owed_ml();
+            call_off(session, signal);
             let found = session.seek_index(|made| signal.made(made))?;
             Ok(match found {
                 Some(_) => forgotten(carry_ml),
@@ -71,12 +74,14 @@ impl Bench {
         }
         self.worker.call(
             py,
+            Named::Motion("jog_rad"),
             None,
             |_| "the turn is on record".to_owned(),
             move |held, signal| {
                 let step_rad = held.bench.file().limits().motor.step_rad();
                 let session = held.session()?;
                 let steps = session.steps_of(angle_rad);
+                call_off(session, signal);
                 let made = session.jog(steps, rad_s(JOG_RPM), |made| signal.made(made))?;
                 Ok(made as f64 * steps.signum() as f64 * step_rad)
             },
@@ -86,7 +91,7 @@ impl Bench {
     /// Records that the rotor's mark meets the housing's.
     fn home_mark(&self, py: Python<'_>, half_width_rad: f64) -> PyResult<Told> {
         let half_width_rad = width(half_width_rad)?;
-        self.tell(py, move |held, _| {
+        self.tell(py, Named::Entry("home_mark"), move |held, _| {
             let session = held.session()?;
             let carry_ml = session.owed_ml();
             session.set_at_mark(half_width_rad)?;
@@ -96,7 +101,7 @@ impl Bench {
 
     /// Accepts the unfinished dose with the volume that was delivered.
     fn discard(&self, py: Python<'_>) -> PyResult<Told> {
-        self.tell(py, |held, _| {
+        self.tell(py, Named::Entry("discard"), |held, _| {
             let session = held.session()?;
             let carry_ml = session.owed_ml();
             let (_, unasked) = session.discard()?;
@@ -108,12 +113,12 @@ impl Bench {
 
     /// Releases the rotor: the motor holds it no longer.
     fn release(&self, py: Python<'_>) -> PyResult<Told> {
-        self.tell(py, |held, _| held.session()?.release().map(|_| Vec::new()))
+        self.tell(py, Named::Entry("release"), |held, _| held.session()?.release().map(|_| Vec::new()))
     }
 
     /// Records that the tube is new.
     fn new_tube(&self, py: Python<'_>) -> PyResult<Told> {
-        self.tell(py, |held, _| {
+        self.tell(py, Named::Entry("new_tube"), |held, _| {
             let new = held.session()?.new_tube()?;
             let unused = new.unused.map(|version| {
                 format!(
@@ -130,10 +135,12 @@ impl Bench {
     pub(super) fn tell(
         &self,
         py: Python<'_>,
-        job: impl FnOnce(&mut Held<'_>, &Signal) -> Result<Vec<String>, DoseError> + Send + 'static,
+        name: Named,
+        job: impl FnOnce(&mut Held<'_>, &Arc<Signal>) -> Result<Vec<String>, DoseError> + Send + 'static,
     ) -> PyResult<Told> {
         self.worker.call(
             py,
+            name,
             None,
             |_| "the call was completed and is on record".to_owned(),
             move |held, signal| {

@@ -13,7 +13,8 @@ impl Bench {
     /// Reads the log. Returns the JSON of each dose that began at `since` or later.
     fn log(&self, py: Python<'_>, since: Option<&str>) -> PyResult<Vec<String>> {
         let now = SystemClock::default().now();
-        let since = since.map(|text| moment(text, now)).transpose().map_err(value)?;
+        let since = since.map(|text| moment(text, now)).transpose();
+        let since = since.map_err(|error| value(format_args!("since: {error}")))?;
         let bench = &self.bench;
         let mut span = LogSpan::new(since.unwrap_or(0), u64::MAX, now.unix_s);
         let read = || -> Result<(Vec<String>, Vec<String>), String> {

@@ -18,3 +18,4 @@ pub(crate) use balance::Balance;
 pub(crate) use bench::Bench;
 pub(crate) use rack::Rack;
 pub(crate) use schedule::Schedule;
+pub(crate) use worker::Call;

@@ -16,7 +16,7 @@ use pump_bench::rack::{Rack as DoseRack, RackError, RackFile, RackReport};
 use pyo3::prelude::*;
 
 use super::bench::state_dir;
-use super::worker::cause;
+use super::worker::{cause, check_progress};
 use crate::argument::word;
 use crate::python::advice;
 use crate::python::errors::{self, PumpError, value};
@@ -99,6 +99,7 @@ impl Rack {
 
     /// Runs the rack. Returns the JSON of the command. A fault has it as `_rack`.
     fn run(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+        check_progress(progress, 4)?;
         let stop = Arc::new(AtomicBool::new(false));
         {
             let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);

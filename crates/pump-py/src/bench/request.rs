@@ -6,7 +6,7 @@ use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
 use pyo3::prelude::*;
 
-use crate::argument::{cruise, finish_named, ramps_named, retracted_ml, text};
+use crate::argument::{cruise, finish_named, quantity, ramps_named, retracted_ml, text};
 use crate::dosing::Limits;
 use crate::python::errors::value;
 
@@ -43,7 +43,7 @@ impl AskedDose<'_> {
             Some(volume) => {
                 let typed = text("volume", "25mL", volume)?;
                 asked = Some(typed);
-                let amount = units::dose_amount(typed).map_err(value)?;
+                let amount = quantity("volume", "25mL", volume, units::dose_amount)?;
                 let volume_ml = weighing.amount_ml(amount).map_err(value)?;
                 if self.reverse && volume_ml < 0.0 {
                     return Err(value("reverse and a negative volume both mean reverse; give one of them"));
@@ -62,9 +62,7 @@ impl AskedDose<'_> {
             None => 0.0,
         };
         let end = match &self.duration {
-            Some(time) => {
-                RunEnd::Time { time_s: units::time_s(text("duration", "2h", time)?).map_err(value)? }
-            }
+            Some(time) => RunEnd::Time { time_s: quantity("duration", "2h", time, units::time_s)? },
             None if self.until_stopped => RunEnd::Stop,
             None => RunEnd::Volume,
         };

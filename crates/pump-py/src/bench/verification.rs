@@ -5,7 +5,7 @@ use pump_bench::units;
 use pyo3::prelude::*;
 
 use super::bench::Bench;
-use crate::argument::text;
+use crate::argument::quantity;
 use crate::python::errors::value;
 
 #[pymethods]
@@ -20,14 +20,15 @@ impl Bench {
         random_percent: Option<f64>,
     ) -> PyResult<String> {
         let weighing = Weighing::of(self.bench.file());
-        let nominal = units::amount(text("nominal", "10mL", nominal)?).map_err(value)?;
+        let nominal = quantity("nominal", "10mL", nominal, units::amount)?;
         let nominal_ml = weighing.amount_ml(nominal).map_err(value)?;
         if !(nominal_ml > 0.0 && nominal_ml.is_finite()) {
             return Err(value(format_args!("nominal is {nominal_ml} mL; allowed: more than 0")));
         }
         let mut volumes_ml = Vec::new();
         for reading in readings.try_iter()? {
-            let amount = units::amount(text("a reading", "9.98g", &reading?)?).map_err(value)?;
+            let amount =
+                quantity(&format!("readings[{}]", volumes_ml.len()), "9.98g", &reading?, units::amount)?;
             volumes_ml.push(weighing.amount_ml(amount).map_err(value)?);
         }
         let standard = Tolerance::of_standard(nominal_ml);

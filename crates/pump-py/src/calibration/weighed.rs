@@ -4,14 +4,15 @@ use pump_bench::calibration::{CalibrationRun, Expected, Fit};
 use pump_bench::pump_file::PumpFile;
 use pump_bench::units;
 use pump_bench::units::Amount;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::argument::{text, word};
+use crate::argument::{quantity, word};
 use crate::python::errors::value;
 
 /// Reads the standard uncertainty of a reading.
 pub(crate) fn scale_of(scale: &Bound<'_, PyAny>) -> PyResult<Amount> {
-    let amount = units::amount(text("scale", "0.01g", scale)?).map_err(value)?;
+    let amount = quantity("scale", "0.01g", scale, units::amount)?;
     if matches!(amount, Amount::Mass(part) | Amount::Volume(part) if part < 0.0) {
         return Err(value(
             "scale is negative; allowed: the standard uncertainty of a reading, 0 or more, as \"0.01g\"",
@@ -42,7 +43,7 @@ pub(crate) fn expected_of(
 /// Reads the reading of a scale, g, or of a vessel, mL.
 #[pyfunction]
 pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Option<f64>)> {
-    let amount = units::amount(text("reading", "42.51g", reading)?).map_err(value)?;
+    let amount = quantity("reading", "42.51g", reading, units::amount)?;
     Ok(match amount {
         Amount::Mass(mass_g) => (Some(mass_g), None),
         Amount::Volume(volume_ml) => (None, Some(volume_ml)),
@@ -53,7 +54,14 @@ pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Opt
 pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<CalibrationRun>> {
     runs.try_iter()?
         .map(|run| {
-            let json: String = run?.call_method0("_json")?.extract()?;
+            let run = run?;
+            let Ok(json) = run.getattr("_json") else {
+                return Err(PyTypeError::new_err(format!(
+                    "runs must be WeighedRuns, not {}",
+                    run.get_type().name()?
+                )));
+            };
+            let json: String = json.call0()?.extract()?;
             serde_json::from_str(&json)
                 .map_err(|error| value(format_args!("these are not the data of a weighed run: {error}")))
         })

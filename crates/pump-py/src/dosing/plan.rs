@@ -88,7 +88,7 @@ impl Plan {
         self.to_dict(py)?.get_item("uncertainty_budget")
     }
 
-    /// Number of motor steps; negative in reverse.
+    /// Number of motor steps of the dose, negative in reverse; `retract_steps` has those of its retraction.
     #[getter]
     fn steps(&self) -> i64 {
         self.report.steps
@@ -142,14 +142,14 @@ impl Plan {
         self.report.mean_flow_ml_s
     }
 
-    /// Time from the start to the last step, s.
+    /// Time from the start to the last step of the dose, s.
     #[getter]
     fn motion_s(&self) -> f64 {
         self.report.motion_s
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 µL, s. None if the outlet's line is not
-    /// known.
+    /// Time from the last step of the dose until the undelivered volume stays below 1 µL, s. None if the outlet's
+    /// line is not known.
     #[getter]
     fn settle_s(&self) -> Option<f64> {
         self.report.settle_s

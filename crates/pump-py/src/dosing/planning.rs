@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::doser::Doser;
 use super::plan::Plan;
-use crate::argument::{cruise, finish_named, ramps_named, retracted_ml, text};
+use crate::argument::{cruise, finish_named, quantity, ramps_named, retracted_ml};
 use crate::python::errors::value;
 
 #[pymethods]
@@ -80,7 +80,7 @@ impl Doser {
         carry_in_ml: f64,
     ) -> PyResult<Plan> {
         let doser = slf.get();
-        let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
+        let amount = quantity("volume", "25mL", volume, units::dose_amount)?;
         let request = DoseRequest::new(
             Purpose::Dose,
             Weighing::of(&doser.pump.get().file).amount_ml(amount).map_err(value)?,

@@ -1,7 +1,9 @@
 //! The steps of a plan, its predicted waveform, and its report as plain data.
 
 use numpy::PyArray1;
+use pump_bench::Prepared;
 use pump_bench::simulation::{Method, Waveform, times};
+use pump_ctl::plan::Step;
 use pyo3::prelude::*;
 
 use super::plan::Plan;
@@ -14,22 +16,41 @@ const MAX_ROWS: f64 = 1e9;
 
 #[pymethods]
 impl Plan {
-    /// Time of every motor step, s; read-only, shape (abs(steps),).
+    /// Time of every motor step, s; read-only, shape (abs(steps) + abs(retract_steps),). The retraction begins once the
+    /// line has settled after the dose.
     #[getter]
     fn step_times_s(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
         let times = self.step_times_s.get_or_try_init(py, || {
-            let times = py.detach(|| {
-                let mut times = Vec::new();
-                reserve(&mut times, self.prepared.plan.steps().unsigned_abs())?;
-                times.extend(self.prepared.plan.each_step().map(|step| step.time_s));
-                Ok::<_, PyErr>(times)
-            })?;
-            frozen(py, times)
+            frozen(py, self.of_each_step(py, |start_s, step| start_s + step.time_s)?)
         })?;
         Ok(times.clone_ref(py))
     }
 
-    /// Predict flows and pressures over the dose, from lines at rest until they have settled.
+    /// Direction of every motor step: 1 forward, -1 in reverse; read-only, of the shape of `step_times_s`.
+    #[getter]
+    fn step_directions(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        frozen(py, self.of_each_step(py, |_, step| f64::from(step.direction.sign()))?)
+    }
+
+    /// Number of motor steps of the retraction, negative; 0 without one.
+    #[getter]
+    fn retract_steps(&self) -> i64 {
+        self.report.retract_steps.unwrap_or(0)
+    }
+
+    /// Volume that is sucked back after the dose, mL; 0 without a retraction.
+    #[getter]
+    fn retraction_ml(&self) -> f64 {
+        self.report.retraction_ml.unwrap_or(0.0)
+    }
+
+    /// Time from the start until the line has settled after the last step, that of the retraction included, s.
+    #[getter]
+    fn settled_s(&self) -> f64 {
+        self.prepared.settled_s()
+    }
+
+    /// Predict flows and pressures over the dose and its retraction, from lines at rest until they have settled.
     ///
     /// Parameters
     /// ----------
@@ -51,8 +72,7 @@ impl Plan {
     ///     If there is no room for the samples.
     #[pyo3(signature = (*, dt_s=1e-3))]
     fn trace(&self, py: Python<'_>, dt_s: f64) -> PyResult<Run> {
-        let motion_s = self.report.motion_s;
-        let end_s = motion_s + self.report.settle_s.unwrap_or(0.0);
+        let (motion_s, end_s) = (self.prepared.motion_s(), self.prepared.settled_s());
         let least_s = end_s / MAX_ROWS;
         if !(dt_s >= least_s && dt_s.is_finite()) {
             return Err(value(format_args!(
@@ -60,8 +80,8 @@ impl Plan {
             )));
         }
         let model = &self.prepared.model;
-        let legs = self.prepared.plan.legs();
-        let waveform = Waveform::new(model, legs, Method::Exact, times(dt_s, motion_s, end_s));
+        let waveform =
+            Waveform::new(model, self.prepared.legs(), Method::Exact, times(dt_s, motion_s, end_s));
         // Rows of the grid, the last step and the end.
         Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::model)?)
     }
@@ -71,8 +91,8 @@ impl Plan {
     /// Returns
     /// -------
     /// pandas.DataFrame
-    ///     Columns `step`, `time_s`, `direction` and `angle_rad` (after the step), of shape (abs(steps),).
-    ///     `attrs["units"]` has their units.
+    ///     Columns `step`, `time_s`, `direction` and `angle_rad` (after the step), one row for each step of the dose
+    ///     and of its retraction. `attrs["units"]` has their units.
     ///
     /// Raises
     /// ------
@@ -97,16 +117,10 @@ impl Plan {
         slf.py().import("pumpmodel._results.tables")?.call_method1("plan_xarray", (slf,))
     }
 
-    /// Angle of the pump head after every step, rad; read-only, shape (abs(steps),).
+    /// Angle of the pump head after every step, rad; read-only, of the shape of `step_times_s`.
     #[getter]
     fn step_angles_rad(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        let angles = py.detach(|| {
-            let mut angles = Vec::new();
-            reserve(&mut angles, self.prepared.plan.steps().unsigned_abs())?;
-            angles.extend(self.prepared.plan.each_step().map(|step| step.angle_rad));
-            Ok::<_, PyErr>(angles)
-        })?;
-        frozen(py, angles)
+        frozen(py, self.of_each_step(py, |_, step| step.angle_rad)?)
     }
 
     /// Return the plan as the command reports a dry run: the object `dose/1` of its JSON.
@@ -117,5 +131,24 @@ impl Plan {
     ///     Numbers, texts, lists and dicts only. Angles are in deg, and `delivered_ml` is None.
     pub(crate) fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?.call_method1("loads", (self.report.json(),))
+    }
+}
+
+impl Plan {
+    /// Returns a number of every step of the dose and of its retraction, from the time at which its motion starts and
+    /// the step.
+    fn of_each_step(&self, py: Python<'_>, number: impl Fn(f64, Step) -> f64 + Sync) -> PyResult<Vec<f64>> {
+        let Prepared { plan, retraction, prediction, .. } = &self.prepared;
+        let back_s = plan.profile().duration_s() + prediction.settle_s;
+        let back = retraction.iter().map(|back| (back_s, &back.plan));
+        let motions: Vec<_> = [(0.0, plan)].into_iter().chain(back).collect();
+        py.detach(|| {
+            let mut numbers = Vec::new();
+            reserve(&mut numbers, motions.iter().map(|(_, plan)| plan.steps().unsigned_abs()).sum())?;
+            for (start_s, plan) in motions {
+                numbers.extend(plan.each_step().map(|step| number(start_s, step)));
+            }
+            Ok(numbers)
+        })
     }
 }

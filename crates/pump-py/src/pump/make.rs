@@ -2,7 +2,9 @@
 
 use pump_bench::catalogue::{BoughtPump, DrawnPump, unusual};
 use pump_bench::config::Config;
+use pump_bench::head_print;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
+use pump_bench::report::pump_check;
 use pump_model::Geometry;
 use pump_model::units::radians;
 use pyo3::exceptions::PyTypeError;
@@ -11,10 +13,15 @@ use pyo3::types::PyString;
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
+use crate::argument::whole;
 use crate::line::Line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
+use crate::python::plain;
 use crate::python::warnings::warn;
+
+/// Most bytes of a pump's id.
+const MOST_ID_BYTES: usize = 64;
 
 #[pymethods]
 impl Pump {
@@ -88,7 +95,7 @@ impl Pump {
     fn from_drawing(
         py: Python<'_>,
         id: &str,
-        rollers: i64,
+        rollers: &Bound<'_, PyAny>,
         bore_radius_mm: f64,
         tube_outer_radius_mm: f64,
         backplate_radius_mm: f64,
@@ -154,7 +161,7 @@ impl Pump {
         py: Python<'_>,
         id: &str,
         ml_per_rev: f64,
-        rollers: i64,
+        rollers: &Bound<'_, PyAny>,
         tube_bore_mm: Option<f64>,
         inlet: Option<Py<Line>>,
         outlet: Option<Py<Line>>,
@@ -168,6 +175,9 @@ impl Pump {
     }
 
     /// Return this pump with some parts replaced. A part that is left out stays.
+    ///
+    /// Other rollers make another head, whose record is its own: without an `id` its id ends with a number of that
+    /// head, and without a `name` its name tells the rollers.
     ///
     /// Parameters
     /// ----------
@@ -195,17 +205,17 @@ impl Pump {
         py: Python<'_>,
         id: Option<String>,
         name: Option<String>,
-        rollers: Option<i64>,
+        rollers: Option<&Bound<'_, PyAny>>,
         inlet: Option<Py<Line>>,
         outlet: Option<Py<Line>>,
         roller_volume: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let mut file = self.file.clone();
+        if let Some(rollers) = rollers {
+            file = with_rollers(file, count(rollers)?);
+        }
         file.pump.id = id.unwrap_or(file.pump.id);
         file.pump.name = name.unwrap_or(file.pump.name);
-        if let Some(rollers) = rollers {
-            file.rollers.count = count(rollers)?;
-        }
         if let Some(line) = inlet {
             file.inlet = LineTable::from(line.get().0);
         }
@@ -243,11 +253,36 @@ impl Pump {
     ///     If a key is unknown or missing, or its value is not allowed. It is a ValueError too.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let json: String = data.py().import("json")?.call_method1("dumps", (data,))?.extract()?;
-        let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
-            errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
-        })?;
+        let file = plain::read(
+            "a pump",
+            data,
+            |json| serde_json::from_str::<PumpFile>(json),
+            errors::PumpFileError::new_err,
+        )?;
         Self::checked(file.with_assumptions())?.warning(data.py())
+    }
+
+    /// Check the pump as `dose pumps check` does, and say what it gives.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     A line each for head, volumes, flows, speeds, motor, fluid, lines and uncertainty, with their units, and for
+    ///     each of `warnings`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the pump cannot work.
+    fn check(&self) -> PyResult<String> {
+        pump_check(&self.file, None).map_err(errors::displacement)
+    }
+
+    /// Warnings of values that are possible and unusual, mostly a slip of a unit or a digit, or rollers that overlap in
+    /// space. Every way to a pump gives them as Python warnings too.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        worded(&unusual(&self.file))
     }
 
     /// True if the pump's volumes follow from a drawing, or from a volume per revolution, that no measurement has
@@ -285,9 +320,30 @@ impl Pump {
     }
 }
 
+/// Returns the file with another number of rollers, by names of its own.
+fn with_rollers(mut file: PumpFile, count: u32) -> PumpFile {
+    if file.rollers.count == count {
+        return file;
+    }
+    let ending =
+        |file: &PumpFile| (format!("-{:08x}", head_print(file)), format!(", {} rollers", file.rollers.count));
+    // A head that was itself made in this way has its ending exchanged.
+    let (id, name) = ending(&file);
+    if let Some(first) = file.pump.id.strip_suffix(&id) {
+        file.pump.id = first.to_owned();
+        file.pump.name = file.pump.name.strip_suffix(&name).unwrap_or(&file.pump.name).to_owned();
+    }
+    file.rollers.count = count;
+    let (id, name) = ending(&file);
+    file.pump.id.truncate(MOST_ID_BYTES - id.len());
+    file.pump.id += &id;
+    file.pump.name += &name;
+    file
+}
+
 /// Reads a number of rollers.
-fn count(rollers: i64) -> PyResult<u32> {
-    u32::try_from(rollers).map_err(|_| value(format_args!("rollers is {rollers}; allowed: 1 to 1000")))
+fn count(rollers: &Bound<'_, PyAny>) -> PyResult<u32> {
+    whole("rollers", rollers, 1, 1000)
 }
 
 /// Reads a roller volume: the word "drawing", or a `VolumeFit`.

@@ -3,9 +3,11 @@
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::report::Explain;
 
+use super::readable::readable;
+
 /// Returns the text of an error and its sources, with its remedies in the words of Python.
 pub(crate) fn told(error: &impl Explain) -> String {
-    error.told(words)
+    readable(&error.told(words))
 }
 
 /// Returns the texts of warnings, with their remedies in the words of Python.

@@ -18,6 +18,7 @@ use pyo3::import_exception;
 use pyo3::prelude::*;
 
 use super::advice;
+use super::readable::readable;
 
 import_exception!(pumpmodel.errors, BalanceError);
 import_exception!(pumpmodel.errors, DriveError);
@@ -25,11 +26,12 @@ import_exception!(pumpmodel.errors, PlanError);
 import_exception!(pumpmodel.errors, PumpError);
 import_exception!(pumpmodel.errors, PumpFileError);
 import_exception!(pumpmodel.errors, SafetyError);
+import_exception!(pumpmodel.errors, StoppedError);
 import_exception!(pumpmodel.errors, UnfinishedError);
 
 /// Returns the `ValueError` of a bad argument.
 pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(readable(&error.to_string()))
 }
 
 /// Puts the place that raised an exception before its message.

@@ -4,6 +4,8 @@ pub(crate) mod advice;
 mod array;
 pub(crate) mod errors;
 mod interrupt;
+pub(crate) mod plain;
+mod readable;
 mod renamed;
 pub(crate) mod warnings;
 

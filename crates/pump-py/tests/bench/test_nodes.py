@@ -67,7 +67,7 @@ def open_bench(node: Node, folder: Path, *, accept_settings: bool = False) -> pm
     )
 
 
-def after(steps: int, act: Callable[[], None]) -> Callable[[int, int], None]:
+def after(steps: int, act: Callable[[], object]) -> Callable[[int, int], None]:
     """Return a progress that acts once so many steps were made."""
     left = [act]
 

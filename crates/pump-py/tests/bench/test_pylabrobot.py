@@ -7,10 +7,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pylabrobot.pumps import Pump, PumpCalibration
 
 import pumpmodel as pm
-from pumpmodel.pylabrobot import BenchBackend, BenchPump, HaltedError
+from pumpmodel.pylabrobot import (
+    BenchArrayBackend,
+    BenchBackend,
+    BenchPump,
+    BenchPumpArray,
+    HaltedError,
+    bases,
+)
 
 # At 170 r/min this takes minutes of simulation: long enough to be interrupted.
 LONG_ML = 20_000
@@ -34,7 +40,7 @@ async def in_motion(pump: BenchPump) -> None:
 def test_a_volume_is_a_dose_of_the_bench_from_the_rollers_angle(tmp_path: Path) -> None:
     async def work() -> None:
         async with bench_pump(tmp_path) as pump:
-            assert isinstance(pump, Pump)
+            assert isinstance(pump, bases.Pump)
             owed = 0.0
             for volume in (3, 3.0, -1, 0.5):
                 dose = await pump.pump_volume(speed=50, volume=volume)
@@ -141,9 +147,6 @@ def test_the_end_of_the_block_halts_what_still_runs(tmp_path: Path) -> None:
 def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
     async def work() -> None:
         async with bench_pump(tmp_path) as pump:
-            for refused in (pump.run_revolutions(1),):
-                with pytest.raises(NotImplementedError, match="a bench doses volumes, not"):
-                    await refused
             with pytest.raises(NotImplementedError):
                 pump.backend.run_revolutions(1)
             with pytest.raises(NotImplementedError):
@@ -164,7 +167,7 @@ def test_it_is_made_of_a_bench_and_without_a_constant(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="backend must be a BenchBackend, not str"):
         BenchPump("three-roller")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="calibration"):
-        BenchPump(BenchBackend("three-roller"), calibration=PumpCalibration([1.0]))  # type: ignore[call-arg]
+        BenchPump(BenchBackend("three-roller"), calibration=[1.0])  # type: ignore[call-arg]
     pump = bench_pump(tmp_path)
     again = BenchPump.deserialize(json.loads(json.dumps(pump.serialize())))
     assert isinstance(again, BenchPump)
@@ -218,3 +221,65 @@ def test_a_continuous_run_goes_on_until_halt_and_leaves_nothing_unfinished(tmp_p
             assert await pump.halt() is None
 
     run(work())
+
+
+def test_revolutions_are_turned_from_any_angle_and_their_volume_is_on_record(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            steps_per_rev = pump.backend.bench.pump.steps_per_rev
+            for turns, speed in ((2, 60), (0.37, None), (-0.5, 30)):
+                dose = await pump.run_revolutions(turns, speed=speed)
+                assert dose.steps == pytest.approx(turns * steps_per_rev, abs=2)
+                logged = pump.backend.bench.log()[-1]
+                assert logged.delivered_ml == pytest.approx(dose.delivered_ml, abs=1e-3)
+
+    run(work())
+
+
+def test_a_call_has_its_own_rate_limits_and_retraction(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            dose = await pump.pump_volume(None, 5, rate="8 mL/s", retract="0.1mL")
+            assert dose.cruise_flow_ml_s == pytest.approx(8)
+            assert dose.retraction_completed
+            timed = await pump.run_for_duration(None, 5, rate="8 mL/s", reverse=True)
+            assert timed.delivered_ml is not None
+            assert timed.delivered_ml < -30
+            with pytest.raises(pm.PlanError):
+                await pump.pump_volume(150, 50, limits=pm.Limits(max_outlet_kpa=101.4))
+
+    run(work())
+
+
+def test_the_channels_of_an_array_dose_at_the_same_time_each_by_its_own_record(tmp_path: Path) -> None:
+    backends = [BenchBackend(name, state_dir=tmp_path) for name in ("three-roller", "two-roller")]
+    array = BenchPumpArray(BenchArrayBackend(backends))
+
+    async def work() -> None:
+        async with array:
+            assert array.num_channels == 2
+            first, second = await array.pump_volume([50, 60], [0, 1], [3, 5])
+            assert (first.pump, second.pump) == ("three-roller", "two-roller")
+            assert (first.completed, second.completed) == (True, True)
+            [alone] = await array.run_for_duration(60, 1, 2)
+            assert alone.pump == "two-roller"
+            assert [dose.steps > 0 for dose in await array.run_revolutions(1, [1, 0])] == [True, True]
+            for channels, message in ((2, "allowed: 0 to 1"), ([0, 0], "each channel once")):
+                with pytest.raises(ValueError, match=message):
+                    await array.pump_volume(50, channels, 1)
+            with pytest.raises(ValueError, match="volume has 3 values for 2 channels"):
+                await array.pump_volume(50, [0, 1], [1, 2, 3])
+            # The one that fails ends the other.
+            with pytest.raises(pm.PlanError):
+                await array.pump_volume([170, 500], [0, 1], [LONG_ML, 1])
+            unfinished = array.pumps[0].backend.bench.status().unfinished
+            assert unfinished is None or unfinished.steps_made_most < unfinished.steps
+            if unfinished is not None:
+                await array.pumps[0].discard()
+            await array.run_continuously(30, [0, 1])
+            await asyncio.sleep(0.2)
+            assert all(run is not None and run.completed for run in await array.halt())
+
+    run(work())
+    again = BenchPumpArray.deserialize(json.loads(json.dumps(array.serialize())))
+    assert again.serialize() == array.serialize()

@@ -53,7 +53,7 @@ def test_a_quantity_that_is_no_text_is_a_type_error(bad: str) -> None:
     if bad is not None:
         for name in ("rate", "speed", "within"):
             with pytest.raises(TypeError, match=f"{name} must be text with its unit"):
-                doser.plan("25mL", **{name: bad})  # type: ignore[call-overload]
+                doser.plan("25mL", **{name: bad})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_bad_argument_is_a_value_error_that_names_it(
     volume: str, keywords: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message) as caught:
-        pm.Doser(pm.Pump.three_roller()).plan(volume, **keywords)  # type: ignore[call-overload]
+        pm.Doser(pm.Pump.three_roller()).plan(volume, **keywords)  # type: ignore[arg-type]
     assert not isinstance(caught.value, pm.PumpError)
 
 
@@ -98,7 +98,7 @@ def test_a_dose_that_the_pump_cannot_do_is_a_plan_error(
     keywords: dict[str, str], limits: pm.Limits, message: str
 ) -> None:
     with pytest.raises(pm.PlanError, match=message):
-        pm.Doser(pm.Pump.three_roller(), limits).plan("25mL", **keywords)  # type: ignore[call-overload]
+        pm.Doser(pm.Pump.three_roller(), limits).plan("25mL", **keywords)  # type: ignore[arg-type]
 
 
 def test_less_than_half_a_step_is_a_plan_error() -> None:
@@ -228,7 +228,7 @@ def test_a_dose_that_ends_at_low_flow_carries_the_difference() -> None:
     with pytest.raises(pm.PlanError, match="needs the rollers' angle"):
         doser.plan("25mL", finish="low-flow", start_half_width_rad=math.pi)
     with pytest.raises(ValueError, match="finish is 'dry'"):
-        doser.plan("25mL", finish="dry")  # type: ignore[call-overload]
+        doser.plan("25mL", finish="dry")  # type: ignore[arg-type]
 
 
 def test_a_smooth_flow_has_less_ripple_and_the_same_steps() -> None:

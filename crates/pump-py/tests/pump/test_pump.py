@@ -83,7 +83,7 @@ def test_not_exactly_one_speed_is_refused(speed: dict[str, float]) -> None:
     pump = pm.Pump.three_roller()
     for call in (pump.average_flow_ml_s, pump.steady_state):
         with pytest.raises(ValueError, match="speed_rad_s"):
-            call(**speed)  # type: ignore[call-overload]
+            call(**speed)
     with pytest.raises(ValueError, match="speed_rad_s"):
         pump.simulate(duration_s=1, **speed)  # type: ignore[call-overload]
 

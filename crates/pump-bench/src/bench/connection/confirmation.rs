@@ -1,6 +1,6 @@
 //! The confirmation of a pump: a real motor does not move by values that the program filled in.
 
-use crate::bench::bench::Bench;
+use crate::bench::bench::{Bench, print_of};
 use crate::bench::session::Session;
 use crate::catalogue::built_in;
 use crate::dosing::DoseError;
@@ -31,17 +31,7 @@ impl Bench {
     /// motor turns the head, and what the head delivers.
     fn print(&self) -> u32 {
         let file = PumpFile { drive: Some(self.drive().clone()), ..self.file().clone() };
-        let mut tables = toml::Table::try_from(&file)
-            .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
-        tables.retain(|table, _| TABLES.contains(&table));
-        for (table, counting) in KEYS {
-            if let Some(toml::Value::Table(keys)) = tables.get_mut(table) {
-                keys.retain(|key, _| counting.contains(&key));
-            }
-        }
-        // A table of a bought head's tube that has only a life counts no more than none.
-        tables.retain(|_, table| table.as_table().is_none_or(|keys| !keys.is_empty()));
-        crc32fast::hash(tables.to_string().as_bytes())
+        print_of(&file, &TABLES, &KEYS)
     }
 
     /// Returns the values that the program filled in, in words.

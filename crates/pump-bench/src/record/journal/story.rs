@@ -67,6 +67,8 @@ pub enum JournalError {
 pub struct Story {
     /// Last state of the pump. `None` if nothing was ever recorded.
     pub state: Option<PumpState>,
+    /// True if the record is of another head than the pump's: the state has an unknown angle then.
+    pub(crate) other_head: bool,
     /// State before the last motion, and that motion, if the process ended during it. `None` if the rotor
     /// stood.
     pub cut_off: Option<(PumpState, Unfinished)>,

@@ -88,7 +88,9 @@ impl<'a> Tail<'a> {
                 _ => return Err(self.damage(&lines, n, "it does not follow from the lines before it")),
             }
         }
-        let mut state = rest.as_ref().map(|(_, state)| *state);
+        let recorded = rest.as_ref().map(|(_, state)| *state);
+        let other_head = recorded.is_some_and(|state| state.is_of_another_head(fresh.head));
+        let mut state = recorded.map(|state| state.of_head(fresh.head, pump));
         let cut_off = under_way.map(|part| (state.unwrap_or(fresh), part));
         if let Some((before, part)) = cut_off {
             let after = before.after(&part.intent, part.made_least, part.made_most, pump);
@@ -97,6 +99,7 @@ impl<'a> Tail<'a> {
         }
         Ok(Some(Story {
             state,
+            other_head,
             cut_off,
             torn: whole < self.bytes.len(),
             rest: rest.map(|(entry, _)| entry).filter(|_| is_rest),

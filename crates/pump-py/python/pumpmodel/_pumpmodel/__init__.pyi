@@ -2,6 +2,7 @@ from typing import Final
 
 from .bench import Balance as Balance
 from .bench import _Bench as _Bench
+from .bench import _Call as _Call
 from .bench import _Rack as _Rack
 from .bench import _Schedule as _Schedule
 from .doser import Calibration as Calibration
@@ -48,6 +49,7 @@ __all__ = [
     "Run",
     "SteadyState",
     "_Bench",
+    "_Call",
     "_Rack",
     "_Schedule",
     "__version__",

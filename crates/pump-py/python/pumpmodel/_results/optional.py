@@ -5,8 +5,16 @@ from types import ModuleType
 
 
 def optional(module: str, extra: str) -> ModuleType:
-    """Import a package of an extra. The ImportError of a missing package says how to install it."""
+    """Import a package of an extra. The ImportError of a missing package says how to install it.
+
+    A package that is there and fails is not missing: its own error is raised.
+    """
+    package = module.partition(".")[0]
     try:
-        return import_module(module)
-    except ImportError as error:
-        raise ImportError(f'{module} is not installed: pip install "pumpmodel[{extra}]"') from error
+        import_module(package)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        message = f'{package} is not installed: pip install "pumpmodel[{extra}]"'
+        raise ModuleNotFoundError(message, name=package) from error
+    return import_module(module)

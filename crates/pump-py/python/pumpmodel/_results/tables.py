@@ -70,14 +70,14 @@ def run_xarray(run: Run) -> Any:
 
 
 def _directions(plan: Plan) -> NDArray[np.int64]:
-    return np.full(abs(plan.steps), np.sign(plan.steps), dtype=np.int64)
+    return plan.step_directions.astype(np.int64)
 
 
 def plan_dataframe(plan: Plan) -> Any:
-    """Return the steps of a plan as a table."""
+    """Return the steps of a plan as a table, those of its retraction last."""
     return _dataframe(
         {
-            "step": np.arange(1, abs(plan.steps) + 1),
+            "step": np.arange(1, len(plan.step_times_s) + 1),
             "time_s": plan.step_times_s,
             "direction": _directions(plan),
             "angle_rad": plan.step_angles_rad,

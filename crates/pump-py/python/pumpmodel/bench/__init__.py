@@ -1,6 +1,7 @@
 """A bench: one pump, its driver, and its record."""
 
+from pumpmodel.bench.asynchronous import AsyncBench
 from pumpmodel.bench.bench import Bench
 from pumpmodel.bench.planning import Progress
 
-__all__ = ["Bench", "Progress"]
+__all__ = ["AsyncBench", "Bench", "Progress"]

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Sequence
 
-from pumpmodel._pumpmodel import Calibration, _Bench
+from pumpmodel._pumpmodel import Calibration
+from pumpmodel.bench.calls import HasCore, stoppable
 from pumpmodel.choices import CalibrationFit
 from pumpmodel.dose import Verification
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 
-class BenchCalibration:
+class BenchCalibration(HasCore):
     """Runs to weigh, and fits to their readings. Base of `Bench`."""
 
-    _core: _Bench
-
+    @stoppable
     def calibration_run(
         self,
         *,
@@ -33,7 +33,7 @@ class BenchCalibration:
             Length of the run in whole pitches, 1 to 100,000. 50 mL or more weigh well.
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
-            the motor.
+            the motor. What cannot be called so is refused before the motor turns.
 
         Returns
         -------

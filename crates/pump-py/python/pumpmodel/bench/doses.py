@@ -1,6 +1,7 @@
 """Doses of a bench, and volumes that fill and empty the line."""
 
 from pumpmodel._pumpmodel import Balance, Limits
+from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.planning import BenchPlans, Progress
 from pumpmodel.bench.request import asked, by_weight, one_end
 from pumpmodel.choices import Finish, Ramps
@@ -10,6 +11,7 @@ from pumpmodel.dose import Dose
 class BenchDoses(BenchPlans):
     """The doses of a bench. Base of `Bench`."""
 
+    @stoppable
     def dose(
         self,
         volume: str,
@@ -50,8 +52,7 @@ class BenchDoses(BenchPlans):
             Places in a pitch where the dose may end.
         ramps : {"line", "fastest"}, optional
             Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
-            a board
-            that plans its own ramps has "fastest".
+            a board that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -76,7 +77,7 @@ class BenchDoses(BenchPlans):
             Plan and predict; move nothing, record nothing.
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
-            the motor.
+            the motor. What cannot be called so is refused before the motor turns.
 
         Returns
         -------
@@ -133,6 +134,7 @@ class BenchDoses(BenchPlans):
             return Dose._from_json(self._core.prepare_by_weight(request, weighed))
         return Dose._from_json(self._core.dose_by_weight(request, weighed, progress))
 
+    @stoppable
     def prime(
         self,
         volume: str | None = None,
@@ -172,8 +174,7 @@ class BenchDoses(BenchPlans):
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         ramps : {"line", "fastest"}, optional
             Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at
-            rest; a board
-            that plans its own ramps has "fastest".
+            rest; a board that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
         start_half_width_rad : float
@@ -184,7 +185,7 @@ class BenchDoses(BenchPlans):
             Plan and predict; move nothing, record nothing.
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
-            the motor.
+            the motor. What cannot be called so is refused before the motor turns.
 
         Returns
         -------
@@ -222,6 +223,7 @@ class BenchDoses(BenchPlans):
         )
         return self._run("prime", request, dry_run, progress)
 
+    @stoppable
     def purge(
         self,
         volume: str | None = None,
@@ -261,8 +263,7 @@ class BenchDoses(BenchPlans):
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         ramps : {"line", "fastest"}, optional
             Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at
-            rest; a board
-            that plans its own ramps has "fastest".
+            rest; a board that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
         start_half_width_rad : float
@@ -273,7 +274,7 @@ class BenchDoses(BenchPlans):
             Plan and predict; move nothing, record nothing.
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
-            the motor.
+            the motor. What cannot be called so is refused before the motor turns.
 
         Returns
         -------

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump, _Bench
+from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump
+from pumpmodel.bench.calls import HasCore
 from pumpmodel.bench.request import asked
 from pumpmodel.choices import Finish, Ramps
 from pumpmodel.dose import Dose
@@ -11,10 +12,8 @@ from pumpmodel.dose import Dose
 Progress = Callable[[int, int], object]
 
 
-class BenchPlans:
+class BenchPlans(HasCore):
     """The plans of a bench. Base of `Bench`."""
-
-    _core: _Bench
 
     @property
     def pump(self) -> Pump:
@@ -62,8 +61,7 @@ class BenchPlans:
             Places in a pitch where the dose may end.
         ramps : {"line", "fastest"}, optional
             Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
-            a board
-            that plans its own ramps has "fastest".
+            a board that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -121,9 +119,21 @@ class BenchPlans:
             **keywords,
         )
 
-    def stop(self) -> None:
-        """Make the motor of a call in another thread decelerate and hold. That call then returns."""
-        self._core.stop()
+    def stop(self) -> str | None:
+        """Make every call under way in other threads decelerate the motor, which then holds.
+
+        A call is under way from its first instruction to its last, and a batch from its first dose to its
+        end, its waits included. A dose that is stopped on its way returns, with `completed` False. One that
+        is stopped before its motion raises StoppedError. A batch makes no more doses. A call whose last step
+        is made completes.
+
+        Returns
+        -------
+        str or None
+            Names of the methods that the stop has reached, as "dose" or "batch, prime"; None if none is
+            under way. Calls that begin later are not stopped.
+        """
+        return ", ".join(self._core.stop()) or None
 
     def _run(self, purpose: str, request: dict[str, Any], dry_run: bool, progress: Progress | None) -> Dose:
         if dry_run:

@@ -2,15 +2,13 @@
 
 import warnings
 
-from pumpmodel._pumpmodel import _Bench
 from pumpmodel._results.renamed import renamed
+from pumpmodel.bench.calls import HasCore, stoppable
 from pumpmodel.dose import LoggedDose, Status
 
 
-class BenchRecord:
+class BenchRecord(HasCore):
     """The record of a bench, and the entries that a person makes in it. Base of `Bench`."""
-
-    _core: _Bench
 
     def status(self) -> Status:
         """Read the record, even while another process holds the pump.
@@ -89,6 +87,7 @@ class BenchRecord:
         """
         return _told(self._core.home_set(angle_rad, half_width_rad))
 
+    @stoppable
     def home_sensor(self) -> Status:
         """Turn forward, a revolution at most, until the index sensor answers. The pump pumps meanwhile.
 
@@ -99,7 +98,8 @@ class BenchRecord:
         PumpFileError
             If the pump file does not have the angle at which the sensor answers.
         """
-        return _told(self._core.home_sensor())
+        # One call more than of the others stands between: that of `stoppable`.
+        return _told(self._core.home_sensor(), 4)
 
     def home_mark(self, *, half_width_rad: float) -> Status:
         """Record that the rotor's mark meets the housing's. `jog_rad` turns the rotor there.
@@ -116,6 +116,7 @@ class BenchRecord:
         """
         return _told(self._core.home_mark(half_width_rad))
 
+    @stoppable
     def jog_rad(self, angle_rad: float) -> float:
         """Turn the rotor at 10 r/min. The carry between doses stays as it is.
 
@@ -167,8 +168,8 @@ class BenchRecord:
         return _told(self._core.vessel_emptied())
 
 
-def _told(told: tuple[str, list[str]]) -> Status:
+def _told(told: tuple[str, list[str]], stacklevel: int = 3) -> Status:
     text, messages = told
     for message in messages:
-        warnings.warn(message, stacklevel=3)
+        warnings.warn(message, stacklevel=stacklevel)
     return Status._from_json(text)

@@ -3,12 +3,14 @@
 from collections.abc import Iterator
 
 from pumpmodel._pumpmodel import Balance, Limits
+from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.doses import BenchDoses
 from pumpmodel.bench.planning import Progress
 from pumpmodel.bench.request import asked, by_weight
 from pumpmodel.bench.schedule import due
 from pumpmodel.choices import Finish, Missed, Ramps
 from pumpmodel.dose import Dose
+from pumpmodel.errors import StoppedError
 
 
 class BenchRepeats(BenchDoses):
@@ -35,7 +37,9 @@ class BenchRepeats(BenchDoses):
         """Dose again and again. Each step of `for dose in bench.batch(...)` makes one dose.
 
         Each dose carries its remainder to the next. A batch that is left early makes no more doses. A `stop`
-        that lands in a suck-back ends the batch.
+        ends the batch from its first dose on: at the start of a dose, on its way, in its suck-back, and
+        between two doses, where the wait ends within 0.05 s. A dose that is stopped on its way is the last
+        one that the batch gives.
 
         Parameters
         ----------
@@ -61,8 +65,7 @@ class BenchRepeats(BenchDoses):
             Places in a pitch where the dose may end.
         ramps : {"line", "fastest"}, optional
             Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
-            a board
-            that plans its own ramps has "fastest".
+            a board that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -87,28 +90,38 @@ class BenchRepeats(BenchDoses):
         RuntimeWarning
             For each dose that was left out.
         """
-        # A board may take seconds to answer, and the time counts from the first dose.
-        self._core.connect()
-        for _ in due(count, every_s, missed):
-            dose = self.dose(
-                volume,
-                rate=rate,
-                speed=speed,
-                within=within,
-                smooth=smooth,
-                finish=finish,
-                ramps=ramps,
-                retract=retract,
-                start_angle_rad=start_angle_rad,
-                start_half_width_rad=start_half_width_rad,
-                limits=limits,
-            )
-            yield dose
-            if dose.retraction_completed is False:
-                # The caller wanted the motor to stand. A dose that is cut off refuses the next one by itself.
-                return
-            start_angle_rad, start_half_width_rad = None, 0.0
+        call = self._core.begin("batch", lasts=True)
+        try:
+            with call:
+                # A board may take seconds to answer, and the time counts from the first dose.
+                self._core.connect()
+            for _ in due(count, every_s, missed, call):
+                with call:
+                    dose = self.dose(
+                        volume,
+                        rate=rate,
+                        speed=speed,
+                        within=within,
+                        smooth=smooth,
+                        finish=finish,
+                        ramps=ramps,
+                        retract=retract,
+                        start_angle_rad=start_angle_rad,
+                        start_half_width_rad=start_half_width_rad,
+                        limits=limits,
+                    )
+                yield dose
+                if dose.retraction_completed is False:
+                    # The caller wanted the motor to stand.
+                    return
+                start_angle_rad, start_half_width_rad = None, 0.0
+        except StoppedError:
+            # The dose that was about to start is the one that the batch does not make.
+            return
+        finally:
+            call.end()
 
+    @stoppable
     def resume(
         self,
         *,
@@ -157,7 +170,7 @@ class BenchRepeats(BenchDoses):
             Standard uncertainty of a reading of the balance, as "0.01g" or "0.01mL".
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
-            the motor.
+            the motor. What cannot be called so is refused before the motor turns.
 
         Returns
         -------

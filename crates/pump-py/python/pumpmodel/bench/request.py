@@ -27,6 +27,14 @@ def asked(
 
     Without a volume a duration or a stop ends the motion; without those it is the rest of an unfinished dose.
     """
+    if limits is not None and not isinstance(limits, Limits):
+        raise TypeError(f"limits must be a Limits, not {type(limits).__name__}")
+    for name, is_set in (("smooth", smooth), ("reverse", reverse)):
+        if not isinstance(is_set, bool):
+            raise TypeError(f"{name} must be True or False, not {type(is_set).__name__}")
+    for name, word in (("finish", finish), ("ramps", ramps)):
+        if not isinstance(word, str | None):
+            raise TypeError(f"{name} must be a word, not {type(word).__name__}")
     return {
         "volume": volume,
         "rate": rate,
@@ -36,13 +44,22 @@ def asked(
         "finish": finish,
         "ramps": ramps,
         "retract": retract,
-        "start_angle_rad": start_angle_rad,
-        "start_half_width_rad": start_half_width_rad,
+        "start_angle_rad": None if start_angle_rad is None else _number("start_angle_rad", start_angle_rad),
+        "start_half_width_rad": _number("start_half_width_rad", start_half_width_rad),
         "limits": limits,
         "duration": duration,
         "until_stopped": until_stopped,
         "reverse": reverse,
     }
+
+
+def _number(name: str, given: float) -> float:
+    if isinstance(given, str):
+        raise TypeError(f"{name} must be a number, not str")
+    try:
+        return float(given)
+    except TypeError as error:
+        raise TypeError(f"{name} must be a number, not {type(given).__name__}") from error
 
 
 def one_end(volume: str | None, duration: str | None) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pumpmodel._pumpmodel import Limits
+from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.planning import Progress
 from pumpmodel.bench.repeats import BenchRepeats
 from pumpmodel.bench.request import asked
@@ -17,6 +18,7 @@ from pumpmodel.dose import Dose
 class BenchRuns(BenchRepeats):
     """The runs of continuous flow of a bench. Base of `Bench`."""
 
+    @stoppable
     def run(
         self,
         *,
@@ -74,7 +76,7 @@ class BenchRuns(BenchRepeats):
             Plan and predict; move nothing, record nothing.
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
-            the motor.
+            the motor. What cannot be called so is refused before the motor turns.
 
         Returns
         -------

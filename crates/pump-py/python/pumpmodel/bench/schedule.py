@@ -4,11 +4,14 @@ import time
 import warnings
 from collections.abc import Iterator
 
-from pumpmodel._pumpmodel import _Schedule
+from pumpmodel._pumpmodel import _Call, _Schedule
 from pumpmodel.choices import Missed
 
+# Longest time until a wait hears of a stop, s.
+_LOOK_S = 0.05
 
-def due(count: int, every_s: float | None, missed: Missed) -> Iterator[None]:
+
+def due(count: int, every_s: float | None, missed: Missed, call: _Call) -> Iterator[None]:
     """Yield once for each dose of a batch, when the dose is due.
 
     Parameters
@@ -19,6 +22,8 @@ def due(count: int, every_s: float | None, missed: Missed) -> Iterator[None]:
         Time from the start of a dose to the start of the next, s; None: one follows the other.
     missed : {"skip", "now"}
         "skip" leaves out a dose whose time has passed, "now" makes it at once.
+    call : _Call
+        Call of the batch. Once it is stopped no dose is due.
 
     Yields
     ------
@@ -37,12 +42,12 @@ def due(count: int, every_s: float | None, missed: Missed) -> Iterator[None]:
     """
     schedule = _Schedule(count, every_s, missed)
     started = time.monotonic()
-    while True:
+    while not call.stopped:
         action, number = schedule.next(time.monotonic() - started)
         if action == "done":
             return
         if action == "wait":
-            time.sleep(max(0.0, number - (time.monotonic() - started)))
+            time.sleep(min(_LOOK_S, max(0.0, number - (time.monotonic() - started))))
         elif action == "skip":
             message = f"dose {number:.0f} of {count} was skipped: its time had passed"
             warnings.warn(message, RuntimeWarning, stacklevel=3)

@@ -59,7 +59,8 @@ def plot(
     Parameters
     ----------
     result : Run or Plan
-        Run, or plan: a plan shows its predicted trace, with marks at the last step and the requested volume.
+        Run, or plan: a plan shows its predicted trace, with marks at the last step of the dose
+        and the requested volume. The time in which a retraction sucks back is shaded.
     panels : {"flow", "pressure", "speed", "delivered"} or sequence of these, optional
         Panels from top to bottom. By default a plan has all of them, and a run all but the speed.
     ax : Axes or sequence of Axes, optional
@@ -92,10 +93,7 @@ def plot(
             message = f"panel is {name!r}; allowed: {', '.join(_PANELS)}"
             raise ValueError(message)
     axes = axes_for(names, ax)
-    if isinstance(result, Plan):
-        run = result.trace(dt_s=max(1e-3, (result.motion_s + (result.settle_s or 0.0)) / _SAMPLES))
-    else:
-        run = result
+    run = result if isinstance(result, Run) else result.trace(dt_s=max(1e-3, result.settled_s / _SAMPLES))
     for name, axis in zip(names, axes, strict=True):
         label, curves = _PANELS[name]
         for curve in curves:
@@ -109,6 +107,11 @@ def plot(
             if name == "delivered":
                 asked = result.requested_ml + result.carry_in_ml
                 axis.axhline(asked, color="0.45", linewidth=1, linestyle="--", label="asked for")
+            if result.retract_steps:
+                back_s = float(result.step_times_s[abs(result.steps)])
+                axis.axvspan(
+                    back_s, float(result.step_times_s[-1]), color="0.9", zorder=0, label="sucked back"
+                )
     for name, axis in zip(names, axes, strict=True):
         if len(_PANELS[name][1]) > 1 or (name == "delivered" and isinstance(result, Plan)):
             axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False, fontsize="small")

@@ -1,0 +1,57 @@
+//! The print of a pump's head: an angle on record is the angle of one head.
+
+use super::Bench;
+use crate::notice::{Notice, Remedy};
+use crate::pump_file::PumpFile;
+
+/// Tables of a pump file that say which head it is.
+const TABLES: [&str; 3] = ["head", "rollers", "backplate"];
+
+/// Keys that count of tables with others beside them: what a turn of a bought head delivers is measured better and
+/// better, and the head stays.
+const KEYS: [(&str, &[&str]); 1] = [("head", &["catalogue"])];
+
+/// Returns the print of a pump's head: a number that changes with the rollers, the backplate and the row of the
+/// catalogue. The record of a bench keeps it, so that the angle of another head is not taken for this one's.
+///
+/// ```
+/// use pump_bench::{built_in, head_print};
+///
+/// let head = built_in("three-roller").unwrap();
+/// let mut other = head.clone();
+/// other.pump.default_rate_ml_s = 5.0;
+/// assert_eq!(head_print(&head), head_print(&other));
+/// other.rollers.count = 4;
+/// assert_ne!(head_print(&head), head_print(&other));
+/// ```
+pub fn head_print(file: &PumpFile) -> u32 {
+    print_of(file, &TABLES, &KEYS)
+}
+
+impl Bench {
+    /// Returns the note that the record is of another head.
+    pub(in crate::bench) fn other_head(&self) -> Notice {
+        let (pump, rollers) = (&self.file.pump.id, self.file.rollers.count);
+        let text = format!(
+            "the record of {pump} is of another head than this one with {rollers} rollers, so the angle of the rollers \
+             is unknown and nothing is carried"
+        );
+        Notice::from(text).with_remedy(Remedy::FindAngle)
+    }
+}
+
+/// Returns a number that changes with every value in `tables` of the pump file. Of a table in `keys` only those keys
+/// count.
+pub(in crate::bench) fn print_of(file: &PumpFile, tables: &[&str], keys: &[(&str, &[&str])]) -> u32 {
+    let mut all = toml::Table::try_from(file)
+        .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
+    all.retain(|table, _| tables.contains(&table));
+    for (table, counting) in keys {
+        if let Some(toml::Value::Table(keys)) = all.get_mut(*table) {
+            keys.retain(|key, _| counting.contains(&key));
+        }
+    }
+    // A table of which no key counts, as a tube that has only a life, counts no more than none.
+    all.retain(|_, table| table.as_table().is_none_or(|keys| !keys.is_empty()));
+    crc32fast::hash(all.to_string().as_bytes())
+}

@@ -1,0 +1,222 @@
+"""Pumps of PyLabRobot that run together, each a bench."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Any, NoReturn
+
+from pumpmodel._pumpmodel import Limits
+from pumpmodel.dose import Dose
+from pumpmodel.pylabrobot import bases
+from pumpmodel.pylabrobot.backend import BenchBackend, refuse
+from pumpmodel.pylabrobot.pump import BenchPump
+
+
+class BenchArrayBackend(bases.PumpArrayBackend):
+    """The benches behind a `BenchPumpArray`, one a channel.
+
+    Parameters
+    ----------
+    pumps : sequence of BenchBackend or dict
+        Benches of the channels 0, 1 and so on; or what their `serialize` gave.
+    """
+
+    def __init__(self, pumps: Sequence[BenchBackend | dict[str, Any]]) -> None:
+        super().__init__()
+        backends = [BenchBackend.deserialize(pump) if isinstance(pump, dict) else pump for pump in pumps]
+        for pump in backends:
+            if not isinstance(pump, BenchBackend):
+                message = f"pumps must be BenchBackends, not {type(pump).__name__}"
+                raise TypeError(message)
+        self.pumps = [BenchPump(pump) for pump in backends]
+
+    @property
+    def num_channels(self) -> int:
+        """Number of pumps."""
+        return len(self.pumps)
+
+    async def setup(self) -> None:
+        """Open every bench. If one cannot be opened, none stays open."""
+        ready: list[BenchPump] = []
+        try:
+            for pump in self.pumps:
+                await pump.setup()
+                ready.append(pump)
+        except BaseException:
+            for pump in ready:
+                await pump.stop()
+            raise
+
+    async def stop(self) -> None:
+        """Halt every pump and give it back."""
+        await asyncio.gather(*(pump.stop() for pump in self.pumps))
+
+    async def halt(self) -> None:
+        """Make every motor decelerate and hold."""
+        await asyncio.gather(*(pump.halt() for pump in self.pumps))
+
+    async def run_revolutions(self, num_revolutions: list[float], use_channels: list[int]) -> NoReturn:
+        """Raise NotImplementedError: `BenchPumpArray.run_revolutions` runs the benches."""
+        refuse("revolutions behind the back of its BenchPumpArray")
+
+    async def run_continuously(self, speed: list[float], use_channels: list[int]) -> NoReturn:
+        """Raise NotImplementedError: `BenchPumpArray.run_continuously` runs the benches."""
+        refuse("a speed behind the back of its BenchPumpArray")
+
+    def serialize(self) -> dict[str, Any]:
+        """Return the arguments that make an equal backend."""
+        return {**super().serialize(), "pumps": [pump.backend.serialize() for pump in self.pumps]}
+
+
+class BenchPumpArray(bases.PumpArray):
+    """A PyLabRobot pump array whose channels are benches. The channels of a call run at the same time.
+
+    If one of them fails or the call is cancelled, the others decelerate, hold and are on record; the first
+    failure is raised. `pumps` has each channel's `BenchPump`, for `resume` and `discard`.
+
+    Parameters
+    ----------
+    backend : BenchArrayBackend
+        Benches that dose.
+    """
+
+    def __init__(self, backend: BenchArrayBackend) -> None:
+        if not isinstance(backend, BenchArrayBackend):
+            message = f"backend must be a BenchArrayBackend, not {type(backend).__name__}"
+            raise TypeError(message)
+        super().__init__(backend=backend)
+        self.backend: BenchArrayBackend = backend
+
+    @property
+    def pumps(self) -> list[BenchPump]:
+        """Pump of each channel."""
+        return self.backend.pumps
+
+    async def pump_volume(
+        self,
+        speed: float | Sequence[float] | None,
+        use_channels: int | Sequence[int],
+        volume: float | Sequence[float],
+        *,
+        rate: str | Sequence[str] | None = None,
+        retract: str | None = None,
+        limits: Limits | None = None,
+    ) -> list[Dose]:
+        """Dose a volume by each channel.
+
+        Parameters
+        ----------
+        speed : float, sequence of float or None
+            Speed of every pump head, or of each, r/min; None with a `rate`, or for each pump's own rate.
+        use_channels : int or sequence of int
+            Channels, from 0.
+        volume : float or sequence of float
+            Volume of every channel, or of each, mL; negative in reverse.
+        rate : str or sequence of str, optional
+            Average flow of every channel, or of each, as "10 mL/s".
+        retract : str, optional
+            Volume that is sucked back after each dose, as "0.1mL".
+        limits : Limits, optional
+            Pressure limits that replace those of the pump files.
+
+        Returns
+        -------
+        list of Dose
+            Result of each channel, in the order of `use_channels`.
+
+        Raises
+        ------
+        ValueError
+            If a channel does not exist or comes twice, or if there is not one value for each.
+        """
+        return await self._each(
+            use_channels,
+            lambda pump, speed, volume, rate: pump.pump_volume(
+                speed, volume, rate=rate, retract=retract, limits=limits
+            ),
+            speed=speed,
+            volume=volume,
+            rate=rate,
+        )
+
+    async def run_revolutions(
+        self,
+        num_revolutions: float | Sequence[float],
+        use_channels: int | Sequence[int],
+        *,
+        speed: float | Sequence[float] | None = None,
+    ) -> list[Dose]:
+        """Turn each channel's pump head by revolutions, as `BenchPump.run_revolutions` does."""
+        return await self._each(
+            use_channels,
+            lambda pump, turns, speed: pump.run_revolutions(turns, speed=speed),
+            num_revolutions=num_revolutions,
+            speed=speed,
+        )
+
+    async def run_for_duration(
+        self,
+        speed: float | Sequence[float] | None,
+        use_channels: int | Sequence[int],
+        duration: float,
+        *,
+        rate: str | Sequence[str] | None = None,
+    ) -> list[Dose]:
+        """Run each channel for `duration` seconds, as `BenchPump.run_for_duration` does."""
+        return await self._each(
+            use_channels,
+            lambda pump, speed, rate: pump.run_for_duration(speed, duration, rate=rate),
+            speed=speed,
+            rate=rate,
+        )
+
+    async def run_continuously(
+        self, speed: float | Sequence[float], use_channels: int | Sequence[int]
+    ) -> None:
+        """Run each channel at a speed, r/min, until `halt`. Speed 0 halts a channel."""
+        await self._each(use_channels, lambda pump, speed: pump.run_continuously(speed), speed=speed)
+
+    async def halt(self) -> list[Dose | None]:
+        """Decelerate and hold what is under way.
+
+        Returns
+        -------
+        list of Dose or None
+            The run of each channel that `run_continuously` began; None without one.
+        """
+        return list(await asyncio.gather(*(pump.halt() for pump in self.pumps)))
+
+    async def _each(
+        self, use_channels: int | Sequence[int], work: Callable[..., Awaitable[Any]], **values: Any
+    ) -> list[Any]:
+        """Do `work` with the pump of each channel and its values, at the same time."""
+        channels = [use_channels] if isinstance(use_channels, int) else list(use_channels)
+        for channel in channels:
+            if not 0 <= channel < len(self.pumps):
+                message = f"use_channels has {channel}; allowed: 0 to {len(self.pumps) - 1}"
+                raise ValueError(message)
+        if len(set(channels)) != len(channels):
+            message = f"use_channels is {channels}; allowed: each channel once"
+            raise ValueError(message)
+        columns = [_column(name, value, len(channels)) for name, value in values.items()]
+        rows = zip(channels, *columns, strict=True)
+        tasks = [asyncio.ensure_future(work(self.pumps[channel], *row)) for channel, *row in rows]
+        try:
+            return list(await asyncio.gather(*tasks))
+        except BaseException:
+            # What still runs decelerates and is on record before the failure is told.
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            raise
+
+
+def _column(name: str, value: Any, count: int) -> list[Any]:
+    if value is None or isinstance(value, int | float | str):
+        return [value] * count
+    values = list(value)
+    if len(values) != count:
+        message = (
+            f"{name} has {len(values)} values for {count} channels; allowed: one for each, or one for all"
+        )
+        raise ValueError(message)
+    return values

@@ -1,0 +1,26 @@
+"""The wheel as it is installed: what a package index shows, and the licences."""
+
+from importlib.metadata import distribution, metadata
+from pathlib import Path
+
+ROOT = Path(__file__).parents[4]
+
+
+def test_the_wheel_has_both_licence_texts_of_the_repository() -> None:
+    files = {
+        Path(file).name: file for file in distribution("pumpmodel").files or [] if "licenses" in str(file)
+    }
+    for name in ("LICENSE-APACHE", "LICENSE-MIT"):
+        assert files[name].read_text() == (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_wheel_tells_a_package_index_what_it_is() -> None:
+    told = metadata("pumpmodel")
+    assert told["License-Expression"] == "MIT OR Apache-2.0"
+    assert told["Author"] == "pump-dose contributors"
+    assert told["Description-Content-Type"].startswith("text/markdown")
+    described = told.get_payload()  # type: ignore[attr-defined]
+    assert described.startswith("# pumpmodel")
+    classifiers = told.get_all("Classifier") or []
+    assert {"Typing :: Typed", "Programming Language :: Python :: 3.11"} <= set(classifiers)
+    assert told["Requires-Python"] == ">=3.11"
