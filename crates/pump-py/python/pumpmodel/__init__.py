@@ -22,6 +22,7 @@ from pumpmodel._pumpmodel import (
     Doser,
     Limits,
     Line,
+    LineLikelihood,
     Plan,
     Pump,
     Run,
@@ -43,6 +44,7 @@ from pumpmodel.errors import (
     UnfinishedError,
 )
 from pumpmodel.fluid import Fluid
+from pumpmodel.harmonics import Harmonics
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
 from pumpmodel.identified import (
@@ -55,6 +57,7 @@ from pumpmodel.identified import (
 from pumpmodel.plotting import plot, plot_map, plot_pump
 from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
+from pumpmodel.states import LineStates
 from pumpmodel.sweeps import Sweep, sweep
 from pumpmodel.volume_fit import VolumeFit
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
@@ -69,12 +72,15 @@ __all__ = [
     "DriveError",
     "Estimate",
     "Fluid",
+    "Harmonics",
     "Head",
     "HeadSource",
     "Hose",
     "Identified",
     "Limits",
     "Line",
+    "LineLikelihood",
+    "LineStates",
     "LoggedDose",
     "PhaseFit",
     "Plan",

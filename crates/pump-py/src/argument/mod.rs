@@ -3,11 +3,15 @@
 mod choice;
 mod cruise;
 mod floats;
+mod items;
+mod port;
 mod quantity;
 pub(crate) mod speed;
 
 pub(crate) use choice::{choice, finish_named, ramps_named, word};
 pub(crate) use cruise::cruise;
-pub(crate) use floats::Floats;
+pub(crate) use floats::{_numbers, Floats};
+pub(crate) use items::Items;
+pub(crate) use port::{PORTS, port_named};
 pub(crate) use quantity::{retracted_ml, text};
 pub(crate) use speed::Argument;

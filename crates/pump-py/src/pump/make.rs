@@ -2,6 +2,7 @@
 
 use pump_bench::catalogue::{BoughtPump, DrawnPump, unusual};
 use pump_bench::config::Config;
+use pump_bench::files::MOST_PUMP_FILE_BYTES;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
 use pump_model::Geometry;
 use pump_model::units::radians;
@@ -11,6 +12,7 @@ use pyo3::types::PyString;
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
+use crate::argument::Items;
 use crate::line::Line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
@@ -243,8 +245,16 @@ impl Pump {
     ///     If a key is unknown or missing, or its value is not allowed. It is a ValueError too.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let json: String = data.py().import("json")?.call_method1("dumps", (data,))?.extract()?;
-        let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
+        let json = data.py().import("json")?.call_method1("dumps", (data,))?;
+        let json = json.cast::<PyString>()?.to_str()?;
+        let most = MOST_PUMP_FILE_BYTES;
+        if json.len() as u64 > most {
+            return Err(errors::PumpFileError::new_err(format!(
+                "the data of the pump take {} bytes; allowed: {most} at most, as in a pump file",
+                json.len()
+            )));
+        }
+        let file = serde_json::from_str::<PumpFile>(json).map_err(|error| {
             errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
         })?;
         Self::checked(file.with_assumptions())?.warning(data.py())
@@ -306,6 +316,6 @@ fn roller_volume_of(volume: &Bound<'_, PyAny>) -> PyResult<RollerVolumeTable> {
             volume.get_type().name()?
         )));
     };
-    let (method, points): (String, Vec<(f64, f64)>) = fit.extract()?;
-    Ok(RollerVolumeTable::Measured { fit: fit_named(&method)?, points: points_of(points) })
+    let (method, points): (String, Items<(f64, f64)>) = fit.extract()?;
+    Ok(RollerVolumeTable::Measured { fit: fit_named(&method)?, points: points_of(points)? })
 }

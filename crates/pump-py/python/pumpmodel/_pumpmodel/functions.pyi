@@ -16,10 +16,11 @@ _Fluid: TypeAlias = tuple[float, float, float, float | None]
 _Hose: TypeAlias = tuple[float, float, float, float, float, float]
 _Law: TypeAlias = tuple[float, float, float, float]
 _Points: TypeAlias = Sequence[tuple[float, float]]
-# JSON and text, the line, then the varied, the measured and the fitted numbers.
-_Identified: TypeAlias = tuple[str, str, Line, _Array, _Array, _Array]
+# JSON and text, the line, then the varied, the measured and the fitted numbers, and the covariances.
+_Identified: TypeAlias = tuple[str, str, Line, list[_Array], _Array]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 
+def _numbers(name: str, argument: ArrayLike) -> float | _Array: ...
 def _choices() -> list[tuple[str, list[str]]]: ...
 def _fluid_check(fluid: _Fluid) -> None: ...
 def _fluid_water(temperature_degc: float) -> _Fluid: ...

@@ -1,12 +1,14 @@
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from typing_extensions import deprecated
 
-from pumpmodel.choices import Initial, Method, Model, Variant
+from pumpmodel.choices import Begin, Initial, Method, Model, Port, Variant
+from pumpmodel.harmonics import Harmonics
+from pumpmodel.states import LineStates
 from pumpmodel.volume_fit import VolumeFit
 
 from .results import Run, SteadyState
@@ -42,9 +44,58 @@ class Line:
         reservoir_kpa: float | None = None,
     ) -> Line: ...
     def to_dict(self) -> dict[str, float]: ...
+    def state_space(self, port: Port = "outlet") -> tuple[_Array, _Array, _Array, _Array]: ...
+    def transfer_function(self, port: Port = "outlet") -> tuple[_Array, _Array]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
+
+@final
+class LineLikelihood:
+    @overload
+    def __new__(
+        cls,
+        pump: Pump,
+        *,
+        time_s: ArrayLike,
+        pressure_kpa: ArrayLike,
+        standard_kpa: float,
+        port: Port = "outlet",
+        speed_rpm: float,
+        speed_rad_s: None = None,
+        begin: Begin = "ramp",
+        start_s: float | None = None,
+        start_angle_rad: float | None = None,
+    ) -> LineLikelihood: ...
+    @overload
+    def __new__(
+        cls,
+        pump: Pump,
+        *,
+        time_s: ArrayLike,
+        pressure_kpa: ArrayLike,
+        standard_kpa: float,
+        port: Port = "outlet",
+        speed_rpm: None = None,
+        speed_rad_s: float,
+        begin: Begin = "ramp",
+        start_s: float | None = None,
+        start_angle_rad: float | None = None,
+    ) -> LineLikelihood: ...
+    @property
+    def line(self) -> Line: ...
+    def log_likelihood(
+        self,
+        *,
+        resistance_kpa_s_ml: float | None = None,
+        compliance_ml_kpa: float | None = None,
+        inertance_kpa_s2_ml: float | None = None,
+        reservoir_kpa: float | None = None,
+        start_angle_rad: float | None = None,
+        start_s: float | None = None,
+        standard_kpa: float | None = None,
+    ) -> float: ...
+    def __len__(self) -> int: ...
 
 @final
 class Pump:
@@ -154,6 +205,12 @@ class Pump:
     @overload
     def outlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
     @overload
+    def angle_for_volume(self, volume_ml: float, start_angle_rad: float = 0.0) -> float: ...
+    @overload
+    def angle_for_volume(self, volume_ml: _Numbers, start_angle_rad: float | _Numbers = 0.0) -> _Array: ...
+    @overload
+    def angle_for_volume(self, volume_ml: float, start_angle_rad: _Numbers) -> _Array: ...
+    @overload
     def outlet_flow_ml_rad(self, angle_rad: float) -> float: ...
     @overload
     def outlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
@@ -211,13 +268,16 @@ class Pump:
     def simulate(
         self,
         *,
-        speed_rpm: float,
+        speed_rpm: float | Callable[[float], float],
         speed_rad_s: None = None,
         duration_s: float,
-        dt_s: float = 1e-3,
+        dt_s: float | None = None,
+        time_s: None = None,
+        output_time_s: None = None,
+        start_angle_rad: float = 0.0,
         model: Model = "flow-centric",
         method: Method = "auto",
-        initial: Initial = "rest",
+        initial: Initial | LineStates = "rest",
         tolerance: float | None = None,
         segment_scale: float | None = None,
         distensibility_per_kpa: float | None = None,
@@ -229,18 +289,109 @@ class Pump:
         self,
         *,
         speed_rpm: None = None,
-        speed_rad_s: float,
+        speed_rad_s: float | Callable[[float], float],
         duration_s: float,
-        dt_s: float = 1e-3,
+        dt_s: float | None = None,
+        time_s: None = None,
+        output_time_s: None = None,
+        start_angle_rad: float = 0.0,
         model: Model = "flow-centric",
         method: Method = "auto",
-        initial: Initial = "rest",
+        initial: Initial | LineStates = "rest",
         tolerance: float | None = None,
         segment_scale: float | None = None,
         distensibility_per_kpa: float | None = None,
         valve_resistance_kpa_s_ml: float | None = None,
         closure_rad: float | None = None,
     ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: float | Callable[[float], float],
+        speed_rad_s: None = None,
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: None = None,
+        start_angle_rad: float = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: float | None = None,
+        segment_scale: float | None = None,
+        distensibility_per_kpa: float | None = None,
+        valve_resistance_kpa_s_ml: float | None = None,
+        closure_rad: float | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: None = None,
+        speed_rad_s: float | Callable[[float], float],
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: None = None,
+        start_angle_rad: float = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: float | None = None,
+        segment_scale: float | None = None,
+        distensibility_per_kpa: float | None = None,
+        valve_resistance_kpa_s_ml: float | None = None,
+        closure_rad: float | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: _Numbers,
+        speed_rad_s: None = None,
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: _Numbers | None = None,
+        start_angle_rad: float = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: float | None = None,
+        segment_scale: float | None = None,
+        distensibility_per_kpa: float | None = None,
+        valve_resistance_kpa_s_ml: float | None = None,
+        closure_rad: float | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: None = None,
+        speed_rad_s: _Numbers,
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: _Numbers | None = None,
+        start_angle_rad: float = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: float | None = None,
+        segment_scale: float | None = None,
+        distensibility_per_kpa: float | None = None,
+        valve_resistance_kpa_s_ml: float | None = None,
+        closure_rad: float | None = None,
+    ) -> Run: ...
+    @overload
+    def harmonics(
+        self, count: int = 20, *, speed_rpm: float, speed_rad_s: None = None, port: Port = "outlet"
+    ) -> Harmonics: ...
+    @overload
+    def harmonics(
+        self, count: int = 20, *, speed_rpm: None = None, speed_rad_s: float, port: Port = "outlet"
+    ) -> Harmonics: ...
     @overload
     def steady_state(self, *, speed_rpm: float, speed_rad_s: None = None) -> SteadyState[float]: ...
     @overload

@@ -8,6 +8,7 @@ from typing_extensions import deprecated
 from xarray import Dataset
 
 from pumpmodel.choices import LimitedBy
+from pumpmodel.states import LineStates
 
 from .pump import Pump
 
@@ -32,6 +33,8 @@ class Run:
     def outlet_kpa(self) -> _Array: ...
     @property
     def delivered_ml(self) -> _Array: ...
+    @property
+    def end_state(self) -> LineStates | None: ...
     @property
     @deprecated("use inlet_flow_ml_s")
     def q_in_ml_s(self) -> _Array: ...
