@@ -13,6 +13,7 @@ PORTS: tuple[pm.choices.Port, ...] = ("inlet", "outlet")
 def test_scipy_takes_the_line_and_its_step_is_that_of_a_line(port: pm.choices.Port) -> None:
     line = pm.Pump.three_roller().outlet
     space = signal.StateSpace(*line.state_space(port))
+    _, stepped_kpa = signal.step(space, T=np.linspace(0, 5, 1000))
     transfer = signal.TransferFunction(*line.transfer_function(port))
     rad_s = np.geomspace(0.1, 1e4, 60)
     # SciPy's own way from matrices to a response warns of a numerator whose first coefficient is 0.
@@ -24,7 +25,8 @@ def test_scipy_takes_the_line_and_its_step_is_that_of_a_line(port: pm.choices.Po
     assert by_transfer[0].real == pytest.approx(sign * line.resistance_kpa_s_ml, rel=1e-3)
     # The poles are those of the oscillator.
     natural = 1 / math.sqrt(line.inertance_kpa_s2_ml * line.compliance_ml_kpa)
-    np.testing.assert_allclose(np.abs(space.poles), natural)
+    np.testing.assert_allclose(np.abs(np.linalg.eigvals(a)), natural)
+    assert stepped_kpa[-1] == pytest.approx(sign * line.resistance_kpa_s_ml, rel=1e-6)
 
 
 @pytest.mark.parametrize("port", PORTS)
@@ -47,9 +49,10 @@ def test_harmonics_add_up_to_the_steady_state(port: pm.choices.Port, speed_rpm: 
     run = pump.simulate(speed_rpm=speed_rpm, duration_s=pitch_s, dt_s=pitch_s / 300, initial="steady")
     waves = np.exp(1j * np.outer(run.time_s, found.rad_s))
     pressure_kpa = found.mean_kpa + (waves @ found.pressure_kpa).real
-    # The measured volume makes the flow jump a little where a pitch begins, and the pressure has a corner there.
+    # The measured volume makes the flow jump where a pitch begins, and a little where a roller has left. The
+    # pressure has corners there.
     np.testing.assert_allclose(pressure_kpa, getattr(run, f"{port}_kpa"), atol=2e-3)
-    np.testing.assert_allclose(pressure_kpa[5:-5], getattr(run, f"{port}_kpa")[5:-5], atol=3e-5)
+    np.testing.assert_allclose(pressure_kpa[5:-5], getattr(run, f"{port}_kpa")[5:-5], atol=1e-4)
     steady = pump.steady_state(speed_rpm=speed_rpm)
     assert found.mean_kpa == pytest.approx(getattr(steady, f"{port}_mean_kpa"), abs=1e-9)
     transfer = signal.TransferFunction(*getattr(pump, port).transfer_function(port))
