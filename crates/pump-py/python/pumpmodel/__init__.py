@@ -32,6 +32,8 @@ from pumpmodel._pumpmodel import (
     pearson,
     rmse,
 )
+from pumpmodel._results.harmonics import Harmonics
+from pumpmodel._results.states import LineStates
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose, LoggedDose, Status, Verification
 from pumpmodel.errors import (
@@ -44,7 +46,6 @@ from pumpmodel.errors import (
     UnfinishedError,
 )
 from pumpmodel.fluid import Fluid
-from pumpmodel.harmonics import Harmonics
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
 from pumpmodel.identified import (
@@ -57,7 +58,6 @@ from pumpmodel.identified import (
 from pumpmodel.plotting import plot, plot_map, plot_pump
 from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
-from pumpmodel.states import LineStates
 from pumpmodel.sweeps import Sweep, sweep
 from pumpmodel.volume_fit import VolumeFit
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun

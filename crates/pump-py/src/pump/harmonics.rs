@@ -100,6 +100,6 @@ impl Pump {
             mean_flow_ml_s,
             mean_kpa,
         );
-        py.import("pumpmodel.harmonics")?.getattr("Harmonics")?.call1(numbers)
+        py.import("pumpmodel")?.getattr("Harmonics")?.call1(numbers)
     }
 }

@@ -301,7 +301,7 @@ impl Run {
                     outlet + at_outlet.above_reservoir_kpa,
                     at_outlet.flow_ml_s,
                 ];
-                let states = py.import("pumpmodel.states")?.getattr("LineStates")?;
+                let states = py.import("pumpmodel")?.getattr("LineStates")?;
                 states.call1(PyTuple::new(py, numbers)?)?.unbind()
             }
             None => py.None(),

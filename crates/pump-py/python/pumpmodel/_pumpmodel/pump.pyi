@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import deprecated
 
+from pumpmodel._results.harmonics import Harmonics
+from pumpmodel._results.states import LineStates
 from pumpmodel.choices import Begin, Initial, Method, Model, Port, Variant
-from pumpmodel.harmonics import Harmonics
-from pumpmodel.states import LineStates
 from pumpmodel.volume_fit import VolumeFit
 
 from .results import Run, SteadyState

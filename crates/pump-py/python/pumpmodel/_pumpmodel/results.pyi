@@ -7,8 +7,8 @@ from pandas import DataFrame
 from typing_extensions import deprecated
 from xarray import Dataset
 
+from pumpmodel._results.states import LineStates
 from pumpmodel.choices import LimitedBy
-from pumpmodel.states import LineStates
 
 from .pump import Pump
 
