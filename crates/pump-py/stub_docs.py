@@ -33,7 +33,7 @@ def _of(node: Node, thing: Any) -> Iterator[tuple[Node, str]]:
         # An overload has the docstring once.
         if isinstance(member, ast.FunctionDef) and member.name[:2] != "__" and member.name not in seen:
             seen.add(member.name)
-            yield from _of(member, inspect.getattr_static(thing, member.name))
+            yield from _of(member, getattr(thing, member.name))
 
 
 def written(text: str) -> str:

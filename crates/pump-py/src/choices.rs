@@ -14,7 +14,8 @@ use pump_bench::simulation::{AskedMethod, ModelName};
 use pump_ctl::plan::{Finish, LimitedBy, Ramps, SetBy};
 use pyo3::prelude::*;
 
-use crate::identification::{BEGINS, PARAMETERS, PORTS};
+use crate::argument::PORTS;
+use crate::identification::{BEGINS, PARAMETERS};
 use crate::pump::VARIANTS;
 use crate::simulation::INITIALS;
 
@@ -27,7 +28,7 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("CalibrationFit", words(Fit::ALL)),
         ("Driver", words(DriverName::ALL)),
         ("Finish", words(&Finish::ALL)),
-        ("Initial", words(&INITIALS.map(|(word, ())| word))),
+        ("Initial", words(&INITIALS)),
         ("InletLimit", words(&[SetBy::Given, SetBy::TubeCollapse, SetBy::Vapour].map(SetBy::name))),
         ("LimitedBy", words(&LimitedBy::ALL)),
         ("LineParameter", words(&PARAMETERS)),

@@ -19,6 +19,8 @@ mod simulation;
 #[pyo3::pymodule]
 mod _pumpmodel {
     #[pymodule_export]
+    use crate::argument::_numbers;
+    #[pymodule_export]
     use crate::bench::{Balance, Bench, Call, Rack, Schedule};
     #[pymodule_export]
     use crate::calibration::{_reading, Calibration};
@@ -27,7 +29,7 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::dosing::{Doser, Limits, Plan};
     #[pymodule_export]
-    use crate::identification::{_identify_compliance, _identify_line, _identify_resistance};
+    use crate::identification::{_identify_compliance, _identify_line, _identify_resistance, LineLikelihood};
     #[pymodule_export]
     use crate::identification::{nrmse, pearson, rmse};
     #[pymodule_export]

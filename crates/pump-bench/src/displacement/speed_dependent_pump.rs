@@ -38,7 +38,7 @@ impl SpeedDependentPump {
     }
 
     /// Returns the law of the displacement, or `None` if every speed has the same volume.
-    pub(crate) fn law(&self) -> Option<&DisplacementLaw> {
+    pub fn law(&self) -> Option<&DisplacementLaw> {
         self.law.as_ref()
     }
 

@@ -7,8 +7,9 @@ mod staged;
 mod table;
 mod without_links;
 
-pub(crate) use plain::MOST_PUMP_FILE_BYTES;
-pub use plain::{FileError, MOST_TABLE_BYTES, is_one_file, names_in, place_of, read_text};
+pub use plain::{
+    FileError, MOST_PUMP_FILE_BYTES, MOST_TABLE_BYTES, is_one_file, names_in, place_of, read_text,
+};
 #[cfg(any(feature = "grbl", feature = "node"))]
 pub(crate) use small_records::{read_plain, replace_plain};
 pub use staged::Staged;

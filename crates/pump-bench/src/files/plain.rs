@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Most bytes of a pump file.
-pub(crate) const MOST_PUMP_FILE_BYTES: u64 = 1_000_000;
+pub const MOST_PUMP_FILE_BYTES: u64 = 1_000_000;
 
 /// Most bytes of a table of measurements. A trace of ten minutes in milliseconds has this size.
 pub const MOST_TABLE_BYTES: u64 = 64_000_000;

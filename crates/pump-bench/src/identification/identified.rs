@@ -53,6 +53,9 @@ pub struct Identified {
     pub points: Vec<Fitted>,
     /// Number of independent points that the points are worth.
     pub independent: f64,
+    /// Covariances of the parameters that were sought, in their order and units, row by row. The roots of the diagonal
+    /// are the standard uncertainties.
+    pub covariance: Vec<f64>,
     /// Warnings for the user.
     pub warnings: Vec<Notice>,
     /// Line with the parameters that were found.

@@ -10,7 +10,7 @@ mod thinned;
 pub use identified::{Identified, Parameter};
 pub use nozzle::Nozzle;
 pub use points::{identified_compliance, identified_resistance};
-pub use pressure_record::{Begin, Turning, identified_line};
+pub use pressure_record::{Begin, Turning, identified_line, identified_line_while};
 pub use tables::{Waveforms, flow_points_of_csv, injection_of_csv, waveforms_of_csv};
 
 /// Pearson's correlation below which a fit gets a warning, since half of the variance is then left over.

@@ -1,7 +1,7 @@
 //! R and C from points, with their warnings.
 
 use pump_model::identification::{
-    ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, ResistanceFit,
+    ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, Readings, ResistanceFit,
 };
 use pump_model::{Line, Port};
 
@@ -44,15 +44,21 @@ pub fn identified_resistance(
         .into()
     }));
     warnings.extend(scattered(points, &fit, with_offset).map(Notice::from));
-    let mut fitted: Vec<_> = points
-        .iter()
-        .map(|point| Fitted {
-            x: point.flow_ml_s,
-            measured: point.drop_kpa,
-            fitted: fit.drop_kpa(point.flow_ml_s),
-        })
-        .collect();
-    fitted.sort_by(|one, other| one.x.total_cmp(&other.x));
+    let mean_ml_s = weighted_mean(points.iter().map(|point| (point.flow_ml_s, point.standard_kpa)));
+    let variance = fit.resistance_kpa_s_ml.standard * fit.resistance_kpa_s_ml.standard;
+    let covariance = match fit.offset_kpa {
+        None => vec![variance],
+        // The line goes through the mean of the points, so a larger slope comes with a smaller offset.
+        Some(offset) => {
+            vec![variance, -mean_ml_s * variance, -mean_ml_s * variance, offset.standard * offset.standard]
+        }
+    };
+    let fitted = points.iter().map(|point| Fitted {
+        x: point.flow_ml_s,
+        measured: point.drop_kpa,
+        fitted: fit.drop_kpa(point.flow_ml_s),
+    });
+    let fitted = in_order(fitted, Readings::FlowPoints)?;
     Ok(Identified {
         kind: "resistance",
         port,
@@ -61,11 +67,40 @@ pub fn identified_resistance(
         rows: points.len(),
         independent: points.len() as f64,
         points: fitted,
+        covariance,
         warnings,
         line: Line { resistance_kpa_s_ml: fit.resistance_kpa_s_ml.value, ..*line },
         nozzle: None,
     }
     .with_weak_correlation(with_offset))
+}
+
+/// Returns the mean of numbers, each with the weight of its standard uncertainty.
+fn weighted_mean(numbers: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (mut weights, mut moments) = (0.0, 0.0);
+    for (number, standard) in numbers {
+        let weight = 1.0 / (standard * standard);
+        weights += weight;
+        moments += weight * number;
+    }
+    moments / weights
+}
+
+/// Collects points in order of their place, and of their measured value at one place. Too many for the memory are an
+/// error and end no process.
+fn in_order(
+    points: impl ExactSizeIterator<Item = Fitted>,
+    of: Readings,
+) -> Result<Vec<Fitted>, IdentificationError> {
+    let mut fitted = Vec::new();
+    let given = points.len();
+    fitted.try_reserve_exact(given).map_err(|_| IdentificationError::NoMemory { given, of })?;
+    fitted.extend(points);
+    // A stable sort would take as much memory again.
+    fitted.sort_unstable_by(|one, other| {
+        one.x.total_cmp(&other.x).then(one.measured.total_cmp(&other.measured))
+    });
+    Ok(fitted)
 }
 
 /// Warns if the points lie farther from the line than their standard uncertainties allow.
@@ -112,15 +147,23 @@ pub fn identified_compliance(
             2.0 * growth.value,
         )
     });
-    let mut fitted: Vec<_> = points
-        .iter()
-        .map(|point| Fitted {
-            x: point.volume_ml,
-            measured: point.pressure_kpa,
-            fitted: fit.pressure_kpa(point.volume_ml),
-        })
-        .collect();
-    fitted.sort_by(|one, other| one.x.total_cmp(&other.x));
+    let mean_ml = weighted_mean(points.iter().map(|point| (point.volume_ml, 1.0)));
+    let (compliance, start) = (fit.compliance_ml_kpa, fit.start_kpa);
+    // The slope is 1/C, and the line goes through the mean of the points. The bulk modulus follows from C alone.
+    let both = mean_ml * compliance.standard * compliance.standard / (compliance.value * compliance.value);
+    let (of_c, of_start) = (compliance.standard * compliance.standard, start.standard * start.standard);
+    let covariance = match total_ml.map(|total_ml| -total_ml / (compliance.value * compliance.value)) {
+        None => vec![of_c, both, both, of_start],
+        Some(per) => {
+            vec![of_c, both, per * of_c, both, of_start, per * both, per * of_c, per * both, per * per * of_c]
+        }
+    };
+    let fitted = points.iter().map(|point| Fitted {
+        x: point.volume_ml,
+        measured: point.pressure_kpa,
+        fitted: fit.pressure_kpa(point.volume_ml),
+    });
+    let fitted = in_order(fitted, Readings::VolumePoints)?;
     Ok(Identified {
         kind: "compliance",
         port,
@@ -129,6 +172,7 @@ pub fn identified_compliance(
         rows: points.len(),
         independent: points.len() as f64,
         points: fitted,
+        covariance,
         warnings: warnings.map(Notice::from).collect(),
         line: Line { compliance_ml_kpa: fit.compliance_ml_kpa.value, ..*line },
         nozzle: None,

@@ -40,7 +40,7 @@ pub struct Turning {
 
 impl Turning {
     /// Returns the legs of the motion from rest.
-    fn legs(&self) -> Vec<Leg> {
+    pub fn legs(&self) -> Vec<Leg> {
         let cruise = Leg { start_s: self.start_s, ..Leg::constant_speed(self.angle_rad, self.speed_rad_s) };
         let Begin::Ramp { acceleration_rad_s2 } = self.begin else {
             return vec![cruise];
@@ -82,6 +82,22 @@ pub fn identified_line(
     turning: &Turning,
     sought: Sought,
 ) -> Result<Identified, IdentificationError> {
+    identified_line_while(pump, port, samples, turning, sought, &|| true)
+}
+
+/// Fits the line as [`identified_line`] does, and asks `goes_on` many times a millisecond whether to go on.
+///
+/// # Errors
+/// Returns [`IdentificationError::Stopped`] once `goes_on` returned false, and otherwise the errors of
+/// [`identified_line`].
+pub fn identified_line_while(
+    pump: &Pump,
+    port: Port,
+    samples: &[PressureSample],
+    turning: &Turning,
+    sought: Sought,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Identified, IdentificationError> {
     let Turning { begin, start_s, angle_rad, speed_rad_s } = *turning;
     let legs = turning.legs();
     let motion = match begin {
@@ -93,7 +109,7 @@ pub fn identified_line(
     let Thinned { samples, words } = Thinned::of(samples, f64::min(swing_s(pump.line(port)), pitch_s));
     let samples = &*samples;
     let recording = Recording { port, samples, motion };
-    let fit = LineFit::of(pump, &recording, sought)?;
+    let fit = LineFit::of_while(pump, &recording, sought, goes_on)?;
     let line = fit.line();
     let points: Vec<_> = samples
         .iter()
@@ -125,11 +141,31 @@ pub fn identified_line(
         rows,
         independent,
         points,
+        covariance: covariance(&fit, sought),
         warnings: doubts(&fit, samples).into_iter().map(Notice::from).collect(),
         line,
         nozzle: None,
     }
     .with_weak_correlation(true))
+}
+
+/// Returns the covariances of the parameters that were sought, in the order and the units of the report.
+fn covariance(fit: &LineFit, sought: Sought) -> Vec<f64> {
+    // Places in the fit's order, and the report's units.
+    let reported = [
+        (sought.resistance, 0, 1.0),
+        (sought.compliance, 1, 1.0),
+        (sought.inertance, 2, 1.0),
+        (sought.pressure, 5, 1.0),
+        (sought.angle, 3, degrees(1.0)),
+        (sought.start, 4, 1.0),
+    ];
+    let found = || reported.iter().filter(|(is_sought, ..)| *is_sought);
+    let row = |&(_, row, unit): &(bool, usize, f64)| {
+        found()
+            .map(move |&(_, column, other): &(bool, usize, f64)| unit * other * fit.covariance[row][column])
+    };
+    found().flat_map(row).collect()
 }
 
 /// Warns if swings of the line pass between the samples, and if the residuals are no noise.

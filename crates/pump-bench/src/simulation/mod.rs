@@ -4,6 +4,7 @@ mod fastest;
 mod reached;
 mod sample;
 mod simulation;
+mod start;
 mod times;
 mod waveform;
 

@@ -2,7 +2,9 @@
 
 use std::array;
 
-use pump_model::{DEFAULT_TOLERANCE, Friction, Leg, ModelError, Parameter, Pump, RollerCentric, SteadyState};
+use pump_model::{
+    DEFAULT_TOLERANCE, Friction, Leg, LineState, ModelError, Parameter, Pump, RollerCentric, SteadyState,
+};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -161,7 +163,7 @@ impl Simulation {
     ) -> Result<Waveform<'a, array::IntoIter<Leg, 1>, EqualTimes>, ModelError> {
         self.validate()?;
         let legs = [Leg::constant_speed(0.0, self.speed_rad_s)];
-        Waveform::every(pump, legs, self.method, self.dt_s, self.intervals())
+        Waveform::every(pump, legs, self.method, (self.dt_s, self.intervals()), [LineState::AT_REST; 2])
     }
 }
 

@@ -36,7 +36,7 @@ impl Integration {
     }
 
     /// Returns the losses of the inlet line and the outlet line of `pump`.
-    fn losses(&self, pump: &Pump) -> [Loss; 2] {
+    pub(super) fn losses(&self, pump: &Pump) -> [Loss; 2] {
         let [inlet, outlet] = self.frictions;
         [Loss::with_friction(pump.inlet(), inlet), Loss::with_friction(pump.outlet(), outlet)]
     }
@@ -68,7 +68,7 @@ impl Method {
     }
 }
 
-/// Samples of a motion from lines at rest, at rising times.
+/// Samples of a motion at rising times.
 ///
 /// As an iterator it gives them one by one; [`Waveform::fill`] is faster and gives them in columns.
 #[derive(Debug)]
@@ -78,22 +78,24 @@ pub struct Waveform<'a, M, T> {
     legs: M,
     leg: Leg,
     start_ml: f64,
+    /// Time of the last sample, in s.
+    last_s: f64,
     ports: Ports<'a, M>,
 }
 
-/// Starts the integration of a port from rest.
+/// Starts the integration of a port from the state of its line.
 fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
     pump: &'a Pump,
     port: Port,
-    [inlet, outlet]: [Loss; 2],
+    [inlet, outlet]: [(Loss, LineState); 2],
     legs: M,
     tolerance: f64,
 ) -> Result<PortRun<'a, M, N, Loss>, IntegrationError> {
-    let loss = match port {
+    let (loss, state) = match port {
         Port::Inlet => inlet,
         Port::Outlet => outlet,
     };
-    PortRun::resisted(pump, loss, port, legs, LineState::AT_REST, tolerance)
+    PortRun::resisted(pump, loss, port, legs, state, tolerance)
 }
 
 /// The source of the pressures, by model.
@@ -114,18 +116,18 @@ enum Lines<'a, M> {
 
 impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
     /// Samples a motion at n `dt_s`, n = 0 to `intervals`, which is the fastest way. The `legs` start at time
-    /// 0.
+    /// 0, and the lines of inlet and outlet in `states`.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of an integrator that cannot start.
-    pub(crate) fn every(
+    pub fn every(
         pump: &'a Pump,
         legs: impl IntoIterator<IntoIter = M>,
         method: Method,
-        dt_s: f64,
-        intervals: u64,
+        (dt_s, intervals): (f64, u64),
+        states: [LineState; 2],
     ) -> Result<Self, ModelError> {
-        let waveform = Self::new(pump, legs, method, EqualTimes::new(dt_s, intervals))?;
+        let waveform = Self::starting(pump, legs, method, EqualTimes::new(dt_s, intervals), states)?;
         let ports = match waveform.ports {
             Ports::FlowCentric(Lines::Exact(ports)) => {
                 Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.every(dt_s)))))
@@ -137,7 +139,8 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
 }
 
 impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, M, T> {
-    /// Samples a motion over `legs` at `times` in s, which must rise. After the last leg the rotor stands.
+    /// Samples a motion over `legs` at `times` in s, which must rise, from lines at rest. After the last leg the
+    /// rotor stands.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of an integrator that cannot start.
@@ -147,30 +150,74 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         method: Method,
         times: T,
     ) -> Result<Self, ModelError> {
+        Self::starting(pump, legs, method, times, [LineState::AT_REST; 2])
+    }
+
+    /// Samples a motion as [`Waveform::new`] does, from the states of the lines of inlet and outlet.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of an integrator that cannot start, or of a model that starts from rest alone.
+    pub fn starting(
+        pump: &'a Pump,
+        legs: impl IntoIterator<IntoIter = M>,
+        method: Method,
+        times: T,
+        states: [LineState; 2],
+    ) -> Result<Self, ModelError> {
+        let [inlet, outlet] = states;
         let mut legs = legs.into_iter();
         let ports = match method {
             Method::Exact => {
-                let run = |port| ExactRun::from_rest(pump, port, legs.clone());
-                Ports::FlowCentric(Lines::Exact(Box::new([run(Port::Inlet), run(Port::Outlet)])))
+                let run = |port, state| ExactRun::new(pump, port, legs.clone(), state);
+                let ports = [run(Port::Inlet, inlet), run(Port::Outlet, outlet)];
+                Ports::FlowCentric(Lines::Exact(Box::new(ports)))
             }
             Method::Rodas5p(integration) => {
                 let Integration { tolerance, roller_centric, .. } = integration;
                 let losses = integration.losses(pump);
                 match roller_centric {
+                    Some(_) if states != [LineState::AT_REST; 2] => return Err(ModelError::StartsFromRest),
                     Some(model) => {
                         let run = RollerRun::resisted(pump, model, losses, legs.clone(), tolerance)?;
                         Ports::RollerCentric(Box::new(run))
                     }
-                    None => Ports::FlowCentric(Lines::Integrated(Box::new((
-                        resisted(pump, Port::Inlet, losses, legs.clone(), tolerance)?,
-                        resisted(pump, Port::Outlet, losses, legs.clone(), tolerance)?,
-                    )))),
+                    None => {
+                        let [resists_inlet, resists_outlet] = losses;
+                        let starts = [(resists_inlet, inlet), (resists_outlet, outlet)];
+                        Ports::FlowCentric(Lines::Integrated(Box::new((
+                            resisted(pump, Port::Inlet, starts, legs.clone(), tolerance)?,
+                            resisted(pump, Port::Outlet, starts, legs.clone(), tolerance)?,
+                        ))))
+                    }
                 }
             }
         };
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
-        let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
-        Ok(Self { pump, times, legs, leg, start_ml, ports })
+        // The volume that the line holds at the start passes it without a turn.
+        let held_ml = pump.outlet().compliance_ml_kpa * outlet.above_reservoir_kpa;
+        let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad) - held_ml;
+        Ok(Self { pump, times, legs, leg, start_ml, last_s: leg.start_s, ports })
+    }
+
+    /// Returns the states of the lines of inlet and outlet at the last sample, from which a later run may go on;
+    /// `None` for the roller-centric model, whose state is more than that of its lines.
+    ///
+    /// # Errors
+    /// Returns the [`IntegrationError`] of a step that fails.
+    pub fn end_states(&mut self) -> Result<Option<[LineState; 2]>, IntegrationError> {
+        Ok(match &mut self.ports {
+            Ports::RollerCentric(_) => None,
+            Ports::FlowCentric(Lines::Exact(ports)) => Some(ports.each_ref().map(ExactRun::state)),
+            Ports::FlowCentric(Lines::Every(ports)) => Some(ports.each_ref().map(ExactSamples::state)),
+            Ports::FlowCentric(Lines::Integrated(ports)) => {
+                Some([ports.0.at(self.last_s)?, ports.1.at(self.last_s)?])
+            }
+        })
+    }
+
+    /// Returns the pressures of the reservoirs of inlet and outlet, in kPa absolute.
+    pub fn reservoirs_kpa(&self) -> [f64; 2] {
+        [self.pump.inlet().reservoir_kpa, self.pump.outlet().reservoir_kpa]
     }
 
     /// Fills the columns with the next samples and returns their number. A number below the length of the
@@ -186,6 +233,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         }
         let [time_s, angle_rad, speed_rad_s, q_in_ml_s, q_out_ml_s, p_in_kpa, p_out_kpa, delivered_ml] =
             columns.map(|column| &mut column[..count]);
+        self.last_s = time_s.last().copied().unwrap_or(self.last_s);
         self.follow_legs(time_s, angle_rad, speed_rad_s);
         // Flows per angle until they are multiplied by the speed.
         self.pump.at_angles(angle_rad, q_in_ml_s, q_out_ml_s, delivered_ml);
@@ -308,7 +356,9 @@ mod tests {
         for legs in [&ramps[..], &forward, &reverse] {
             for method in [Method::Exact, Method::Rodas5p(Integration::new(1e-5))] {
                 let legs = || legs.iter().copied();
-                let mut every = Waveform::every(&pump, legs(), method, dt_s, intervals).unwrap();
+                let mut every =
+                    Waveform::every(&pump, legs(), method, (dt_s, intervals), [LineState::AT_REST; 2])
+                        .unwrap();
                 let times = (0..=intervals).map(|n| n as f64 * dt_s);
                 let mut single = Waveform::new(&pump, legs(), method, times).unwrap();
                 let mut columns = [[0.0; 64]; COLUMNS];
@@ -329,6 +379,12 @@ mod tests {
                     }
                 }
                 assert!(single.next().is_none());
+                let [ends, single_ends] =
+                    [every.end_states(), single.end_states()].map(|s| s.unwrap().unwrap());
+                for (end, expected) in ends.iter().zip(single_ends) {
+                    assert!((end.above_reservoir_kpa - expected.above_reservoir_kpa).abs() < 1e-12);
+                    assert!((end.flow_ml_s - expected.flow_ml_s).abs() < 1e-12);
+                }
             }
         }
     }

@@ -99,7 +99,7 @@ impl<'a> VolumeFit<'a> {
 
     /// Returns the fitted less the measured volume of each point, mL, in the order of the points. The
     /// residuals of a quintic are those of the polynomial itself, which need not be 0 at angle 0.
-    pub fn residuals_ml(&self) -> impl Iterator<Item = f64> {
+    pub fn residuals_ml(&self) -> impl ExactSizeIterator<Item = f64> {
         self.points.iter().map(|point| {
             let fitted = match &self.polynomial {
                 Some(polynomial) => polynomial.at(point.angle_deg),

@@ -120,6 +120,9 @@ pub enum ModelError {
         /// Smallest radius that the drawing describes, sqrt(offset² - (backplate radius - tube diameter)²), mm.
         least_mm: f64,
     },
+    /// The roller-centric model cannot start from other lines than those at rest.
+    #[error("the roller-centric model starts from lines at rest; allowed: no other state at the start")]
+    StartsFromRest,
     /// The rollers take as much as the tube delivers, so the head does not pump.
     #[error(
         "a revolution delivers {revolution_ml:.4} mL: the tube holds {nominal_ml:.4} mL, and {rollers} rollers take \

@@ -89,6 +89,17 @@ pub enum IdentificationError {
         /// Number of samples over which the residuals were compared.
         samples: usize,
     },
+    /// The caller of the search stopped it.
+    #[error("the search was stopped")]
+    Stopped,
+    /// There is no room for the numbers of the fit.
+    #[error("no memory for {given} {of}")]
+    NoMemory {
+        /// Number of readings.
+        given: usize,
+        /// Kind of reading.
+        of: Readings,
+    },
     /// The model of the pump refuses its parameters.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -14,6 +14,8 @@ use super::least_squares::Found;
 use super::readings::Readings;
 use super::recording::Recording;
 use super::sought::{ANGLE, N, PRESSURE, SEARCHED, START, Sought, count};
+use super::student::widening;
+use super::watch::Watch;
 use super::waveform::{WaveformResiduals, line_of};
 
 /// Smallest part of the samples' variance that a fit of their shape must explain. Less is a Pearson
@@ -52,6 +54,9 @@ pub struct LineFit {
     pub correlated_samples: f64,
     /// Number of steps of the search.
     pub steps: u32,
+    /// Covariances of resistance, compliance, inertance, angle, start and reservoir in their units and in this order,
+    /// widened as the standard uncertainties are; 0 for what was held. Twice the root of a variance covers 95 %.
+    pub covariance: [[f64; N]; N],
 }
 
 impl LineFit {
@@ -82,11 +87,37 @@ impl LineFit {
     /// Refuses recordings that are no record, parameters that cannot be told apart, and samples that do not
     /// determine them. Also fails if the fit explains too little or does not converge.
     pub fn of(pump: &Pump, recording: &Recording<'_>, sought: Sought) -> Result<Self, IdentificationError> {
+        Self::of_while(pump, recording, sought, &|| true)
+    }
+
+    /// Fits the line as [`Self::of`] does, and asks `goes_on` many times a millisecond whether to go on.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`IdentificationError::Stopped`] once `goes_on` returned false, and otherwise the errors of
+    /// [`Self::of`].
+    pub fn of_while(
+        pump: &Pump,
+        recording: &Recording<'_>,
+        sought: Sought,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Self, IdentificationError> {
+        let watch = Watch::new(goes_on);
+        let fit = Self::watched(pump, recording, sought, &watch);
+        if watch.is_stopped() { Err(IdentificationError::Stopped) } else { fit }
+    }
+
+    fn watched(
+        pump: &Pump,
+        recording: &Recording<'_>,
+        sought: Sought,
+        watch: &Watch<'_>,
+    ) -> Result<Self, IdentificationError> {
         recording.validate()?;
         let flags = sought.checked(recording)?;
         let line = pump.line(recording.port);
         line.validate()?;
-        let waveform = WaveformResiduals { recording, curve: pump.curve(recording.port), flags };
+        let waveform = WaveformResiduals { recording, curve: pump.curve(recording.port), flags, watch };
         let found = waveform.best(line)?;
         let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
         let spread_kpa = recording.spread_kpa();
@@ -117,6 +148,7 @@ impl LineFit {
             spread_kpa,
             correlated_samples: uncertainty.correlated,
             steps: found.steps,
+            covariance: uncertainty.covariance(&found.at),
         })
     }
 
@@ -148,7 +180,7 @@ impl LineFit {
         line: &'a Line,
     ) -> Result<impl Iterator<Item = f64> + use<'a>, IdentificationError> {
         let curve = pump.curve(recording.port);
-        let above = recording.model_kpa(curve, line, self.angle_rad.value, self.start_s.value)?;
+        let above = recording.model_kpa(curve, line, self.angle_rad.value, self.start_s.value, None)?;
         Ok(above.map(|kpa| line.reservoir_kpa + kpa))
     }
 }
@@ -177,8 +209,8 @@ fn converged(
 /// Uncertainty of the parameters of a fit.
 struct Uncertainty {
     flags: [bool; N],
-    /// Variances of the parameters if each residual had variance 1.
-    variances: [f64; N],
+    /// Covariances of the parameters if each residual had variance 1.
+    covariances: [[f64; N]; N],
     /// Sum of squares of the residuals.
     sum: f64,
     /// Number of neighbouring samples that say as much as one independent sample.
@@ -190,8 +222,8 @@ struct Uncertainty {
 impl Uncertainty {
     fn of(waveform: &WaveformResiduals<'_>, found: &Found<N>) -> Result<Self, IdentificationError> {
         const NO_EFFECT: &str = "it has no effect on them that others do not have; seek fewer parameters";
-        let variances =
-            found.rows.variances().ok_or(undetermined(found.rows.singular().unwrap_or(0), NO_EFFECT))?;
+        let covariances =
+            found.rows.covariances().ok_or(undetermined(found.rows.singular().unwrap_or(0), NO_EFFECT))?;
         let correlated = correlated_samples(waveform.residuals(&line_of(&found.at), &found.at)?)
             .ok_or(IdentificationError::Alike { samples: LAGS })?;
         let independent = waveform.recording.samples.len() as f64 / correlated;
@@ -202,15 +234,29 @@ impl Uncertainty {
             let first = waveform.flags.iter().position(|is_sought| *is_sought).unwrap_or(0);
             return Err(undetermined(first, why));
         }
-        Ok(Self { flags: waveform.flags, variances, sum: found.sum, correlated, free })
+        Ok(Self { flags: waveform.flags, covariances, sum: found.sum, correlated, free })
     }
 
     /// Returns the estimate of a parameter whose value is `value`. Its unit is `unit` times that of the
     /// search.
     fn estimate(&self, n: usize, value: f64, unit: f64) -> Estimate {
         let is_sought = self.flags[n];
-        let variance = if is_sought { unit * unit * self.variances[n] * self.sum / self.free } else { 0.0 };
+        let variance =
+            if is_sought { unit * unit * self.covariances[n][n] * self.sum / self.free } else { 0.0 };
         Estimate::new(value, variance, self.free as u32)
+    }
+
+    /// Returns the covariances in the units of the parameters where the search ended.
+    fn covariance(&self, at: &[f64; N]) -> [[f64; N]; N] {
+        let wider = widening(self.free as u32);
+        // The search seeks logarithms of R, C and L.
+        let unit = |n: usize| match (self.flags[n], n) {
+            (false, _) => 0.0,
+            (true, 0..=2) => exp(at[n]),
+            (true, _) => 1.0,
+        };
+        let scale = wider * wider * self.sum / self.free;
+        core::array::from_fn(|n| core::array::from_fn(|k| scale * unit(n) * unit(k) * self.covariances[n][k]))
     }
 }
 

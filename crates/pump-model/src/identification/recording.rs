@@ -15,6 +15,10 @@ use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
 use super::readings::Readings;
+use super::watch::Watch;
+
+/// Number of samples that are computed at once.
+const BLOCK: usize = 64;
 
 /// Pressure at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,17 +99,15 @@ impl<'a> Recording<'a> {
         sqrt(square / count)
     }
 
-    /// Returns the model's pressures above the reservoir at the times of the samples, kPa.
-    ///
-    /// The line need not be the pump's. The motion is taken at angles that are `angle_rad` larger and
-    /// `start_s` later.
-    pub(super) fn model_kpa(
+    /// Returns the run of a line, which need not be the pump's, up to the first sample or before it. The motion is
+    /// taken at angles that are `angle_rad` larger and `start_s` later.
+    fn run(
         &self,
         curve: &'a FlowCurve,
         line: &'a Line,
         angle_rad: f64,
         start_s: f64,
-    ) -> Result<impl Iterator<Item = f64> + use<'a>, ModelError> {
+    ) -> Result<ExactRun<'a, impl Iterator<Item = Leg> + use<'a>>, ModelError> {
         line.validate()?;
         let (legs, steady, state) = match self.motion {
             RotorMotion::FromRest(legs) => (legs, None, LineState::AT_REST),
@@ -127,8 +129,87 @@ impl<'a> Recording<'a> {
             ..*leg
         };
         let legs = steady.into_iter().chain(legs.iter().map(shifted));
-        let mut run = ExactRun::on(line, curve, self.port, legs, state);
-        Ok(self.samples.iter().map(move |sample| run.at(sample.time_s).above_reservoir_kpa))
+        Ok(ExactRun::on(line, curve, self.port, legs, state))
+    }
+
+    /// Returns the model's pressures above the reservoir at the times of the samples, kPa.
+    ///
+    /// The line need not be the pump's. The motion is taken at angles that are `angle_rad` larger and
+    /// `start_s` later. The pressures end early once `watch` says so.
+    pub(super) fn model_kpa(
+        &self,
+        curve: &'a FlowCurve,
+        line: &'a Line,
+        angle_rad: f64,
+        start_s: f64,
+        watch: Option<&'a Watch<'a>>,
+    ) -> Result<impl Iterator<Item = f64> + use<'a>, ModelError> {
+        let mut run = self.run(curve, line, angle_rad, start_s)?;
+        let goes_on = move || watch.is_none_or(Watch::goes_on);
+        let state = move |sample: &PressureSample| {
+            if goes_on() { run.at_while(sample.time_s, &goes_on) } else { None }
+        };
+        Ok(self.samples.iter().map_while(state).map(|state| state.above_reservoir_kpa))
+    }
+
+    /// Returns the sum of the squares of the residuals of a line, measured less model, kPa². The line stands in place
+    /// of that of `pump`, and the motion is taken at angles that are `angle_rad` larger and `start_s` later. It is
+    /// what a likelihood needs, and takes least where the samples are at equal intervals and the speed is constant.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a line that is not physical, samples or a motion that are not allowed, and an undamped resonance at a
+    /// steady speed.
+    pub fn residual_squares_kpa2(
+        &self,
+        pump: &'a Pump,
+        line: &'a Line,
+        angle_rad: f64,
+        start_s: f64,
+    ) -> Result<f64, IdentificationError> {
+        self.validate()?;
+        let mut squares = 0.0;
+        let mut add = |measured_kpa: f64, above_kpa: f64| {
+            let residual_kpa = measured_kpa - line.reservoir_kpa - above_kpa;
+            squares += residual_kpa * residual_kpa;
+        };
+        let mut run = self.run(pump.curve(self.port), line, angle_rad, start_s)?;
+        // Before the first leg the line is in its state at the start.
+        let start_s = run.time_s();
+        let (before, moving) = self.samples.split_at(self.samples.partition_point(|s| s.time_s < start_s));
+        for sample in before {
+            add(sample.pressure_kpa, run.state().above_reservoir_kpa);
+        }
+        match (self.interval_s(), moving.first()) {
+            (Some(interval_s), Some(first)) => {
+                run.at(first.time_s);
+                let mut every = run.every(interval_s);
+                let mut above_kpa = [0.0; BLOCK];
+                for block in moving.chunks(BLOCK) {
+                    every.fill_kpa(above_kpa.get_mut(..block.len()).unwrap_or_default());
+                    for (sample, above_kpa) in block.iter().zip(above_kpa) {
+                        add(sample.pressure_kpa, above_kpa);
+                    }
+                }
+            }
+            _ => {
+                for sample in moving {
+                    add(sample.pressure_kpa, run.at(sample.time_s).above_reservoir_kpa);
+                }
+            }
+        }
+        Ok(squares)
+    }
+
+    /// Returns the interval of samples that are at equal intervals but for rounding, s.
+    fn interval_s(&self) -> Option<f64> {
+        let [first, .., last] = self.samples else { return None };
+        let interval_s = (last.time_s - first.time_s) / (self.samples.len() - 1) as f64;
+        let near_s = 1e-9 * interval_s;
+        let mut numbered = self.samples.iter().enumerate();
+        let is_equal = numbered
+            .all(|(n, sample)| (sample.time_s - first.time_s - n as f64 * interval_s).abs() <= near_s);
+        is_equal.then_some(interval_s)
     }
 
     /// Returns the pressures of the model of `pump` at the times of the samples, kPa absolute.
@@ -142,7 +223,7 @@ impl<'a> Recording<'a> {
     ) -> Result<impl Iterator<Item = f64> + use<'a>, IdentificationError> {
         self.validate()?;
         let line = pump.line(self.port);
-        let above = self.model_kpa(pump.curve(self.port), line, 0.0, 0.0)?;
+        let above = self.model_kpa(pump.curve(self.port), line, 0.0, 0.0, None)?;
         Ok(above.map(|kpa| line.reservoir_kpa + kpa))
     }
 }

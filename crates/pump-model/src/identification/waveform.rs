@@ -11,6 +11,7 @@ use super::error::IdentificationError;
 use super::least_squares::{Found, Residuals, Triangle, search};
 use super::recording::Recording;
 use super::sought::{ANGLE, N, PRESSURE, START};
+use super::watch::Watch;
 
 /// Change of each parameter by which its effect is measured. The effect of the pressure is known.
 const PROBES: [f64; PRESSURE] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-6];
@@ -31,6 +32,8 @@ pub(super) struct WaveformResiduals<'a> {
     pub(super) curve: &'a FlowCurve,
     /// Parameters that are sought.
     pub(super) flags: [bool; N],
+    /// Question whether the search goes on.
+    pub(super) watch: &'a Watch<'a>,
 }
 
 /// Returns the line at these parameters.
@@ -50,7 +53,7 @@ impl WaveformResiduals<'_> {
         line: &'b Line,
         at: &[f64; N],
     ) -> Result<impl Iterator<Item = f64> + use<'b>, ModelError> {
-        let model = self.recording.model_kpa(self.curve, line, at[ANGLE], at[START])?;
+        let model = self.recording.model_kpa(self.curve, line, at[ANGLE], at[START], Some(self.watch))?;
         let reservoir_kpa = line.reservoir_kpa;
         let pairs = self.recording.samples.iter().zip(model);
         Ok(pairs.map(move |(sample, kpa)| sample.pressure_kpa - reservoir_kpa - kpa))
@@ -117,6 +120,9 @@ impl WaveformResiduals<'_> {
         let mut best: Option<Found<N>> = None;
         for (at, _) in starts.into_iter().filter(|(_, sum)| sum.is_finite()) {
             let found = search(self, at)?;
+            if self.watch.is_stopped() {
+                break;
+            }
             if best.is_none_or(|best| found.sum < best.sum) {
                 best = Some(found);
             }
@@ -141,7 +147,13 @@ impl Residuals<N> for WaveformResiduals<'_> {
         let mut sides = [const { None }; 2 * PRESSURE];
         for (k, side) in sides.iter_mut().enumerate().filter(|(k, _)| self.flags[k / 2]) {
             let (angle_rad, start_s) = (probes[k][ANGLE], probes[k][START]);
-            *side = Some(self.recording.model_kpa(self.curve, &lines[k], angle_rad, start_s)?);
+            *side = Some(self.recording.model_kpa(
+                self.curve,
+                &lines[k],
+                angle_rad,
+                start_s,
+                Some(self.watch),
+            )?);
         }
         let line = line_of(at);
         let mut triangle = Triangle::holding(self.flags);

@@ -75,6 +75,19 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         self.state()
     }
 
+    /// Goes on to `t_s` as [`Self::at`] does, and asks at each edge on the way whether to go on. Returns none if
+    /// it stopped there.
+    #[cfg(feature = "identification")]
+    pub(crate) fn at_while(&mut self, t_s: f64, goes_on: &impl Fn() -> bool) -> Option<LineState> {
+        while t_s > self.stretch.end_s {
+            self.finish_stretch();
+            if !goes_on() {
+                return None;
+            }
+        }
+        Some(self.at(t_s))
+    }
+
     /// Goes on to `t_s` as [`Self::at`] does and returns the pressure there, kPa absolute.
     pub fn pressure_kpa(&mut self, t_s: f64) -> f64 {
         self.at(t_s).pressure_kpa(self.line)

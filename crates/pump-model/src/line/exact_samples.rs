@@ -102,6 +102,12 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
         }
     }
 
+    /// Returns the state of the last sample that was handed out, or that of the start.
+    pub fn state(&self) -> LineState {
+        let last = self.next.checked_sub(1).map(|n| [self.x[n % LANES], self.y[n % LANES]]);
+        LineState::of(self.run.oscillator.physical(last.unwrap_or(self.run.state)))
+    }
+
     /// Computes the next samples, at least one.
     fn fill(&mut self) {
         self.first += self.valid as u64;

@@ -192,3 +192,88 @@ fn a_steady_record_is_what_a_start_becomes_in_either_direction() {
         }
     }
 }
+
+#[test]
+fn a_search_that_its_caller_stops_ends_between_two_samples_and_says_so() {
+    use core::cell::Cell;
+    use pump_model::identification::IdentificationError;
+
+    let motion = RotorMotion::FromRest(&RAMP);
+    let samples = record(Line::PUBLISHED, Port::Outlet, motion, 400, (0.3, 0.0), &mut Dice(3));
+    let recording = Recording { port: Port::Outlet, samples: &samples, motion };
+    let pump = with(Line { compliance_ml_kpa: 0.03, ..Line::PUBLISHED });
+    let asked = Cell::new(0_u32);
+    let up_to = |most: u32| {
+        asked.set(0);
+        LineFit::of_while(&pump, &recording, ALL, &|| {
+            asked.set(asked.get() + 1);
+            asked.get() < most
+        })
+    };
+    let whole = up_to(u32::MAX).unwrap();
+    let questions = asked.get();
+    assert!(questions > 100, "{questions}");
+    assert_eq!(whole, LineFit::of(&pump, &recording, ALL).unwrap());
+    for most in [1, 2, questions / 2, questions - 1] {
+        assert_eq!(up_to(most), Err(IdentificationError::Stopped));
+        // Nothing is asked again once the answer was no.
+        assert_eq!(asked.get(), most);
+    }
+    // A sample a day: the rotor passes a hundred thousand edges from one to the next, and is asked on the way.
+    let days = [0.0, 1e4, 2e4].map(|time_s| PressureSample { time_s, pressure_kpa: 90.0 });
+    let recording = Recording { samples: &days, ..recording };
+    let stopped = LineFit::of_while(&pump, &recording, Sought::new().with_inertance(true), &|| {
+        asked.set(asked.get() + 1);
+        false
+    });
+    assert_eq!(stopped, Err(IdentificationError::Stopped));
+}
+
+#[test]
+fn the_squares_of_residuals_are_those_of_the_predicted_pressures() {
+    let steady = RotorMotion::Steady { angle_rad: 0.4, speed_rad_s: -7.0 };
+    for (motion, dice) in [(RotorMotion::FromRest(&RAMP), 1), (steady, 2)] {
+        let mut dice = Dice(dice);
+        let mut samples = record(Line::PUBLISHED, Port::Inlet, motion, 500, (0.3, 0.0), &mut dice);
+        let line = some_line(&mut dice);
+        let pump = with(line);
+        for _ in 0..2 {
+            let recording = Recording { port: Port::Inlet, samples: &samples, motion };
+            let expected: f64 = samples
+                .iter()
+                .zip(recording.predicted_kpa(&pump).unwrap())
+                .map(|(sample, kpa)| (sample.pressure_kpa - kpa) * (sample.pressure_kpa - kpa))
+                .sum();
+            let found = recording.residual_squares_kpa2(&Pump::three_roller(), &line, 0.0, 0.0).unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
+            // Then at intervals that differ.
+            for (n, sample) in samples.iter_mut().enumerate() {
+                sample.time_s += 1e-4 * (n as f64).sin();
+            }
+            samples.retain(|sample| sample.time_s > 0.0);
+        }
+    }
+}
+
+#[test]
+fn the_covariance_of_a_fit_has_the_standard_uncertainties_on_its_diagonal() {
+    let motion = RotorMotion::FromRest(&RAMP);
+    let samples = record(Line::PUBLISHED, Port::Outlet, motion, 500, (0.3, 0.0), &mut Dice(9));
+    let recording = Recording { port: Port::Outlet, samples: &samples, motion };
+    let fit = LineFit::of(&with(Line::PUBLISHED), &recording, ALL).unwrap();
+    let estimates = [
+        fit.resistance_kpa_s_ml,
+        fit.compliance_ml_kpa,
+        fit.inertance_kpa_s2_ml,
+        fit.angle_rad,
+        fit.start_s,
+        fit.reservoir_kpa,
+    ];
+    for (n, estimate) in estimates.iter().enumerate() {
+        let standard = fit.covariance[n][n].sqrt();
+        assert!((standard - estimate.standard).abs() <= 1e-12 * estimate.standard, "{n}: {standard}");
+        for (k, row) in fit.covariance.iter().enumerate() {
+            assert!((row[n] - fit.covariance[n][k]).abs() <= 1e-12 * row[n].abs());
+        }
+    }
+}

@@ -22,6 +22,7 @@ from pumpmodel._pumpmodel import (
     Doser,
     Limits,
     Line,
+    LineLikelihood,
     Plan,
     Pump,
     Run,
@@ -31,6 +32,8 @@ from pumpmodel._pumpmodel import (
     pearson,
     rmse,
 )
+from pumpmodel._results.harmonics import Harmonics
+from pumpmodel._results.states import LineStates
 from pumpmodel.bench import AsyncBench, Bench
 from pumpmodel.dose import Dose, LoggedDose, Status, Verification
 from pumpmodel.errors import (
@@ -71,12 +74,15 @@ __all__ = [
     "DriveError",
     "Estimate",
     "Fluid",
+    "Harmonics",
     "Head",
     "HeadSource",
     "Hose",
     "Identified",
     "Limits",
     "Line",
+    "LineLikelihood",
+    "LineStates",
     "LoggedDose",
     "PhaseFit",
     "Plan",

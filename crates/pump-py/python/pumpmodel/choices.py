@@ -18,7 +18,7 @@ Finish: TypeAlias = Literal["any", "low-flow"]
 #: Kind of an identification.
 Identification: TypeAlias = Literal["resistance", "compliance", "line"]
 #: State of the lines at time 0 of `Pump.simulate`.
-Initial: TypeAlias = Literal["rest"]
+Initial: TypeAlias = Literal["rest", "steady"]
 #: Reason for the smallest pressure that is allowed, in `Dose.inlet_limit`.
 InletLimit: TypeAlias = Literal["given", "tube_collapse", "vapour_pressure"]
 #: Limit that keeps a dose from being faster. A pressure has the name of its port: "suction" is the smallest

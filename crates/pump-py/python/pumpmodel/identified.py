@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -70,6 +71,9 @@ class Identified:
     measured_kpa: _Array
     #: Fitted values, kPa, shape (n,), read-only.
     fitted_kpa: _Array
+    #: Covariances of the sought parameters in the order of `parameters` and in their units, shape (k, k),
+    #: read-only. The roots of the diagonal are their `standard`.
+    covariance: _Array
     # Times, flows or volumes, by the kind.
     _varied: _Array
     # JSON and text of the command.
@@ -77,8 +81,8 @@ class Identified:
     _text: str = field(default="")
 
     @classmethod
-    def _of(cls, answer: tuple[str, str, Line, _Array, _Array, _Array]) -> Identified:
-        told, text, line, varied, measured, fitted = answer
+    def _of(cls, answer: tuple[str, str, Line, list[_Array], _Array]) -> Identified:
+        told, text, line, (varied, measured, fitted), covariance = answer
         data = json.loads(told)
         parameters = {name: Estimate.from_dict(found) for name, found in data["parameters"].items()}
         return cls(
@@ -94,6 +98,7 @@ class Identified:
             rows=data["rows"],
             measured_kpa=measured,
             fitted_kpa=fitted,
+            covariance=covariance,
             _varied=varied,
             _json=told,
             _text=text,
@@ -124,6 +129,17 @@ class Identified:
     def residual_kpa(self) -> _Array:
         """Residuals, measured less fitted, kPa, shape (n,)."""
         return self.measured_kpa - self.fitted_kpa
+
+    @property
+    def log_likelihood(self) -> float:
+        """Natural logarithm of the likelihood of the fit, if the residuals are white noise.
+
+        It is the largest over the noise: -n/2 (ln(2 pi rmse²) + 1) for the n values of `residual_kpa`. It is
+        infinite where the fit meets every value. Differences compare models of the same measurement.
+        """
+        if self.rmse_kpa == 0:
+            return math.inf
+        return -0.5 * len(self.measured_kpa) * (math.log(math.tau * self.rmse_kpa**2) + 1)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fit as plain data.
@@ -166,8 +182,8 @@ class Identified:
         """Pickle the arrays so that they are read-only again when they are loaded."""
         return _rebuild, (self._json, self._text, self.line, *self._arrays())
 
-    def _arrays(self) -> tuple[_Array, _Array, _Array]:
-        return self._varied, self.measured_kpa, self.fitted_kpa
+    def _arrays(self) -> tuple[_Array, _Array, _Array, _Array]:
+        return self._varied, self.measured_kpa, self.fitted_kpa, self.covariance
 
     def _varied_by(self, kind: Identification, name: str) -> _Array:
         if self.kind != kind:
@@ -176,10 +192,10 @@ class Identified:
 
 
 def _rebuild(told: str, text: str, line: Line, *arrays: _Array) -> Identified:
-    varied, measured, fitted = arrays
+    *columns, covariance = arrays
     for array in arrays:
         array.setflags(write=False)
-    return Identified._of((told, text, line, varied, measured, fitted))
+    return Identified._of((told, text, line, columns, covariance))
 
 
 def _pump(pump: Pump | None) -> Pump:

@@ -214,7 +214,7 @@ def sweep(
         message = "give exactly one of speed_rpm and speed_rad_s"
         raise ValueError(message)
     name = "speed_rad_s" if speed_rpm is None else "speed_rpm"
-    speeds = np.atleast_1d(np.asarray(speed_rad_s if speed_rpm is None else speed_rpm))
+    speeds = np.atleast_1d(np.asanyarray(speed_rad_s if speed_rpm is None else speed_rpm))
     if speeds.ndim != 1:
         message = f"{name} has shape {speeds.shape}; allowed: a number or one dimension"
         raise ValueError(message)

@@ -77,7 +77,10 @@ class VolumeFit(Record):
         method: VolumeMethod = "spline",
         run: Sequence[str] | None = None,
     ) -> None:
-        angles, volumes = (np.asarray(numbers, dtype=np.float64) for numbers in (angle_deg, volume_ml))
+        angles, volumes = (
+            np.asarray(core._numbers(name, numbers))
+            for name, numbers in (("angle_deg", angle_deg), ("volume_ml", volume_ml))
+        )
         if angles.ndim != 1 or angles.shape != volumes.shape:
             raise ValueError(
                 f"angle_deg has shape {angles.shape} and volume_ml has shape {volumes.shape}; "

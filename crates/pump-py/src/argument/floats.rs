@@ -6,9 +6,10 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyFloat;
+use pyo3::types::{PyFloat, PyList, PyTuple};
 
 use crate::python::errors::value;
+use crate::python::{collected, try_collected};
 
 /// One number, or many with their shape in C order.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +37,16 @@ impl Floats {
             return Ok(Self::One(number.extract()?));
         }
         let py = argument.py();
+        refuse_masked(name, argument)?;
         let array = py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "asarray"), (argument,))?;
+        if array.getattr(intern!(py, "ndim"))?.extract::<usize>()? > 1 {
+            // An array of several arrays would forget their masks.
+            if let Ok(list) = argument.cast::<PyList>() {
+                list.iter().try_for_each(|part| refuse_masked(name, &part))?;
+            } else if let Ok(tuple) = argument.cast::<PyTuple>() {
+                tuple.iter().try_for_each(|part| refuse_masked(name, &part))?;
+            }
+        }
         // NumPy would read the text "100" as 100.0.
         let kind: String = array.getattr(intern!(py, "dtype"))?.getattr(intern!(py, "kind"))?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u") {
@@ -48,7 +58,7 @@ impl Floats {
         let array = array.call_method1(intern!(py, "astype"), (intern!(py, "float64"),))?;
         let array = array.cast::<PyArrayDyn<f64>>()?.try_readonly()?;
         let array = array.as_array();
-        let values: Vec<f64> = array.iter().copied().collect();
+        let values = collected(array.iter().copied())?;
         Ok(match (array.shape(), values.as_slice()) {
             ([], [number]) => Self::One(*number),
             (shape, _) => Self::Many { shape: shape.to_vec(), values },
@@ -60,6 +70,14 @@ impl Floats {
         match self {
             Self::One(number) => std::slice::from_ref(number),
             Self::Many { values, .. } => values,
+        }
+    }
+
+    /// Returns the numbers in C order, without a copy.
+    pub(crate) fn into_values(self) -> PyResult<Vec<f64>> {
+        match self {
+            Self::One(number) => collected([number]),
+            Self::Many { values, .. } => Ok(values),
         }
     }
 
@@ -81,8 +99,30 @@ impl Floats {
     }
 
     /// Applies `f` to every number.
-    pub(crate) fn map(&self, f: impl Fn(f64) -> f64) -> Self {
-        self.with_values(self.values().iter().map(|number| f(*number)).collect())
+    pub(crate) fn map(&self, f: impl Fn(f64) -> f64) -> PyResult<Self> {
+        match self {
+            Self::One(number) => Ok(Self::One(f(*number))),
+            Self::Many { values, .. } => {
+                Ok(self.with_values(collected(values.iter().map(|number| f(*number)))?))
+            }
+        }
+    }
+
+    /// Applies `f` to every number, up to the first error.
+    pub(crate) fn try_map(&self, f: impl FnMut(f64) -> PyResult<f64>) -> PyResult<Self> {
+        Ok(self.with_values(try_collected(self.values().iter().copied().map(f))?))
+    }
+
+    /// Brings both to one shape as NumPy does. A single number stays one.
+    pub(crate) fn broadcast(py: Python<'_>, one: Self, other: Self) -> PyResult<(Self, Self)> {
+        if matches!((&one, &other), (Self::One(_), _) | (_, Self::One(_))) || one.shape() == other.shape() {
+            return Ok((one, other));
+        }
+        let arrays = (one.into_object(py)?, other.into_object(py)?);
+        let arrays =
+            py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "broadcast_arrays"), arrays)?;
+        let (one, other): (Bound<'_, PyAny>, Bound<'_, PyAny>) = arrays.extract()?;
+        Ok((Self::extract("one", &one)?, Self::extract("other", &other)?))
     }
 
     /// Converts to a Python float, or to an array of float64.
@@ -103,4 +143,27 @@ impl Floats {
         }
         Ok(object.unbind())
     }
+}
+
+/// Refuses an array of `numpy.ma` with masked numbers, which NumPy would read as if they were not masked.
+fn refuse_masked(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = argument.py();
+    let ma = py.import(intern!(py, "numpy.ma"))?;
+    if !argument.is_instance(&ma.getattr(intern!(py, "MaskedArray"))?)? {
+        return Ok(());
+    }
+    let masked: usize = ma.call_method1(intern!(py, "count_masked"), (argument,))?.extract()?;
+    if masked == 0 {
+        return Ok(());
+    }
+    Err(value(format_args!(
+        "{name} has {masked} masked numbers; allowed: none; leave them out, as with .compressed(), or fill them, as \
+         with .filled()"
+    )))
+}
+
+/// Returns the numbers that NumPy makes of an argument: a float, or an array of float64 of its shape.
+#[pyfunction]
+pub(crate) fn _numbers<'py>(name: &str, argument: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    Floats::extract(name, argument)?.into_object(argument.py())
 }

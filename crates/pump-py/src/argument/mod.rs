@@ -3,13 +3,17 @@
 mod choice;
 mod cruise;
 mod floats;
+mod items;
+mod port;
 mod quantity;
 pub(crate) mod speed;
 mod whole;
 
 pub(crate) use choice::{choice, finish_named, ramps_named, word};
 pub(crate) use cruise::cruise;
-pub(crate) use floats::Floats;
+pub(crate) use floats::{_numbers, Floats};
+pub(crate) use items::Items;
+pub(crate) use port::{PORTS, port_named};
 pub(crate) use quantity::{quantity, retracted_ml, text};
 pub(crate) use speed::Argument;
 pub(crate) use whole::whole;

@@ -7,11 +7,11 @@ use super::floats::Floats;
 use crate::python::errors::value;
 
 /// Fastest speed that is accepted, rad/s, as in `pump_bench::simulation::Simulation`.
-const MAX_SPEED_RAD_S: f64 = 1e4;
+pub(crate) const MAX_SPEED_RAD_S: f64 = 1e4;
 
 /// Speed of one revolution a minute, rad/s. In this order of operations `speed_rpm=100` gives the bits of the
 /// command's `--speed 100rpm`.
-const RAD_S_PER_RPM: f64 = TURN_RAD / 60.0;
+pub(crate) const RAD_S_PER_RPM: f64 = TURN_RAD / 60.0;
 
 /// An argument that may be left out.
 pub(crate) type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -21,7 +21,7 @@ pub(crate) fn speeds_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_
     match (speed_rpm, speed_rad_s) {
         (Some(rpm), None) => {
             let rpm = Floats::read("speed_rpm", rpm, (MAX_SPEED_RAD_S / RAD_S_PER_RPM).floor())?;
-            Ok(rpm.map(|rpm| rpm * RAD_S_PER_RPM))
+            rpm.map(|rpm| rpm * RAD_S_PER_RPM)
         }
         (None, Some(rad_s)) => Floats::read("speed_rad_s", rad_s, MAX_SPEED_RAD_S),
         (None, None) => Err(value("no speed is given; give speed_rpm or speed_rad_s")),
@@ -37,6 +37,11 @@ pub(crate) fn speed_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_,
             Err(value(format_args!("the speed is an array of shape {shape:?}; allowed: one number")))
         }
     }
+}
+
+/// Returns a speed, rad/s, if it is finite and not too fast.
+pub(crate) fn within(rad_s: f64) -> Option<f64> {
+    (-MAX_SPEED_RAD_S..=MAX_SPEED_RAD_S).contains(&rad_s).then_some(rad_s)
 }
 
 /// Converts a speed from rad/s to r/min.

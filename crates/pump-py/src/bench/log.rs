@@ -5,6 +5,7 @@ use pump_bench::report::{LogPlace, LogSpan, log_json, with_sources};
 use pyo3::prelude::*;
 
 use super::bench::Bench;
+use crate::python::append;
 use crate::python::errors::{PumpError, value};
 use crate::python::warnings::warn;
 
@@ -17,20 +18,21 @@ impl Bench {
         let since = since.map_err(|error| value(format_args!("since: {error}")))?;
         let bench = &self.bench;
         let mut span = LogSpan::new(since.unwrap_or(0), u64::MAX, now.unix_s);
-        let read = || -> Result<(Vec<String>, Vec<String>), String> {
-            let lines = bench.log().map_err(|error| with_sources(&error))?;
+        let read = || -> PyResult<(Vec<String>, Vec<String>)> {
+            let lines = bench.log().map_err(|error| PumpError::new_err(with_sources(&error)))?;
             let (mut doses, mut warnings) = (Vec::new(), Vec::new());
             for line in lines {
-                match line.map_err(|error| with_sources(&error))? {
+                match line.map_err(|error| PumpError::new_err(with_sources(&error)))? {
                     LogLine::Dose(entry) => {
                         let LogPlace { is_within, went_back, .. } = span.look(&entry);
                         if is_within {
                             let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
-                            doses.push(log_json(pump, driver, &entry, went_back));
+                            append(&mut doses, log_json(pump, driver, &entry, went_back))?;
                         }
                     }
                     LogLine::Damaged { line, message } => {
-                        warnings.push(format!("line {line} of the log is damaged and left out: {message}"));
+                        let said = format!("line {line} of the log is damaged and left out: {message}");
+                        append(&mut warnings, said)?;
                     }
                     _ => {}
                 }
@@ -38,7 +40,7 @@ impl Bench {
             warnings.extend(span.left_out().map(|left_out| left_out.told("since")));
             Ok((doses, warnings))
         };
-        let (doses, warnings) = py.detach(read).map_err(PumpError::new_err)?;
+        let (doses, warnings) = py.detach(read)?;
         warn(py, &warnings)?;
         Ok(doses)
     }

@@ -337,7 +337,7 @@ impl Calibration {
         without: f64,
         of: fn(&Displacement, &Model, f64) -> Result<f64, ModelError>,
     ) -> PyResult<Floats> {
-        let Some(displacement) = self.displacement() else { return Ok(speeds.map(|_| without)) };
+        let Some(displacement) = self.displacement() else { return speeds.map(|_| without) };
         let line = Model::three_roller();
         let base = match pump {
             Some(pump) => pump.model(),
@@ -347,8 +347,6 @@ impl Calibration {
             // A straight line does not depend on the pump.
             None => &line,
         };
-        let numbers = speeds.values().iter().map(|rad_s| of(displacement, base, speed::rpm(*rad_s)));
-        let numbers = numbers.collect::<Result<Vec<_>, _>>().map_err(errors::model)?;
-        Ok(speeds.with_values(numbers))
+        speeds.try_map(|rad_s| of(displacement, base, speed::rpm(rad_s)).map_err(errors::model))
     }
 }

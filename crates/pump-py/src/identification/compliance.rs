@@ -6,8 +6,9 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use super::port::port_named;
+use crate::argument::port_named;
 use crate::pump::Pump;
+use crate::python::collected;
 use crate::python::errors::value;
 
 /// Finds C from injected volumes and pressures.
@@ -26,11 +27,9 @@ pub(crate) fn _identify_compliance<'py>(
     }
     let volumes = column("volume_ml", volume_ml, None)?;
     let pressures = column("pressure_kpa", pressure_kpa, Some(volumes.len()))?;
-    let points: Vec<_> = volumes
-        .into_iter()
-        .zip(pressures)
-        .map(|(volume_ml, pressure_kpa)| InjectionPoint { volume_ml, pressure_kpa })
-        .collect();
+    let points = volumes.into_iter().zip(pressures);
+    let points =
+        collected(points.map(|(volume_ml, pressure_kpa)| InjectionPoint { volume_ml, pressure_kpa }))?;
     let found = py.detach(|| identified_compliance(&points, total_ml, (port, pump.model().line(port))));
     answer(py, found.map(|found| found.with_nozzle_of(&pump.file)))
 }

@@ -30,8 +30,9 @@ use crate::python::errors::value;
 /// 1.0
 #[pyfunction]
 pub(crate) fn rmse(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let pairs = pairs(model, measured)?;
-    metrics::rmse(pairs).ok_or_else(|| value("model and measured are empty; allowed: one number at least"))
+    let (model, measured) = both(model, measured)?;
+    metrics::rmse(pairs(&model, &measured))
+        .ok_or_else(|| value("model and measured are empty; allowed: one number at least"))
 }
 
 /// Return the RMSE over the absolute mean of the measurement, as McIntyre et al. report it.
@@ -58,8 +59,8 @@ pub(crate) fn rmse(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyR
 /// 0.05
 #[pyfunction]
 pub(crate) fn nrmse(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let pairs = pairs(model, measured)?;
-    metrics::nrmse(pairs)
+    let (model, measured) = both(model, measured)?;
+    metrics::nrmse(pairs(&model, &measured))
         .ok_or_else(|| value("measured is empty or its mean is 0; an RMSE over its mean has no meaning"))
 }
 
@@ -87,13 +88,13 @@ pub(crate) fn nrmse(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> Py
 /// 1.0
 #[pyfunction]
 pub(crate) fn pearson(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let pairs = pairs(model, measured)?;
-    metrics::pearson(pairs)
+    let (model, measured) = both(model, measured)?;
+    metrics::pearson(pairs(&model, &measured))
         .ok_or_else(|| value("model or measured does not change; a correlation has no meaning"))
 }
 
-/// Pairs both, number by number.
-fn pairs(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<Vec<(f64, f64)>> {
+/// Reads both, which must have one shape.
+fn both(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<(Floats, Floats)> {
     let model = Floats::read("model", model, f64::MAX)?;
     let measured = Floats::read("measured", measured, f64::MAX)?;
     let (one, other) = (model.shape(), measured.shape());
@@ -102,5 +103,10 @@ fn pairs(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<Vec<
             "model has shape {one:?} and measured has shape {other:?}; allowed: equal shapes"
         )));
     }
-    Ok(model.values().iter().copied().zip(measured.values().iter().copied()).collect())
+    Ok((model, measured))
+}
+
+/// Pairs both, number by number.
+fn pairs(model: &Floats, measured: &Floats) -> impl Iterator<Item = (f64, f64)> + Clone {
+    model.values().iter().copied().zip(measured.values().iter().copied())
 }

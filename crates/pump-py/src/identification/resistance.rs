@@ -7,9 +7,10 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use super::port::port_named;
 use crate::argument::Argument;
+use crate::argument::port_named;
 use crate::pump::Pump;
+use crate::python::collected;
 use crate::python::errors::value;
 
 /// Finds R from steady flows, and from absolute pressures at the pump or drops along the flow.
@@ -33,22 +34,23 @@ pub(crate) fn _identify_resistance<'py>(
     let sign = if port == Port::Inlet { -1.0 } else { 1.0 };
     let drops = match (pressure_kpa, drop_kpa) {
         (Some(kpa), None) => {
-            let at_pump = column("pressure_kpa", kpa, count)?.into_iter();
-            at_pump.map(|kpa| sign * (kpa - line.reservoir_kpa)).collect()
+            let mut at_pump = column("pressure_kpa", kpa, count)?;
+            at_pump.iter_mut().for_each(|kpa| *kpa = sign * (*kpa - line.reservoir_kpa));
+            at_pump
         }
         (None, Some(kpa)) => column("drop_kpa", kpa, count)?,
         _ => return Err(value("give exactly one of pressure_kpa and drop_kpa")),
     };
     let errors = match standard_kpa {
         Some(kpa) => column("standard_kpa", kpa, count)?,
-        None => vec![1.0; flows.len()],
+        None => collected(flows.iter().map(|_| 1.0))?,
     };
-    let points: Vec<_> = flows
-        .into_iter()
-        .zip(drops)
-        .zip(errors)
-        .map(|((flow_ml_s, drop_kpa), standard_kpa)| FlowPoint { flow_ml_s, drop_kpa, standard_kpa })
-        .collect();
+    let readings = flows.into_iter().zip(drops).zip(errors);
+    let points = collected(readings.map(|((flow_ml_s, drop_kpa), standard_kpa)| FlowPoint {
+        flow_ml_s,
+        drop_kpa,
+        standard_kpa,
+    }))?;
     let rate_ml_s = pump.default_rate_ml_s();
     let found = py.detach(|| identified_resistance(&points, offset, (port, line), rate_ml_s));
     answer(py, found.map(|found| found.with_nozzle_of(&pump.file)))

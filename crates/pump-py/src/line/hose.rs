@@ -69,7 +69,7 @@ pub(crate) fn _hose_drop<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let friction = hose_of(hose).and_then(|hose| hose.friction(&fluid_of(fluid)?)).map_err(errors::model)?;
     let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
-    flows.map(|flow| friction.drop_kpa(flow)).into_object(flow_ml_s.py())
+    flows.map(|flow| friction.drop_kpa(flow))?.into_object(flow_ml_s.py())
 }
 
 /// Returns the Reynolds number of a flow.
@@ -81,5 +81,5 @@ pub(crate) fn _hose_reynolds<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let friction = hose_of(hose).and_then(|hose| hose.friction(&fluid_of(fluid)?)).map_err(errors::model)?;
     let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
-    flows.map(|flow| friction.reynolds(flow)).into_object(flow_ml_s.py())
+    flows.map(|flow| friction.reynolds(flow))?.into_object(flow_ml_s.py())
 }

@@ -6,12 +6,15 @@ use pyo3::prelude::*;
 
 use super::pump::Pump;
 use crate::argument::{Argument, Floats, speed};
+use crate::python::errors::value;
 use crate::python::{SignalCheck, errors};
 
 /// Largest angle, rad, either way: larger angles are no longer known to a motor step.
 const MAX_ANGLE_RAD: f64 = 1e9;
 /// Largest flow, mL/s, that is turned into a speed.
 const MAX_FLOW_ML_S: f64 = 1e6;
+/// Largest volume, mL, either way, whose angle is sought.
+const MAX_VOLUME_ML: f64 = 1e9;
 
 #[pymethods]
 impl Pump {
@@ -89,6 +92,66 @@ impl Pump {
         over_angle(angle_rad, self.model().outlet_curve(), FlowCurve::volume_ml)
     }
 
+    /// Return the angle at which a turn has delivered a volume at the outlet rollers: the inverse of
+    /// `outlet_volume_ml`.
+    ///
+    /// With it `outlet_volume_ml(angle) - outlet_volume_ml(start_angle_rad)` is `volume_ml`. Where the flow of a head
+    /// reverses, several angles have this volume. The result is the first of them on the way.
+    ///
+    /// Parameters
+    /// ----------
+    /// volume_ml : float or array_like
+    ///     Volume, mL, up to 1e9 either way; negative for a turn in reverse.
+    /// start_angle_rad : float or array_like
+    ///     Angle of the pump head at the start, rad, unwrapped; by default 0. Shapes broadcast as NumPy's do.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Angle at the end, rad, unwrapped. Array input gives an array of float64 of the common shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a number is not finite or beyond its range, or if the shapes do not broadcast.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import pumpmodel as pm
+    /// >>> pump = pm.Pump.three_roller()
+    /// >>> end_rad = pump.angle_for_volume(10.0, start_angle_rad=0.4)
+    /// >>> round(pump.outlet_volume_ml(end_rad) - pump.outlet_volume_ml(0.4), 9)
+    /// 10.0
+    #[pyo3(signature = (volume_ml, start_angle_rad=None), text_signature = "($self, volume_ml, start_angle_rad=0.0)")]
+    fn angle_for_volume<'py>(
+        &self,
+        volume_ml: &Bound<'py, PyAny>,
+        start_angle_rad: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = volume_ml.py();
+        let volumes = Floats::read("volume_ml", volume_ml, MAX_VOLUME_ML)?;
+        let starts = match start_angle_rad {
+            Some(starts) => Floats::read("start_angle_rad", starts, MAX_ANGLE_RAD)?,
+            None => Floats::One(0.0),
+        };
+        let (volumes, starts) = Floats::broadcast(py, volumes, starts)?;
+        let curve = self.model().outlet_curve();
+        let mut next = starts.values().iter();
+        // Both have one shape, unless one of them is a single number.
+        let angles = match (&volumes, &starts) {
+            (Floats::One(volume), _) => {
+                py.detach(|| starts.try_map(|start| angle_for(curve, *volume, start)))
+            }
+            (_, Floats::One(start)) => {
+                py.detach(|| volumes.try_map(|volume| angle_for(curve, volume, *start)))
+            }
+            _ => py.detach(|| {
+                volumes.try_map(|volume| angle_for(curve, volume, next.next().copied().unwrap_or_default()))
+            }),
+        };
+        angles?.into_object(py)
+    }
+
     /// Return the flow at the outlet rollers per angle, mL/rad.
     ///
     /// The product with the speed in rad/s is the flow in mL/s.
@@ -158,6 +221,20 @@ impl Pump {
     }
 }
 
+/// Returns the angle at which a turn from `start_rad` has delivered a volume.
+fn angle_for(curve: &FlowCurve, volume_ml: f64, start_rad: f64) -> PyResult<f64> {
+    if volume_ml == 0.0 {
+        return Ok(start_rad);
+    }
+    if !curve.reverses() {
+        return Ok(curve.angle_rad(curve.volume_ml(start_rad) + volume_ml));
+    }
+    let reach = curve.reaches(start_rad, volume_ml, 0.0).next().map(|reach| reach.angle_rad);
+    reach.ok_or_else(|| {
+        value(format_args!("volume_ml is {volume_ml}, which no turn of 1e12 pitches delivers"))
+    })
+}
+
 /// Applies a property of the pump to each speed or flow, while other Python threads run.
 fn over<'py>(
     py: Python<'py>,
@@ -176,6 +253,6 @@ fn over_angle<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = angle_rad.py();
     let angles = Floats::read("angle_rad", angle_rad, MAX_ANGLE_RAD)?;
-    let result = py.detach(|| angles.map(|angle| of(curve, angle)));
+    let result = py.detach(|| angles.map(|angle| of(curve, angle)))?;
     result.into_object(py)
 }

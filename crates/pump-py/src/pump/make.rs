@@ -2,6 +2,7 @@
 
 use pump_bench::catalogue::{BoughtPump, DrawnPump, unusual};
 use pump_bench::config::Config;
+use pump_bench::files::MOST_PUMP_FILE_BYTES;
 use pump_bench::head_print;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
 use pump_bench::report::pump_check;
@@ -13,7 +14,7 @@ use pyo3::types::PyString;
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
-use crate::argument::whole;
+use crate::argument::{Items, whole};
 use crate::line::Line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
@@ -256,6 +257,7 @@ impl Pump {
         let file = plain::read(
             "a pump",
             data,
+            MOST_PUMP_FILE_BYTES,
             |json| serde_json::from_str::<PumpFile>(json),
             errors::PumpFileError::new_err,
         )?;
@@ -362,6 +364,6 @@ fn roller_volume_of(volume: &Bound<'_, PyAny>) -> PyResult<RollerVolumeTable> {
             volume.get_type().name()?
         )));
     };
-    let (method, points): (String, Vec<(f64, f64)>) = fit.extract()?;
-    Ok(RollerVolumeTable::Measured { fit: fit_named(&method)?, points: points_of(points) })
+    let (method, points): (String, Items<(f64, f64)>) = fit.extract()?;
+    Ok(RollerVolumeTable::Measured { fit: fit_named(&method)?, points: points_of(points)? })
 }

@@ -2,6 +2,7 @@
 
 mod dimensions;
 mod flow;
+mod harmonics;
 mod heads;
 mod make;
 mod pump;

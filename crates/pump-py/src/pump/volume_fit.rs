@@ -8,7 +8,8 @@ use pump_bench::pump_file::CurveFit;
 use pump_model::VolumePoint;
 use pyo3::prelude::*;
 
-use crate::argument::{Floats, word};
+use crate::argument::{Floats, Items, word};
+use crate::python::collected;
 use crate::python::errors::{self, value};
 
 /// A fall of the volume: from and to angle, deg, and by how much, mL.
@@ -19,14 +20,14 @@ type FitNumbers = (f64, f64, Vec<f64>, f64, Option<Vec<FallNumbers>>, Vec<(f64, 
 
 /// Fits points, and reports the residuals of the fit.
 #[pyfunction]
-pub(crate) fn _volume_fit(method: &str, points: Vec<(f64, f64)>) -> PyResult<FitNumbers> {
-    let points = points_of(points);
+pub(crate) fn _volume_fit(method: &str, points: Items<(f64, f64)>) -> PyResult<FitNumbers> {
+    let points = points_of(points)?;
     let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
     let curve = fit.curve();
     Ok((
         curve.engagement_deg(),
         curve.total_ml(),
-        fit.residuals_ml().collect(),
+        collected(points.iter().zip(fit.residuals_ml()).map(|(_, residual_ml)| residual_ml))?,
         fit.rms_ml(),
         fit.falls().ok().map(Iterator::collect),
         fit.held_deg().collect(),
@@ -37,13 +38,13 @@ pub(crate) fn _volume_fit(method: &str, points: Vec<(f64, f64)>) -> PyResult<Fit
 #[pyfunction]
 pub(crate) fn _volume_fit_at<'py>(
     method: &str,
-    points: Vec<(f64, f64)>,
+    points: Items<(f64, f64)>,
     angle_rad: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let points = points_of(points);
+    let points = points_of(points)?;
     let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
     let angles = Floats::read("angle_rad", angle_rad, 1e9)?;
-    angles.map(|angle| fit.curve().at(angle)).into_object(angle_rad.py())
+    angles.map(|angle| fit.curve().at(angle))?.into_object(angle_rad.py())
 }
 
 /// Returns run, angle (deg) and volume (mL) of each row of a table that `dose pumps new` reads.
@@ -57,14 +58,17 @@ pub(crate) fn _volume_runs(path: PathBuf) -> PyResult<Vec<(String, f64, f64)>> {
 
 /// Returns each fall within a run: its run, from and to angle (deg), and by how much the volume falls (mL).
 #[pyfunction]
-pub(crate) fn _volume_run_falls(runs: Vec<String>, points: Vec<(f64, f64)>) -> Vec<(String, f64, f64, f64)> {
-    let runs = RollerRuns::new(runs.into_iter().zip(points_of(points)));
-    runs.falls().into_iter().map(|fall| (fall.run, fall.from_deg, fall.to_deg, fall.fall_ml)).collect()
+pub(crate) fn _volume_run_falls(
+    runs: Items<String>,
+    points: Items<(f64, f64)>,
+) -> PyResult<Vec<(String, f64, f64, f64)>> {
+    let runs = RollerRuns::new(runs.0.into_iter().zip(points_of(points)?));
+    collected(runs.falls().into_iter().map(|fall| (fall.run, fall.from_deg, fall.to_deg, fall.fall_ml)))
 }
 
 /// Converts pairs of angle (deg) and volume (mL) to points.
-pub(crate) fn points_of(points: Vec<(f64, f64)>) -> Vec<VolumePoint> {
-    points.into_iter().map(|(angle_deg, volume_ml)| VolumePoint { angle_deg, volume_ml }).collect()
+pub(crate) fn points_of(points: Items<(f64, f64)>) -> PyResult<Vec<VolumePoint>> {
+    collected(points.0.into_iter().map(|(angle_deg, volume_ml)| VolumePoint { angle_deg, volume_ml }))
 }
 
 /// Reads how points are fitted.

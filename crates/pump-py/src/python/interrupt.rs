@@ -1,8 +1,11 @@
 //! Ctrl-C during a long solve.
 
+use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
+
+use super::memory::try_collected;
 
 /// Time between two checks for signals. A check takes Python's lock, for which another thread may keep it waiting.
 const EVERY: Duration = Duration::from_millis(100);
@@ -27,7 +30,26 @@ impl SignalCheck {
         py.detach(|| {
             let mut interrupt = Self::new();
             let result = |number: &f64| interrupt.check().and_then(|()| result(*number));
-            numbers.iter().map(result).collect()
+            try_collected(numbers.iter().map(result))
+        })
+    }
+
+    /// Computes what asks now and then whether to go on, while other Python threads run. A handler's exception answers
+    /// no, and is raised.
+    pub(crate) fn during<T: Send>(
+        py: Python<'_>,
+        computed: impl FnOnce(&dyn Fn() -> bool) -> T + Send,
+    ) -> PyResult<T> {
+        py.detach(|| {
+            let (interrupt, raised) = (RefCell::new(Self::new()), RefCell::new(None));
+            let result = computed(&|| match interrupt.borrow_mut().check() {
+                Ok(()) => true,
+                Err(error) => {
+                    raised.replace(Some(error));
+                    false
+                }
+            });
+            raised.into_inner().map_or(Ok(result), Err)
         })
     }
 

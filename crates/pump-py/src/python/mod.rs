@@ -1,14 +1,16 @@
-//! Python as every room needs it: exceptions, warnings, interrupts and arrays.
+//! Python as every room needs it: exceptions, warnings, interrupts, memory and arrays.
 
 pub(crate) mod advice;
 mod array;
 pub(crate) mod errors;
 mod interrupt;
+mod memory;
 pub(crate) mod plain;
 mod readable;
 mod renamed;
 pub(crate) mod warnings;
 
-pub(crate) use array::{frozen, reserve};
+pub(crate) use array::frozen;
 pub(crate) use interrupt::SignalCheck;
+pub(crate) use memory::{append, collected, no_memory, reserve, try_collected};
 pub(crate) use renamed::renamed;

@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 
 use super::readable::readable;
 
@@ -18,7 +18,7 @@ const WORDS: [(&str, &str); 8] = [
     ("sequence", "list"),
 ];
 
-/// Reads the data of `what`, as "a pump".
+/// Reads the data of `what`, as "a pump", of `most_bytes` as JSON.
 ///
 /// # Errors
 ///
@@ -26,6 +26,7 @@ const WORDS: [(&str, &str); 8] = [
 pub(crate) fn read<T>(
     what: &str,
     data: &Bound<'_, PyAny>,
+    most_bytes: u64,
     parse: impl Fn(&str) -> serde_json::Result<T>,
     refused: impl Fn(String) -> PyErr,
 ) -> PyResult<T> {
@@ -33,8 +34,8 @@ pub(crate) fn read<T>(
     let keywords = PyDict::new(py);
     keywords.set_item("allow_nan", false)?;
     let dumped = py.import("json")?.call_method("dumps", (data,), Some(&keywords));
-    let json: String = match dumped {
-        Ok(json) => json.extract()?,
+    let json = match dumped {
+        Ok(json) => json,
         Err(error) if error.is_instance_of::<PyValueError>(py) => {
             return Err(refused(format!(
                 "these are not the data of {what}: one of its numbers is not finite, or it holds itself"
@@ -46,7 +47,12 @@ pub(crate) fn read<T>(
         }
         Err(error) => return Err(error),
     };
-    parse(&json).map_err(|error| {
+    let json = json.cast::<PyString>()?.to_str()?;
+    if json.len() as u64 > most_bytes {
+        let taken = json.len();
+        return Err(refused(format!("the data of {what} take {taken} bytes as JSON; allowed: {most_bytes} at most")));
+    }
+    parse(json).map_err(|error| {
         let told = error.to_string();
         let mut told = told.split(" at line ").next().unwrap_or(&told).to_owned();
         for (word, plain) in WORDS {
@@ -56,7 +62,7 @@ pub(crate) fn read<T>(
         if let Some((before, _)) = told.split_once("expected struct ") {
             told = format!("{before}expected a dict");
         }
-        let place = place(json.get(..error.column()).unwrap_or(&json));
+        let place = place(json.get(..error.column()).unwrap_or(json));
         let place = if place.is_empty() { place } else { format!("{place}: ") };
         refused(readable(&format!("these are not the data of {what}: {place}{told}")))
     })

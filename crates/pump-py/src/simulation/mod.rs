@@ -1,5 +1,7 @@
-//! Pumps at constant speed: from rest over time, in the steady state, and the steady states of many pumps.
+//! Pumps over time, in the steady state, and the steady states of many pumps.
 
+mod followed;
+mod motion;
 mod run;
 mod simulate;
 mod steady_state;

@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::argument::Floats;
 use crate::python::errors::{self, value};
-use crate::python::{SignalCheck, frozen, renamed, reserve};
+use crate::python::{SignalCheck, collected, frozen, renamed, reserve};
 
 /// Number of samples between two looks at the clock.
 const BLOCK: usize = 64;
@@ -54,6 +54,9 @@ pub(crate) struct Run {
     outlet_kpa: Py<PyArray1<f64>>,
     /// Volume that has passed the outlet line, mL; shape (n,).
     delivered_ml: Py<PyArray1<f64>>,
+    /// State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
+    /// for runs of `from_dict`.
+    end_state: Py<PyAny>,
 }
 
 #[pymethods]
@@ -134,12 +137,12 @@ impl Run {
                     return Err(value(format_args!("{name} and {former} are one column; give one of them")));
                 }
             };
-            *column = Floats::extract(name, &numbers)?.values().to_vec();
+            *column = Floats::extract(name, &numbers)?.into_values()?;
         }
         if columns.iter().any(|column| column.len() != columns[0].len()) {
             return Err(value("the columns differ in length; a run needs columns of equal length"));
         }
-        Self::new(data.py(), columns)
+        Self::new(data.py(), columns, data.py().None())
     }
 
     /// Deprecated name of `inlet_flow_ml_s`.
@@ -199,18 +202,24 @@ impl Run {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
-        let columns = PyTuple::new(py, self.columns())?;
-        Ok((py.get_type::<Self>().getattr("_rebuild")?, columns))
+        let columns = self.columns().into_iter().map(|column| column.bind(py).as_any());
+        let parts = PyTuple::new(py, columns.chain([self.end_state.bind(py)]).collect::<Vec<_>>())?;
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, parts))
     }
 
     #[staticmethod]
-    #[pyo3(signature = (*columns))]
-    fn _rebuild(py: Python<'_>, columns: Vec<PyReadonlyArray1<'_, f64>>) -> PyResult<Self> {
-        let columns =
-            columns.iter().map(|column| Ok(column.as_slice()?.to_vec())).collect::<PyResult<Vec<_>>>()?;
+    #[pyo3(signature = (*parts))]
+    fn _rebuild(py: Python<'_>, mut parts: Vec<Bound<'_, PyAny>>) -> PyResult<Self> {
+        // Runs that were pickled before had no state.
+        let end_state = if parts.len() > COLUMNS { parts.pop() } else { None };
+        let end_state = end_state.map_or_else(|| py.None(), Bound::unbind);
+        let columns: Vec<PyReadonlyArray1<'_, f64>> =
+            parts.iter().map(|column| column.extract()).collect::<PyResult<_>>()?;
+        let copied = |column: &PyReadonlyArray1<'_, f64>| collected(column.as_slice()?.iter().copied());
+        let columns = columns.iter().map(copied).collect::<PyResult<Vec<_>>>()?;
         match <[Vec<f64>; COLUMNS]>::try_from(columns) {
             Ok(columns) if columns.iter().all(|column| column.len() == columns[0].len()) => {
-                Self::new(py, columns)
+                Self::new(py, columns, end_state)
             }
             _ => Err(value("these are not the 8 columns of equal length that a run needs")),
         }
@@ -239,7 +248,7 @@ impl Run {
         Ok(column.clone_ref(slf.py()))
     }
 
-    fn new(py: Python<'_>, columns: [Vec<f64>; COLUMNS]) -> PyResult<Self> {
+    fn new(py: Python<'_>, columns: [Vec<f64>; COLUMNS], end_state: Py<PyAny>) -> PyResult<Self> {
         let [time, angle, speed, q_in, q_out, p_in, p_out, delivered] = columns;
         Ok(Self {
             time_s: frozen(py, time)?,
@@ -250,6 +259,7 @@ impl Run {
             inlet_kpa: frozen(py, p_in)?,
             outlet_kpa: frozen(py, p_out)?,
             delivered_ml: frozen(py, delivered)?,
+            end_state,
         })
     }
 
@@ -263,7 +273,8 @@ impl Run {
             impl Iterator<Item = f64> + Send,
         >,
     ) -> PyResult<Self> {
-        let columns = py.detach(|| -> PyResult<_> {
+        let [inlet, outlet] = waveform.reservoirs_kpa();
+        let (columns, end) = py.detach(|| -> PyResult<_> {
             let mut columns: [Vec<f64>; COLUMNS] = Default::default();
             for column in &mut columns {
                 reserve(column, count)?;
@@ -278,11 +289,24 @@ impl Run {
                     column.extend_from_slice(&new[..filled]);
                 }
                 if filled < BLOCK {
-                    return Ok(columns);
+                    return Ok((columns, waveform.end_states().map_err(errors::integration)?));
                 }
             }
         })?;
-        Self::new(py, columns)
+        let end_state = match end {
+            Some([at_inlet, at_outlet]) => {
+                let numbers = [
+                    inlet + at_inlet.above_reservoir_kpa,
+                    at_inlet.flow_ml_s,
+                    outlet + at_outlet.above_reservoir_kpa,
+                    at_outlet.flow_ml_s,
+                ];
+                let states = py.import("pumpmodel")?.getattr("LineStates")?;
+                states.call1(PyTuple::new(py, numbers)?)?.unbind()
+            }
+            None => py.None(),
+        };
+        Self::new(py, columns, end_state)
     }
 
     /// Returns the columns in the order of [`NAMES`].

@@ -1,31 +1,48 @@
-//! A pump at constant speed from rest.
+//! A pump over time: at constant speed, at speeds between knots, or at a speed that is a function of time.
 
-use pump_bench::simulation::{AskedMethod, ModelName, Simulation, choose_method};
-use pump_model::RollerCentric;
+use pump_bench::simulation::{AskedMethod, Method, ModelName, Waveform, choose_method};
+use pump_model::{LineState, Pump as Model, RollerCentric};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 
+use super::motion::{Asked, Motion, Times};
 use super::run::Run;
-use crate::argument::{Argument, choice, speed, word};
+use crate::argument::{Argument, choice, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
-/// States at time 0.
-pub(crate) const INITIALS: [(&str, ()); 1] = [("rest", ())];
+/// Largest pressure, kPa, and flow, mL/s, of a line at the start, either way.
+const MAX_STATE: f64 = 1e6;
+
+/// Names of states at the start.
+pub(crate) const INITIALS: [&str; 2] = ["rest", "steady"];
 
 #[pymethods]
 impl Pump {
-    /// Run the model at constant speed from angle 0. Other Python threads run meanwhile.
+    /// Run the model over time. Other Python threads run meanwhile, except while a speed that is a function is asked.
     ///
     /// Parameters
     /// ----------
-    /// speed_rpm : float
-    ///     Speed of the pump head, r/min; negative in reverse; not zero.
-    /// speed_rad_s : float
+    /// speed_rpm : float, array_like or callable
+    ///     Speed of the pump head, r/min; negative in reverse. One number is a constant speed, not zero, from time 0
+    ///     on. An array of shape (n,) has the speeds at the times `time_s`, and the speed is a straight line from
+    ///     each to the next. A callable takes the time, s, from 0 on and returns the speed. Straight pieces follow
+    ///     it to within 1e-6 of 1 rad/s + the speed. Jumps are found to 1e-9 of the time; a pulse that is shorter
+    ///     than the samples may be missed.
+    /// speed_rad_s : float, array_like or callable
     ///     Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
-    /// duration_s : float
-    ///     Duration, s, up to 1e7.
-    /// dt_s : float
-    ///     Time between samples, s. Samples stand at `arange(n + 1)*dt_s`, both ends included.
+    /// duration_s : float, optional
+    ///     Duration, s, up to 1e7, for samples at equal intervals from time 0 on.
+    /// dt_s : float, optional
+    ///     Time between samples, s; by default 1e-3. Samples stand at `arange(n + 1)*dt_s`, both ends included.
+    /// time_s : array_like, optional
+    ///     Times of the samples in place of `duration_s`, s, rising, from 0 to 1e7, shape (n,). With an array of
+    ///     speeds these are the times of the speeds, up to 1e7 either way, and the motion starts at the first.
+    /// output_time_s : array_like, optional
+    ///     Times of the samples with an array of speeds, s, rising, within `time_s`, shape (m,); by default `time_s`.
+    /// start_angle_rad : float
+    ///     Angle of the pump head at the start, rad, unwrapped, up to 1e9 either way.
     /// model : {"flow-centric", "roller-centric"}
     ///     "flow-centric": the flows at the rollers drive the lines. "roller-centric": every roller is a valve, and
     ///     every segment of tube between two rollers is a chamber. The roller-centric model is experimental, a
@@ -33,8 +50,10 @@ impl Pump {
     /// method : {"auto", "exact", "rodas5p"}
     ///     "exact" is the exact solution, "rodas5p" the implicit integrator. "auto" takes the exact solution, except
     ///     for the roller-centric model and for lines that are hoses, whose friction grows with the flow.
-    /// initial : {"rest"}
-    ///     State at time 0. "rest": the lines have the pressures of their reservoirs and no flow.
+    /// initial : {"rest", "steady"} or LineStates
+    ///     State at the start. "rest": the lines have the pressures of their reservoirs and no flow. "steady": the
+    ///     pump has turned at the speed of the start for long. `LineStates`: pressures and flows of both lines, such
+    ///     as `end_state` of an earlier run. The roller-centric model starts from rest.
     /// tolerance : float, optional
     ///     Error that the integrator allows in a step, relative to 1 kPa plus the pressure above the reservoir's; 1e-13
     ///     to 0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa (1e-3 roller-centric).
@@ -57,27 +76,45 @@ impl Pump {
     /// Raises
     /// ------
     /// ValueError
-    ///     If an argument is not allowed.
+    ///     If an argument is not allowed, or if the speed varies and the pump's volumes depend on the speed.
     /// PumpError
     ///     If the solver fails on the way.
     /// MemoryError
     ///     If there is no room for the samples.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import pumpmodel as pm
+    /// >>> pump = pm.Pump.three_roller()
+    /// >>> steady = pump.simulate(speed_rpm=100, duration_s=0.6, initial="steady", start_angle_rad=0.5)
+    /// >>> ramp = pump.simulate(
+    /// ...     speed_rpm=[100, 0, 0], time_s=[0, 0.5, 2], output_time_s=[0, 0.25, 0.5, 2], initial=steady.end_state,
+    /// ...     start_angle_rad=steady.angle_rad[-1],
+    /// ... )
+    /// >>> float(ramp.speed_rad_s[-1])
+    /// 0.0
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
-        *, speed_rpm=None, speed_rad_s=None, duration_s, dt_s=1e-3, model="flow-centric", method="auto",
-        initial="rest", tolerance=None, segment_scale=None, distensibility_per_kpa=None,
-        valve_resistance_kpa_s_ml=None, closure_rad=None
-    ))]
+        *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, output_time_s=None,
+        start_angle_rad=0.0, model="flow-centric", method="auto", initial=None, tolerance=None, segment_scale=None,
+        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None
+    ), text_signature = "($self, *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, \
+        output_time_s=None, start_angle_rad=0.0, model=\"flow-centric\", method=\"auto\", initial=\"rest\", \
+        tolerance=None, segment_scale=None, distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, \
+        closure_rad=None)")]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
-        duration_s: f64,
-        dt_s: f64,
+        duration_s: Option<f64>,
+        dt_s: Option<f64>,
+        time_s: Argument<'_, 'py>,
+        output_time_s: Argument<'_, 'py>,
+        start_angle_rad: f64,
         model: &str,
         method: &str,
-        initial: &str,
+        initial: Argument<'_, 'py>,
         tolerance: Option<f64>,
         segment_scale: Option<f64>,
         distensibility_per_kpa: Option<f64>,
@@ -86,7 +123,6 @@ impl Pump {
     ) -> PyResult<Run> {
         let is_roller_centric = word("model", model, ModelName::ALL)? == ModelName::RollerCentric;
         let asked = word("method", method, AskedMethod::ALL)?;
-        choice("initial", initial, &INITIALS)?;
         let given = [
             ("segment_scale", segment_scale),
             ("distensibility_per_kpa", distensibility_per_kpa),
@@ -104,18 +140,90 @@ impl Pump {
         };
         let frictions = self.file.frictions().map_err(errors::model)?;
         let method = choose_method(asked, roller_centric, frictions, tolerance).map_err(value)?;
-        let simulation = Simulation {
-            method,
-            ..Simulation::new(speed::speed_rad_s(speed_rpm, speed_rad_s)?, duration_s, dt_s)
+        let motion = Motion::of(&Asked {
+            speed_rpm,
+            speed_rad_s,
+            duration_s,
+            dt_s,
+            time_s,
+            output_time_s,
+            start_angle_rad,
+        })?;
+        let model = match (roller_centric, motion.constant_rad_s) {
+            // The roller-centric model has a volume against speed of its own.
+            (Some(_), _) => *self.model(),
+            (None, Some(rad_s)) => self.by_speed.at(rad_s).map_err(errors::displacement)?,
+            (None, None) if self.by_speed.law().is_some() => {
+                return Err(value(
+                    "the speed varies, but the volumes of this pump depend on the speed and are known for constant \
+                     speeds; give one speed, or a pump without [speed_law]",
+                ));
+            }
+            (None, None) => *self.by_speed.base(),
         };
-        // The roller-centric model has a volume against speed of its own.
-        let model = match roller_centric {
-            Some(_) => *self.model(),
-            None => self.by_speed.at(simulation.speed_rad_s).map_err(errors::displacement)?,
-        };
-        let samples = simulation.samples(&model).map_err(errors::model)?;
-        Run::collect(py, simulation.intervals() + 1, samples)
+        let states = states(py, initial, &method, &model, (motion.first_rad_s(), start_angle_rad))?;
+        let legs = motion.legs.iter().copied();
+        match &motion.times {
+            Times::Every { dt_s, intervals } => {
+                let samples = Waveform::every(&model, legs, method, (*dt_s, *intervals), states);
+                Run::collect(py, intervals + 1, samples.map_err(errors::model)?)
+            }
+            Times::At(times_s) => {
+                let samples = Waveform::starting(&model, legs, method, times_s.iter().copied(), states);
+                Run::collect(py, times_s.len() as u64, samples.map_err(errors::model)?)
+            }
+        }
     }
+}
+
+/// Reads the states of the lines of inlet and outlet at the start, where the rotor has a speed and an angle.
+fn states(
+    py: Python<'_>,
+    initial: Argument<'_, '_>,
+    method: &Method,
+    model: &Model,
+    (speed_rad_s, angle_rad): (f64, f64),
+) -> PyResult<[LineState; 2]> {
+    let rest = [LineState::AT_REST; 2];
+    let Some(initial) = initial else { return Ok(rest) };
+    if let Ok(word) = initial.cast::<PyString>() {
+        let [at_rest, steady] = INITIALS;
+        if !choice("initial", word.to_str()?, &[(at_rest, false), (steady, true)])? {
+            return Ok(rest);
+        }
+        if speed_rad_s == 0.0 {
+            return Err(value(
+                "initial is 'steady', but the speed at the start is 0; allowed: 'rest', or a speed other than 0",
+            ));
+        }
+        return py.detach(|| method.periodic_states(model, speed_rad_s, angle_rad)).map_err(errors::model);
+    }
+    let Ok([inlet_kpa, inlet_line_ml_s, outlet_kpa, outlet_line_ml_s]) = initial.extract::<[f64; 4]>() else {
+        return Err(PyTypeError::new_err(format!(
+            "initial must be 'rest', 'steady' or a LineStates of four numbers, not {}",
+            initial.get_type().name()?
+        )));
+    };
+    let given = [
+        ("inlet_kpa", inlet_kpa),
+        ("inlet_line_ml_s", inlet_line_ml_s),
+        ("outlet_kpa", outlet_kpa),
+        ("outlet_line_ml_s", outlet_line_ml_s),
+    ];
+    if let Some((name, number)) = given.iter().find(|(_, number)| !(-MAX_STATE..=MAX_STATE).contains(number))
+    {
+        return Err(value(format_args!(
+            "{name} of initial is {number}; allowed: a finite number, up to {MAX_STATE:e} either way"
+        )));
+    }
+    let state = |kpa: f64, flow_ml_s, reservoir_kpa: f64| LineState {
+        above_reservoir_kpa: kpa - reservoir_kpa,
+        flow_ml_s,
+    };
+    Ok([
+        state(inlet_kpa, inlet_line_ml_s, model.inlet().reservoir_kpa),
+        state(outlet_kpa, outlet_line_ml_s, model.outlet().reservoir_kpa),
+    ])
 }
 
 impl Pump {

@@ -1,7 +1,5 @@
 //! The periodic steady state, at one speed or at many.
 
-use std::array;
-
 use pump_bench::displacement::{DisplacementError, SpeedDependentPump};
 use pump_bench::simulation::SteadyReport;
 use pyo3::prelude::*;
@@ -9,7 +7,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::argument::{Argument, Floats, speed};
 use crate::pump::Pump;
-use crate::python::{SignalCheck, errors};
+use crate::python::{SignalCheck, collected, errors};
 
 /// Number of attributes of a steady state but the speed.
 pub(super) const NUMBERS: usize = 9;
@@ -153,13 +151,8 @@ impl SteadyState {
     #[staticmethod]
     #[pyo3(signature = (*fields))]
     fn _rebuild(py: Python<'_>, fields: Vec<Bound<'_, PyAny>>) -> PyResult<Self> {
-        let fields = fields
-            .iter()
-            .map(|numbers| Floats::extract("an attribute of a steady state", numbers))
-            .collect::<PyResult<Vec<_>>>()?;
-        let fields = <[Floats; FIELDS]>::try_from(fields)
-            .map_err(|_| errors::value("these are not the 10 attributes that a steady state needs"))?;
-        Self::new(py, fields)
+        let name = "an attribute of a steady state";
+        Self::of(py, fields.iter().map(|numbers| Floats::extract(name, numbers)))
     }
 }
 
@@ -171,12 +164,14 @@ impl SteadyState {
         })?;
         let column = |n: usize| match n.checked_sub(1) {
             None => speeds_rad_s.map(speed::rpm),
-            Some(n) => speeds_rad_s.with_values(rows.iter().map(|row| row[n]).collect()),
+            Some(n) => Ok(speeds_rad_s.with_values(collected(rows.iter().map(|row| row[n]))?)),
         };
-        Self::new(py, array::from_fn(column))
+        Self::of(py, (0..FIELDS).map(column))
     }
 
-    fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
+    fn of(py: Python<'_>, fields: impl Iterator<Item = PyResult<Floats>>) -> PyResult<Self> {
+        let fields = <[Floats; FIELDS]>::try_from(fields.collect::<PyResult<Vec<_>>>()?)
+            .map_err(|_| errors::value("these are not the 10 attributes that a steady state needs"))?;
         let [
             speed,
             inlet_min,

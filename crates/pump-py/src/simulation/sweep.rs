@@ -3,16 +3,16 @@
 use std::num::NonZero;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use pump_bench::displacement::{DisplacementError, SpeedDependentPump};
+use pump_bench::displacement::DisplacementError;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 use super::steady_state::{NUMBERS, numbers_at};
-use crate::argument::{Argument, Floats, speed};
+use crate::argument::{Argument, Floats, Items, speed};
 use crate::pump::Pump;
 use crate::python::{SignalCheck, errors, reserve};
 
@@ -25,6 +25,8 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 const BLOCK: usize = 64;
 /// Least number of blocks for each thread, so that all threads end at about the same time.
 const BLOCKS_EACH: usize = 8;
+/// Largest number of answers of each thread that wait to be taken.
+const ANSWERS_EACH: usize = 4;
 
 /// Computes the steady state of every pump at every speed: an array of shape (pumps, speeds) for each attribute of a
 /// `SteadyState` but the speed, in their order.
@@ -34,17 +36,16 @@ const BLOCKS_EACH: usize = 8;
 #[pyo3(signature = (pumps, *, speed_rpm=None, speed_rad_s=None, threads=None, first=0, progress=None))]
 pub(crate) fn _steady_states<'py>(
     py: Python<'py>,
-    pumps: Vec<Py<Pump>>,
+    pumps: Items<Py<Pump>>,
     speed_rpm: Argument<'_, 'py>,
     speed_rad_s: Argument<'_, 'py>,
     threads: Option<NonZero<usize>>,
     first: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Py<PyAny>>> {
-    let pumps: Vec<_> = pumps.iter().map(|pump| pump.get().by_speed).collect();
-    let speeds_rad_s = speed::speeds_rad_s(speed_rpm, speed_rad_s)?.values().to_vec();
-    let shape = vec![pumps.len(), speeds_rad_s.len()];
-    let sweep = Arc::new(Sweep::new(pumps, speeds_rad_s));
+    let speeds_rad_s = speed::speeds_rad_s(speed_rpm, speed_rad_s)?.into_values()?;
+    let shape = vec![pumps.0.len(), speeds_rad_s.len()];
+    let sweep = Arc::new(Sweep::new(pumps.0, speeds_rad_s));
     let threads = match threads {
         Some(threads) => threads,
         None => thread::available_parallelism()?,
@@ -55,7 +56,7 @@ pub(crate) fn _steady_states<'py>(
 
 /// Work that the threads share.
 struct Sweep {
-    pumps: Vec<SpeedDependentPump>,
+    pumps: Vec<Py<Pump>>,
     speeds_rad_s: Vec<f64>,
     /// First point that no thread has taken.
     next: AtomicUsize,
@@ -67,7 +68,7 @@ struct Sweep {
 type BlockAnswer = Result<(usize, Vec<[f64; NUMBERS]>), (usize, DisplacementError)>;
 
 impl Sweep {
-    fn new(pumps: Vec<SpeedDependentPump>, speeds_rad_s: Vec<f64>) -> Self {
+    fn new(pumps: Vec<Py<Pump>>, speeds_rad_s: Vec<f64>) -> Self {
         Self { pumps, speeds_rad_s, next: AtomicUsize::new(0), abandoned: AtomicBool::new(false) }
     }
 
@@ -90,8 +91,10 @@ impl Sweep {
             column.resize(points, 0.0);
         }
         let block = (points / threads / BLOCKS_EACH).clamp(1, BLOCK);
-        let (answers, answered) = mpsc::channel();
-        for _ in 0..threads.min(points.div_ceil(block)) {
+        let threads = threads.min(points.div_ceil(block));
+        // Threads wait where `progress` takes its time, so that their answers do not pile up.
+        let (answers, answered) = mpsc::sync_channel(ANSWERS_EACH * threads);
+        for _ in 0..threads {
             let (sweep, answers) = (Arc::clone(self), answers.clone());
             let started = thread::Builder::new().spawn(move || sweep.work(block, &answers));
             if let Err(error) = started {
@@ -156,7 +159,7 @@ impl Sweep {
     }
 
     /// Computes blocks until none is left.
-    fn work(&self, block: usize, answers: &Sender<BlockAnswer>) {
+    fn work(&self, block: usize, answers: &SyncSender<BlockAnswer>) {
         let points = self.points();
         loop {
             let start = self.next.fetch_add(block, Ordering::Relaxed);
@@ -169,7 +172,7 @@ impl Sweep {
                     return;
                 }
                 let (pump, speed) = (point / self.speeds_rad_s.len(), point % self.speeds_rad_s.len());
-                match numbers_at(&self.pumps[pump], self.speeds_rad_s[speed]) {
+                match numbers_at(&self.pumps[pump].get().by_speed, self.speeds_rad_s[speed]) {
                     Ok(numbers) => results.push(numbers),
                     Err(error) => {
                         self.next.fetch_max(points, Ordering::Relaxed);

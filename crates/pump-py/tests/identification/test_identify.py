@@ -1,12 +1,16 @@
 import copy
 import json
+import os
 import pickle
+import signal
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import pumpmodel as pm
 
@@ -178,3 +182,29 @@ def test_other_threads_run_during_a_fit() -> None:
     thread.join()
     # Held, the lock would come back once.
     assert turns > 1000
+
+
+def test_ctrl_c_ends_a_search_within_a_fifth_of_a_second(interruptible: None) -> None:
+    pump = pm.Pump.three_roller()
+    run = pump.simulate(speed_rpm=100, duration_s=15, dt_s=1e-3)
+    rng = np.random.default_rng(3)
+    records: list[tuple[NDArray[np.float64], NDArray[np.float64], tuple[pm.choices.LineParameter, ...]]] = [
+        (run.time_s, run.outlet_kpa + rng.normal(0, 30, len(run.time_s)), ("R", "C", "L", "start")),
+        # A sample a day: the rotor passes millions of edges from one to the next.
+        (np.linspace(0, 11 * 86_400, 12), rng.normal(100, 3, 12), ("R", "C", "L")),
+    ]
+    for time_s, pressure_kpa, fit in records:
+        pressed: list[float] = []
+
+        def press(pressed: list[float] = pressed) -> None:
+            pressed.append(time.perf_counter())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        timer = threading.Timer(0.3, press)
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            pm.identify_line(pump, time_s=time_s, pressure_kpa=pressure_kpa, speed_rpm=100, fit=fit)
+        answered_s = time.perf_counter() - pressed[0]
+        timer.join()
+        # A fifth of a second on an idle machine; a busy one may take longer.
+        assert answered_s < 0.5

@@ -110,7 +110,10 @@ def test_a_tighter_tolerance_comes_nearer() -> None:
     [
         ({"speed_rpm": 0}, "speed in rad/s is 0"),
         ({"speed_rpm": math.nan}, "speed_rpm is NaN"),
-        ({"speed_rpm": [1, 2]}, "one number"),
+        (
+            {"speed_rpm": [1, 2]},
+            "the speed is an array of 2 numbers; give the times of these speeds as time_s",
+        ),
         ({"duration_s": 0}, "duration in s is 0; allowed: more than 0"),
         ({"duration_s": math.inf}, "duration in s is inf"),
         ({"dt_s": 0}, "dt in s is 0"),
@@ -118,7 +121,7 @@ def test_a_tighter_tolerance_comes_nearer() -> None:
         ({"dt_s": 1e-12}, "number of samples"),
         ({"model": "roller"}, "model is 'roller'; allowed: 'flow-centric', 'roller-centric'"),
         ({"method": "euler"}, "method is 'euler'; allowed: 'auto', 'exact', 'rodas5p'"),
-        ({"initial": "steady"}, "initial is 'steady'; allowed: 'rest'"),
+        ({"initial": "moving"}, "initial is 'moving'; allowed: 'rest', 'steady'"),
         ({"method": "rodas5p", "tolerance": 0}, "allowed: 1e-13 to 0.1"),
         ({"method": "rodas5p", "tolerance": math.nan}, "allowed: 1e-13 to 0.1"),
         ({"tolerance": 1e-6}, "tolerance is 0.000001, but the exact solution has none"),

@@ -23,6 +23,7 @@ from .functions import _law_check as _law_check
 from .functions import _law_published as _law_published
 from .functions import _law_revolution as _law_revolution
 from .functions import _law_trapped as _law_trapped
+from .functions import _numbers as _numbers
 from .functions import _reading as _reading
 from .functions import _steady_states as _steady_states
 from .functions import _volume_fit as _volume_fit
@@ -33,6 +34,7 @@ from .functions import nrmse as nrmse
 from .functions import pearson as pearson
 from .functions import rmse as rmse
 from .pump import Line as Line
+from .pump import LineLikelihood as LineLikelihood
 from .pump import Pump as Pump
 from .results import Plan as Plan
 from .results import Run as Run
@@ -44,6 +46,7 @@ __all__ = [
     "Doser",
     "Limits",
     "Line",
+    "LineLikelihood",
     "Plan",
     "Pump",
     "Run",
@@ -68,6 +71,7 @@ __all__ = [
     "_law_published",
     "_law_revolution",
     "_law_trapped",
+    "_numbers",
     "_reading",
     "_steady_states",
     "_volume_fit",

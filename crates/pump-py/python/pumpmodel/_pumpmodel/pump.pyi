@@ -1,13 +1,14 @@
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
-from numpy.typing import NDArray
-from pandas import Series
+from numpy.typing import ArrayLike, NDArray
 from typing_extensions import deprecated
 
-from pumpmodel.choices import Initial, Method, Model, Variant
+from pumpmodel._results.harmonics import Harmonics
+from pumpmodel._results.states import LineStates
+from pumpmodel.choices import Begin, Initial, Method, Model, Port, Variant
 from pumpmodel.volume_fit import VolumeFit
 
 from .results import Run, SteadyState
@@ -76,36 +77,60 @@ class Line:
         compliance_ml_kpa: _Number | None = None,
         inertance_kpa_s2_ml: _Number | None = None,
         reservoir_kpa: _Number | None = None,
-    ) -> Line:
-        """Return this line with some values replaced. A value that is left out stays.
-
-        Parameters
-        ----------
-        resistance_kpa_s_ml : float, optional
-            R, kPa s/mL, zero or more.
-        compliance_ml_kpa : float, optional
-            C, mL/kPa, more than zero.
-        inertance_kpa_s2_ml : float, optional
-            L, kPa s²/mL, more than zero.
-        reservoir_kpa : float, optional
-            Pressure of the reservoir, kPa absolute, more than zero.
-
-        Raises
-        ------
-        ValueError
-            If a value is outside its range.
-        """
-    def to_dict(self) -> dict[str, float]:
-        """Return the line as plain data.
-
-        Returns
-        -------
-        dict
-            The four floats of the line by their names. `Line(**...)` reads them back.
-        """
+    ) -> Line: ...
+    def to_dict(self) -> dict[str, float]: ...
+    def state_space(self, port: Port = "outlet") -> tuple[_Array, _Array, _Array, _Array]: ...
+    def transfer_function(self, port: Port = "outlet") -> tuple[_Array, _Array]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
+
+@final
+class LineLikelihood:
+    @overload
+    def __new__(
+        cls,
+        pump: Pump,
+        *,
+        time_s: ArrayLike,
+        pressure_kpa: ArrayLike,
+        standard_kpa: float,
+        port: Port = "outlet",
+        speed_rpm: float,
+        speed_rad_s: None = None,
+        begin: Begin = "ramp",
+        start_s: float | None = None,
+        start_angle_rad: float | None = None,
+    ) -> LineLikelihood: ...
+    @overload
+    def __new__(
+        cls,
+        pump: Pump,
+        *,
+        time_s: ArrayLike,
+        pressure_kpa: ArrayLike,
+        standard_kpa: float,
+        port: Port = "outlet",
+        speed_rpm: None = None,
+        speed_rad_s: float,
+        begin: Begin = "ramp",
+        start_s: float | None = None,
+        start_angle_rad: float | None = None,
+    ) -> LineLikelihood: ...
+    @property
+    def line(self) -> Line: ...
+    def log_likelihood(
+        self,
+        *,
+        resistance_kpa_s_ml: float | None = None,
+        compliance_ml_kpa: float | None = None,
+        inertance_kpa_s2_ml: float | None = None,
+        reservoir_kpa: float | None = None,
+        start_angle_rad: float | None = None,
+        start_s: float | None = None,
+        standard_kpa: float | None = None,
+    ) -> float: ...
+    def __len__(self) -> int: ...
 
 @final
 class Pump:
@@ -504,26 +529,13 @@ class Pump:
     @overload
     def outlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
     @overload
-    def outlet_flow_ml_rad(self, angle_rad: _Number) -> float:
-        """Return the flow at the outlet rollers per angle, mL/rad.
-
-        The product with the speed in rad/s is the flow in mL/s.
-
-        Parameters
-        ----------
-        angle_rad : float or array_like
-            Angle of the pump head, rad, unwrapped.
-
-        Returns
-        -------
-        float or numpy.ndarray
-            Flow per angle, mL/rad. Array input gives an array of float64 of its shape.
-
-        Raises
-        ------
-        ValueError
-            If an angle is not finite or beyond 1e9 rad.
-        """
+    def angle_for_volume(self, volume_ml: _Number, start_angle_rad: _Number = 0.0) -> float: ...
+    @overload
+    def angle_for_volume(self, volume_ml: _Numbers, start_angle_rad: _Number | _Numbers = 0.0) -> _Array: ...
+    @overload
+    def angle_for_volume(self, volume_ml: _Number, start_angle_rad: _Numbers) -> _Array: ...
+    @overload
+    def outlet_flow_ml_rad(self, angle_rad: _Number) -> float: ...
     @overload
     def outlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
@@ -617,79 +629,16 @@ class Pump:
     def simulate(
         self,
         *,
-        speed_rpm: _Number,
+        speed_rpm: _Number | Callable[[float], float],
         speed_rad_s: None = None,
         duration_s: _Number,
-        dt_s: _Number = 1e-3,
+        dt_s: _Number | None = None,
+        time_s: None = None,
+        output_time_s: None = None,
+        start_angle_rad: _Number = 0.0,
         model: Model = "flow-centric",
         method: Method = "auto",
-        initial: Initial = "rest",
-        tolerance: _Number | None = None,
-        segment_scale: _Number | None = None,
-        distensibility_per_kpa: _Number | None = None,
-        valve_resistance_kpa_s_ml: _Number | None = None,
-        closure_rad: _Number | None = None,
-    ) -> Run:
-        """Run the model at constant speed from angle 0. Other Python threads run meanwhile.
-
-        Parameters
-        ----------
-        speed_rpm : float
-            Speed of the pump head, r/min; negative in reverse; not zero.
-        speed_rad_s : float
-            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
-        duration_s : float
-            Duration, s, up to 1e7.
-        dt_s : float
-            Time between samples, s. Samples stand at `arange(n + 1)*dt_s`, both ends included.
-        model : {"flow-centric", "roller-centric"}
-            "flow-centric": the flows at the rollers drive the lines. "roller-centric": every roller is a valve, and
-            every segment of tube between two rollers is a chamber. The roller-centric model is experimental, a
-            reconstruction whose parameters are fitted to summary numbers or guessed.
-        method : {"auto", "exact", "rodas5p"}
-            "exact" is the exact solution, "rodas5p" the implicit integrator. "auto" takes the exact solution, except
-            for the roller-centric model and for lines that are hoses, whose friction grows with the flow.
-        initial : {"rest"}
-            State at time 0. "rest": the lines have the pressures of their reservoirs and no flow.
-        tolerance : float, optional
-            Error that the integrator allows in a step, relative to 1 kPa plus the pressure above the reservoir's; 1e-13
-            to 0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa (1e-3 roller-centric).
-        segment_scale : float, optional
-            Roller-centric: volume between two rollers over the volume of the round tube, 0.5 to 2; by default 0.953.
-        distensibility_per_kpa : float, optional
-            Roller-centric: relative growth of a segment's volume with pressure, 1/kPa, 1e-9 to 1; by default 2.05e-3.
-        valve_resistance_kpa_s_ml : float, optional
-            Roller-centric: resistance of a roller that only just touches the tube, kPa s/mL, 1e-9 to 1e3; by default
-            1e-3.
-        closure_rad : float, optional
-            Roller-centric: angle after first contact at which a roller has closed the tube, rad; by default the angle
-            that follows from the pump's dimensions.
-
-        Returns
-        -------
-        Run
-            Flows and pressures over time.
-
-        Raises
-        ------
-        ValueError
-            If an argument is not allowed.
-        PumpError
-            If the solver fails on the way.
-        MemoryError
-            If there is no room for the samples.
-        """
-    @overload
-    def simulate(
-        self,
-        *,
-        speed_rpm: None = None,
-        speed_rad_s: _Number,
-        duration_s: _Number,
-        dt_s: _Number = 1e-3,
-        model: Model = "flow-centric",
-        method: Method = "auto",
-        initial: Initial = "rest",
+        initial: Initial | LineStates = "rest",
         tolerance: _Number | None = None,
         segment_scale: _Number | None = None,
         distensibility_per_kpa: _Number | None = None,
@@ -697,33 +646,117 @@ class Pump:
         closure_rad: _Number | None = None,
     ) -> Run: ...
     @overload
-    def steady_state(
-        self, *, speed_rpm: _Number | None = None, speed_rad_s: _Number | None = None
-    ) -> SteadyState[float]:
-        """Compute the periodic steady state at constant speed. Other Python threads run meanwhile.
-
-        A line that is a hose has its resistance at the pump's default rate. `simulate` follows its friction at every
-        flow.
-
-        Parameters
-        ----------
-        speed_rpm : float or array_like
-            Speed of the pump head, r/min; negative in reverse; not zero.
-        speed_rad_s : float or array_like
-            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
-
-        Returns
-        -------
-        SteadyState
-            Attributes are floats for one speed; array input gives arrays of float64 of its shape.
-
-        Raises
-        ------
-        ValueError
-            If a speed is not allowed, or a line without resistance resonates at it.
-        PumpError
-            If the solver fails on the way.
-        """
+    def simulate(
+        self,
+        *,
+        speed_rpm: None = None,
+        speed_rad_s: _Number | Callable[[float], float],
+        duration_s: _Number,
+        dt_s: _Number | None = None,
+        time_s: None = None,
+        output_time_s: None = None,
+        start_angle_rad: _Number = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: _Number | Callable[[float], float],
+        speed_rad_s: None = None,
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: None = None,
+        start_angle_rad: _Number = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: None = None,
+        speed_rad_s: _Number | Callable[[float], float],
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: None = None,
+        start_angle_rad: _Number = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: _Numbers,
+        speed_rad_s: None = None,
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: _Numbers | None = None,
+        start_angle_rad: _Number = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
+    ) -> Run: ...
+    @overload
+    def simulate(
+        self,
+        *,
+        speed_rpm: None = None,
+        speed_rad_s: _Numbers,
+        duration_s: None = None,
+        dt_s: None = None,
+        time_s: _Numbers,
+        output_time_s: _Numbers | None = None,
+        start_angle_rad: _Number = 0.0,
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial | LineStates = "rest",
+        tolerance: _Number | None = None,
+        segment_scale: _Number | None = None,
+        distensibility_per_kpa: _Number | None = None,
+        valve_resistance_kpa_s_ml: _Number | None = None,
+        closure_rad: _Number | None = None,
+    ) -> Run: ...
+    @overload
+    def harmonics(
+        self, count: int = 20, *, speed_rpm: _Number, speed_rad_s: None = None, port: Port = "outlet"
+    ) -> Harmonics: ...
+    @overload
+    def harmonics(
+        self, count: int = 20, *, speed_rpm: None = None, speed_rad_s: _Number, port: Port = "outlet"
+    ) -> Harmonics: ...
+    @overload
+    def steady_state(self, *, speed_rpm: _Number, speed_rad_s: None = None) -> SteadyState[float]: ...
+    @overload
+    def steady_state(self, *, speed_rpm: None = None, speed_rad_s: _Number) -> SteadyState[float]: ...
     @overload
     def steady_state(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> SteadyState[_Array]: ...
     @overload

@@ -7,6 +7,7 @@ from pandas import DataFrame
 from typing_extensions import deprecated
 from xarray import Dataset
 
+from pumpmodel._results.states import LineStates
 from pumpmodel.choices import LimitedBy
 
 from .pump import Pump
@@ -47,6 +48,8 @@ class Run:
     @property
     def delivered_ml(self) -> _Array:
         """Volume that has passed the outlet line, mL; shape (n,)."""
+    @property
+    def end_state(self) -> LineStates | None: ...
     @property
     @deprecated("use inlet_flow_ml_s")
     def q_in_ml_s(self) -> _Array:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pumpmodel._pumpmodel import Limits
+from pumpmodel._pumpmodel import Limits, _numbers
 from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.planning import Progress
 from pumpmodel.bench.repeats import BenchRepeats
@@ -146,7 +146,7 @@ def _flow(
     """Return the name of a profile, and its file or its times and flows."""
     if isinstance(profile, str | os.PathLike):
         return os.path.basename(os.fspath(profile)), profile, [], []
-    rows = np.asarray(profile, dtype=float)
+    rows = np.asarray(_numbers("profile", profile))
     if rows.ndim != 2 or rows.shape[1] != 2:
         raise ValueError(f"profile has the shape {rows.shape}; allowed: rows of a time (s) and a flow (mL/s)")
     return "profile", None, rows[:, 0].tolist(), rows[:, 1].tolist()
