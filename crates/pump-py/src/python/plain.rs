@@ -50,7 +50,9 @@ pub(crate) fn read<T>(
     let json = json.cast::<PyString>()?.to_str()?;
     if json.len() as u64 > most_bytes {
         let taken = json.len();
-        return Err(refused(format!("the data of {what} take {taken} bytes as JSON; allowed: {most_bytes} at most")));
+        return Err(refused(format!(
+            "the data of {what} take {taken} bytes as JSON; allowed: {most_bytes} at most"
+        )));
     }
     parse(json).map_err(|error| {
         let told = error.to_string();
