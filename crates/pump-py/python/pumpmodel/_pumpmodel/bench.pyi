@@ -35,66 +35,60 @@ class Balance:
         line: str | None = None,
         wait: str | None = None,
     ) -> Balance:
-        """staticmethod(function) -> method
+        """Open the balance at a serial port. Nothing is asked yet.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        port : str or os.PathLike
+            Serial port of the balance, as "/dev/ttyUSB1".
+        protocol : {"mt-sics", "sbi"}
+            Protocol: MT-SICS of Mettler-Toledo and many others, or SBI of Sartorius.
+        line : str, optional
+            Speed, 300 to 921600 baud, and framing of the line, as "9600,8N1". By default 9600,8N1, and
+            9600,7O1 for "sbi".
+        wait : str, optional
+            Longest wait for the balance to stand still, up to a day; by default "60s".
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        BalanceError
+            If the port cannot be opened, or another process has it.
+        ValueError
+            If the value of a keyword is not allowed.
         """
     @staticmethod
     def command(command: str, *, wait: str | None = None) -> Balance:
-        """staticmethod(function) -> method
+        """Read the balance by a command of the system's shell.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        command : str
+            Command that prints at once what the balance shows, with its unit: kg, g or mg, as "23.45 g". The
+            last line counts.
+        wait : str, optional
+            Longest wait for the command, up to a day; by default "60s".
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If the command is empty, or `wait` no time.
         """
     @staticmethod
     def function(read: Callable[[], str], *, wait: str | None = None) -> Balance:
-        """staticmethod(function) -> method
+        """Read the balance by a function.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        read : callable
+            Function that returns at once what the balance shows, with its unit: kg, g or mg, as "23.45 g". A
+            thread of the bench calls it up to 20 times a second during a dose.
+        wait : str, optional
+            Longest wait for two readings that agree, up to a day; by default "60s".
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If `read` cannot be called, or `wait` is no time.
         """
     def read(self) -> str:
         """Read what the balance shows once it stands still.

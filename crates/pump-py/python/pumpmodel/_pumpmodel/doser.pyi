@@ -77,68 +77,66 @@ class Calibration:
     def from_runs(
         pump: Pump, runs: Sequence[WeighedRun], *, scale: str | None = None, fit: CalibrationFit = "best"
     ) -> Calibration:
-        """staticmethod(function) -> method
+        """Calibrate a pump by weighed runs.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        pump : Pump
+            Pump whose fluid was weighed.
+        runs : sequence of WeighedRun
+            Runs with their readings.
+        scale : str, optional
+            Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+        fit : {"best", "line", "factor", "speed-law"}
+            "best" fits a straight line over the speed, or a parabola where an F test at four speeds or more asks for
+            it. "line" fits a straight line alone, "factor" one factor for every speed. "speed-law" fits s and D of
+            the speed law to three speeds or more.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If there are no runs, or a run is impossible.
         """
     @staticmethod
     def from_csv(
         pump: Pump, path: str | os.PathLike[str], *, scale: str | None = None, fit: CalibrationFit = "best"
     ) -> Calibration:
-        """staticmethod(function) -> method
+        """Calibrate a pump by a table of weighed runs, as `dose calibrate run --from` reads it.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        pump : Pump
+            Pump whose fluid was weighed.
+        path : str or os.PathLike
+            CSV with a header. Columns are `speed_rpm`, one of `turned_deg`, `revolutions` and `steps`, and one of
+            `mass_g` and `volume_ml`; optional are `start_angle_deg`, `direction`, `temperature_degc` and `time`.
+        scale : str, optional
+            Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+        fit : {"best", "line", "factor", "speed-law"}
+            "best" fits a straight line over the speed, or a parabola where an F test at four speeds or more asks for
+            it. "line" fits a straight line alone, "factor" one factor for every speed. "speed-law" fits s and D of
+            the speed law to three speeds or more.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If the file is no such table, or a run is impossible.
         """
     @staticmethod
     def from_dict(data: dict[str, Any]) -> Calibration:
-        """staticmethod(function) -> method
+        """Return the calibration of the data that `to_dict` gave.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        data : dict
+            Data that `to_dict` returned.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If the data are no calibration.
         """
     def to_dict(self) -> dict[str, Any]:
         """Return the calibration as plain data, as `dose calibrate list --format json` prints it.

@@ -23,15 +23,33 @@ _Points: TypeAlias = Sequence[tuple[float, float]]
 _Identified: TypeAlias = tuple[str, str, Line, list[_Array], _Array]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 
-def _numbers(name: str, argument: ArrayLike) -> float | _Array: ...
-def _choices() -> list[tuple[str, list[str]]]: ...
-def _fluid_check(fluid: _Fluid) -> None: ...
-def _fluid_water(temperature_degc: _Number) -> _Fluid: ...
-def _heads(words: list[str]) -> str: ...
-def _hose_volume(hose: _Hose) -> float: ...
-def _hose_line(hose: _Hose, fluid: _Fluid, reservoir_kpa: _Number, flow_ml_s: _Number) -> Line: ...
-def _hose_drop(hose: _Hose, fluid: _Fluid, flow_ml_s: _Number | _Numbers) -> float | _Array: ...
-def _hose_reynolds(hose: _Hose, fluid: _Fluid, flow_ml_s: _Number | _Numbers) -> float | _Array: ...
+def _numbers(name: str, argument: ArrayLike) -> float | _Array:
+    """Returns the numbers that NumPy makes of an argument: a float, or an array of float64 of its shape."""
+
+def _choices() -> list[tuple[str, list[str]]]:
+    """Returns the name of each type of `pumpmodel.choices`, with the words that the library takes or gives."""
+
+def _fluid_check(fluid: _Fluid) -> None:
+    """Refuses properties that no fluid has."""
+
+def _fluid_water(temperature_degc: _Number) -> _Fluid:
+    """Returns the properties of water at a temperature, degC."""
+
+def _heads(words: list[str]) -> str:
+    """Returns the heads that match all words, as JSON."""
+
+def _hose_volume(hose: _Hose) -> float:
+    """Returns the volume of a hose's bore, mL. Refuses dimensions that no hose has."""
+
+def _hose_line(hose: _Hose, fluid: _Fluid, reservoir_kpa: _Number, flow_ml_s: _Number) -> Line:
+    """Returns the linear line of a hose."""
+
+def _hose_drop(hose: _Hose, fluid: _Fluid, flow_ml_s: _Number | _Numbers) -> float | _Array:
+    """Returns the pressure drop at a flow, kPa."""
+
+def _hose_reynolds(hose: _Hose, fluid: _Fluid, flow_ml_s: _Number | _Numbers) -> float | _Array:
+    """Returns the Reynolds number of a flow."""
+
 def _identify_resistance(
     pump: Pump,
     port: Port,

@@ -4,6 +4,7 @@ from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pandas import Series
 from typing_extensions import deprecated
 
 from pumpmodel._results.harmonics import Harmonics
@@ -77,16 +78,145 @@ class Line:
         compliance_ml_kpa: _Number | None = None,
         inertance_kpa_s2_ml: _Number | None = None,
         reservoir_kpa: _Number | None = None,
-    ) -> Line: ...
-    def to_dict(self) -> dict[str, float]: ...
-    def state_space(self, port: Port = "outlet") -> tuple[_Array, _Array, _Array, _Array]: ...
-    def transfer_function(self, port: Port = "outlet") -> tuple[_Array, _Array]: ...
+    ) -> Line:
+        """Return this line with some values replaced. A value that is left out stays.
+
+        Parameters
+        ----------
+        resistance_kpa_s_ml : float, optional
+            R, kPa s/mL, zero or more.
+        compliance_ml_kpa : float, optional
+            C, mL/kPa, more than zero.
+        inertance_kpa_s2_ml : float, optional
+            L, kPa s²/mL, more than zero.
+        reservoir_kpa : float, optional
+            Pressure of the reservoir, kPa absolute, more than zero.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range.
+        """
+    def to_dict(self) -> dict[str, float]:
+        """Return the line as plain data.
+
+        Returns
+        -------
+        dict
+            The four floats of the line by their names. `Line(**...)` reads them back.
+        """
+    def state_space(self, port: Port = "outlet") -> tuple[_Array, _Array, _Array, _Array]:
+        """Return the matrices A, B, C and D of the line: dx/dt = A x + B u, y = C x + D u.
+
+        The input u is the flow at the rollers, mL/s, and the output y the pressure at the port above the reservoir's,
+        kPa. The states x are that pressure, kPa, and the flow in the line, mL/s. `scipy.signal.StateSpace(*matrices)`
+        and `control.ss(*matrices)` take them.
+
+        Parameters
+        ----------
+        port : {"outlet", "inlet"}
+            Port of the line. The rollers push into the outlet's line and suck from the inlet's.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Arrays of float64 of the shapes (2, 2), (2, 1), (1, 2) and (1, 1).
+
+        Raises
+        ------
+        ValueError
+            If no port has this name.
+
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> a, b, c, d = pm.Pump.three_roller().outlet.state_space()
+        >>> a.shape, b.shape, c.shape, d.shape
+        ((2, 2), (2, 1), (1, 2), (1, 1))
+        """
+    def transfer_function(self, port: Port = "outlet") -> tuple[_Array, _Array]:
+        """\
+        Return numerator and denominator of the transfer function from the flow at the rollers, mL/s, to the pressure at
+        the port above the reservoir's, kPa: +-(L s + R) / (L C s² + R C s + 1), highest power of s first.
+
+        `scipy.signal.TransferFunction(*both)` and `control.tf(*both)` take them.
+
+        Parameters
+        ----------
+        port : {"outlet", "inlet"}
+            Port of the line. At the inlet the sign is negative: a flow into the pump lowers the pressure.
+
+        Returns
+        -------
+        tuple of numpy.ndarray
+            Arrays of float64 of the shapes (2,) and (3,).
+
+        Raises
+        ------
+        ValueError
+            If no port has this name.
+
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> numerator, denominator = pm.Pump.three_roller().outlet.transfer_function()
+        >>> float(denominator[-1])
+        1.0
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 
 @final
 class LineLikelihood:
+    """Likelihood of lines, for the pressure over time while a pump turns, with white noise of the sensor.
+
+    The measurement is read once, so that a call is quick: it is made for samplers and minimizers. Samples at equal
+    intervals take least.
+
+    Parameters
+    ----------
+    pump : Pump
+        Pump of the line. Its flow counts as known, and its line stands where a call gives no other value.
+    time_s : array_like
+        Times, s, rising, shape (n,).
+    pressure_kpa : array_like
+        Pressures at the port, kPa absolute, shape (n,).
+    standard_kpa : float
+        Standard deviation of the noise, kPa, more than zero.
+    port : {"outlet", "inlet"}
+        Port whose pressure was measured.
+    speed_rpm : float
+        Speed of the pump head, r/min; negative in reverse; not zero.
+    speed_rad_s : float
+        Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    begin : {"ramp", "step", "steady"}
+        Motion at the start of the record: from rest with the pump's acceleration, from rest at full speed, or turning
+        long before.
+    start_s : float, optional
+        Time at which the pump began to turn, s; by default 0.
+    start_angle_rad : float, optional
+        Angle at the start, or at time 0 of a steady record, rad; by default 0.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not allowed, or if the samples are not finite or not in order of time.
+    MemoryError
+        If there is no room for the samples.
+
+    Examples
+    --------
+    >>> import pumpmodel as pm
+    >>> pump = pm.Pump.three_roller()
+    >>> run = pump.simulate(speed_rpm=100, duration_s=1)
+    >>> likelihood = pm.LineLikelihood(
+    ...     pump, time_s=run.time_s, pressure_kpa=run.outlet_kpa, standard_kpa=0.1, speed_rpm=100, begin="step"
+    ... )
+    >>> likelihood.log_likelihood() > likelihood.log_likelihood(inertance_kpa_s2_ml=0.006)
+    True
+    """
+
     @overload
     def __new__(
         cls,
@@ -118,7 +248,8 @@ class LineLikelihood:
         start_angle_rad: float | None = None,
     ) -> LineLikelihood: ...
     @property
-    def line(self) -> Line: ...
+    def line(self) -> Line:
+        """Line of the pump, whose values stand where a call gives no other."""
     def log_likelihood(
         self,
         *,
@@ -129,7 +260,38 @@ class LineLikelihood:
         start_angle_rad: float | None = None,
         start_s: float | None = None,
         standard_kpa: float | None = None,
-    ) -> float: ...
+    ) -> float:
+        """Return the natural logarithm of the likelihood of a line. Other Python threads run meanwhile.
+
+        It is -S/(2 standard²) - n/2 ln(2 pi standard²), where S is the sum of the squares of measured less model.
+
+        Parameters
+        ----------
+        resistance_kpa_s_ml : float, optional
+            R, kPa s/mL, 0 to 1e6; by default that of the pump's line.
+        compliance_ml_kpa : float, optional
+            C, mL/kPa, 1e-6 to 1e6; by default that of the pump's line.
+        inertance_kpa_s2_ml : float, optional
+            L, kPa s²/mL, 1e-6 to 1e6; by default that of the pump's line.
+        reservoir_kpa : float, optional
+            Pressure of the reservoir, kPa absolute, 0.001 to 1e6; by default that of the pump's line.
+        start_angle_rad : float, optional
+            Angle at the start, or at time 0 of a steady record, rad; by default as given at the beginning.
+        start_s : float, optional
+            Time at which the pump began to turn, s; by default as given at the beginning.
+        standard_kpa : float, optional
+            Standard deviation of the noise, kPa, more than zero; by default as given at the beginning.
+
+        Returns
+        -------
+        float
+            Logarithm of the likelihood.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or if a line without resistance resonates at a steady speed.
+        """
     def __len__(self) -> int: ...
 
 @final
@@ -150,87 +312,68 @@ class Pump:
 
     @staticmethod
     def three_roller(variant: Variant = "measured") -> Pump:
-        """staticmethod(function) -> method
+        """Return the pump of McIntyre et al. with three rollers.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        variant : {"measured", "published", "as-built"}
+            "measured" has the paper's dimensions with the measured roller volume of 2.1055 mL, "published" has the
+            roller volume of its table, 2.06 mL, and "as-built" has the dimensions of its authors' code.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If no variant has this name.
         """
     @staticmethod
     def two_roller(variant: Variant = "measured") -> Pump:
-        """staticmethod(function) -> method
+        """Return the pump of McIntyre et al. with two rollers.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        variant : {"measured", "published", "as-built"}
+            "measured" has the paper's dimensions with the measured roller volume of 2.1055 mL, "published" has the
+            roller volume of its table, 2.06 mL, and "as-built" has the dimensions of its authors' code.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If no variant has this name.
         """
     @staticmethod
     def from_toml(path: str | os.PathLike[str]) -> Pump:
-        """staticmethod(function) -> method
+        """Read a pump file.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        path : str or os.PathLike
+            TOML file with `schema = "pump/1"`.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        OSError
+            If the file cannot be opened. A missing file is a FileNotFoundError.
+        PumpFileError
+            If the file is no pump file, or the pump that it describes cannot work. It is a ValueError too.
         """
     @staticmethod
     def named(name: str) -> Pump:
-        """staticmethod(function) -> method
+        """\
+        Return the pump of a file, of a name in the configuration, or a built-in one, as the command's `--pump` does.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        name : str
+            Path of a TOML file; or a name in `[pumps]` of the configuration, which `DOSE_CONFIG` or the user's folder
+            has; or "three-roller" or "two-roller", each also with "-published" or "-as-built".
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        OSError
+            If a file cannot be opened. A missing file is a FileNotFoundError.
+        PumpFileError
+            If no pump has this name, its file or the configuration cannot be used, or another configured name has the
+            same record. It is a ValueError too.
         """
     @staticmethod
     def from_drawing(
@@ -245,24 +388,46 @@ class Pump:
         roller_offset_mm: _Number,
         hose_length_mm: _Number,
     ) -> Pump:
-        """staticmethod(function) -> method
+        """Return a pump from the dimensions of its drawing, without any measurement.
 
-        Convert a function to be a static method.
+        Roller volume and engagement angle follow from the drawing. The lines are hoses of the pump's own tube. Motor,
+        fluid and ambient, which a drawing does not tell, are assumed as `dose pumps new` says.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
+        Parameters
+        ----------
+        id : str
+            Name in records: 1 to 64 of a-z, 0-9, - and _.
+        rollers : int
+            Number of rollers.
+        bore_radius_mm : float
+            Inner radius of the tube, mm.
+        tube_outer_radius_mm : float
+            Outer radius of the tube, mm.
+        backplate_radius_mm : float
+            Radius of the backplate, mm.
+        contact_angle_deg : float
+            Contact angle beta, deg: the backplate spans 180 + 2 beta.
+        roller_radius_mm : float
+            Radius of a roller, mm.
+        roller_offset_mm : float
+            Distance from the shaft to a roller's axis, mm.
+        hose_length_mm : float
+            Length of the hose on either side, mm.
 
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
+        Raises
+        ------
+        ValueError
+            If the pump cannot work, for example because its rollers leave the tube open.
 
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> pump = pm.Pump.from_drawing(
+        ...     "bench-2", rollers=3, bore_radius_mm=5, tube_outer_radius_mm=7, backplate_radius_mm=63,
+        ...     contact_angle_deg=30, roller_radius_mm=20, roller_offset_mm=40, hose_length_mm=331,
+        ... )
+        >>> pump.is_estimated
+        True
         """
     @staticmethod
     def from_ml_per_rev(
@@ -274,45 +439,58 @@ class Pump:
         inlet: Line | None = None,
         outlet: Line | None = None,
     ) -> Pump:
-        """staticmethod(function) -> method
+        """\
+        Return a bought head of which the volume per revolution and the number of rollers are known, and no dimension.
 
-        Convert a function to be a static method.
+        Whole pitches are exact. Within a pitch a default pulse stands, with a spread that drawings of heads leave. Its
+        motor, fluid and ambient are assumed as in the built-in pumps, with water at 25 °C and standard pressure.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
+        Parameters
+        ----------
+        id : str
+            Name in records: 1 to 64 of a-z, 0-9, - and _.
+        ml_per_rev : float
+            Volume of a revolution, mL.
+        rollers : int
+            Number of rollers.
+        tube_bore_mm : float, optional
+            Diameter of the tube's bore, mm. It tells how far heads of a kind differ.
+        inlet : Line, optional
+            Line from the inlet's reservoir to the pump. Without it pressures are not known.
+        outlet : Line, optional
+            Line from the pump to the outlet's reservoir. Without it pressures and settling are not known.
 
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
+        Raises
+        ------
+        ValueError
+            If the pump cannot work, for example because its volume is not positive, or because no head delivers it
+            through such a bore.
 
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
+        Warns
+        -----
+        UserWarning
+            Of values that are possible and unusual: a volume for its bore, or a number of rollers.
 
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> pump = pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.5, rollers=4)
+        >>> round(pump.volume_per_revolution_ml, 6), pump.is_estimated
+        (0.5, True)
         """
     @staticmethod
     def from_dict(data: dict[str, Any]) -> Pump:
-        """staticmethod(function) -> method
+        """Return the pump of the tables that `to_dict` gave, changed or not.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        data : dict
+            Tables of a pump file.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        PumpFileError
+            If a key is unknown or missing, or its value is not allowed. It is a ValueError too.
         """
     def to_toml(self) -> str:
         """Return the pump as the text of a pump file.
@@ -529,13 +707,63 @@ class Pump:
     @overload
     def outlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
     @overload
-    def angle_for_volume(self, volume_ml: _Number, start_angle_rad: _Number = 0.0) -> float: ...
+    def angle_for_volume(self, volume_ml: _Number, start_angle_rad: _Number = 0.0) -> float:
+        """Return the angle at which a turn has delivered a volume at the outlet rollers: the inverse of
+        `outlet_volume_ml`.
+
+        With it `outlet_volume_ml(angle) - outlet_volume_ml(start_angle_rad)` is `volume_ml`. Where the flow of a head
+        reverses, several angles have this volume. The result is the first of them on the way.
+
+        Parameters
+        ----------
+        volume_ml : float or array_like
+            Volume, mL, up to 1e9 either way; negative for a turn in reverse.
+        start_angle_rad : float or array_like
+            Angle of the pump head at the start, rad, unwrapped; by default 0. Shapes broadcast as NumPy's do.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            Angle at the end, rad, unwrapped. Array input gives an array of float64 of the common shape.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite or beyond its range, or if the shapes do not broadcast.
+
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> pump = pm.Pump.three_roller()
+        >>> end_rad = pump.angle_for_volume(10.0, start_angle_rad=0.4)
+        >>> round(pump.outlet_volume_ml(end_rad) - pump.outlet_volume_ml(0.4), 9)
+        10.0
+        """
     @overload
     def angle_for_volume(self, volume_ml: _Numbers, start_angle_rad: _Number | _Numbers = 0.0) -> _Array: ...
     @overload
     def angle_for_volume(self, volume_ml: _Number, start_angle_rad: _Numbers) -> _Array: ...
     @overload
-    def outlet_flow_ml_rad(self, angle_rad: _Number) -> float: ...
+    def outlet_flow_ml_rad(self, angle_rad: _Number) -> float:
+        """Return the flow at the outlet rollers per angle, mL/rad.
+
+        The product with the speed in rad/s is the flow in mL/s.
+
+        Parameters
+        ----------
+        angle_rad : float or array_like
+            Angle of the pump head, rad, unwrapped.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            Flow per angle, mL/rad. Array input gives an array of float64 of its shape.
+
+        Raises
+        ------
+        ValueError
+            If an angle is not finite or beyond 1e9 rad.
+        """
     @overload
     def outlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
@@ -644,7 +872,82 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
-    ) -> Run: ...
+    ) -> Run:
+        """\
+        Run the model over time. Other Python threads run meanwhile, except while a speed that is a function is asked.
+
+        Parameters
+        ----------
+        speed_rpm : float, array_like or callable
+            Speed of the pump head, r/min; negative in reverse. One number is a constant speed, not zero, from time 0
+            on. An array of shape (n,) has the speeds at the times `time_s`, and the speed is a straight line from
+            each to the next. A callable takes the time, s, from 0 on and returns the speed. Straight pieces follow
+            it to within 1e-6 of 1 rad/s + the speed. Jumps are found to 1e-9 of the time; a pulse that is shorter
+            than the samples may be missed.
+        speed_rad_s : float, array_like or callable
+            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+        duration_s : float, optional
+            Duration, s, up to 1e7, for samples at equal intervals from time 0 on.
+        dt_s : float, optional
+            Time between samples, s; by default 1e-3. Samples stand at `arange(n + 1)*dt_s`, both ends included.
+        time_s : array_like, optional
+            Times of the samples in place of `duration_s`, s, rising, from 0 to 1e7, shape (n,). With an array of
+            speeds these are the times of the speeds, up to 1e7 either way, and the motion starts at the first.
+        output_time_s : array_like, optional
+            Times of the samples with an array of speeds, s, rising, within `time_s`, shape (m,); by default `time_s`.
+        start_angle_rad : float
+            Angle of the pump head at the start, rad, unwrapped, up to 1e9 either way.
+        model : {"flow-centric", "roller-centric"}
+            "flow-centric": the flows at the rollers drive the lines. "roller-centric": every roller is a valve, and
+            every segment of tube between two rollers is a chamber. The roller-centric model is experimental, a
+            reconstruction whose parameters are fitted to summary numbers or guessed.
+        method : {"auto", "exact", "rodas5p"}
+            "exact" is the exact solution, "rodas5p" the implicit integrator. "auto" takes the exact solution, except
+            for the roller-centric model and for lines that are hoses, whose friction grows with the flow.
+        initial : {"rest", "steady"} or LineStates
+            State at the start. "rest": the lines have the pressures of their reservoirs and no flow. "steady": the
+            pump has turned at the speed of the start for long. `LineStates`: pressures and flows of both lines, such
+            as `end_state` of an earlier run. The roller-centric model starts from rest.
+        tolerance : float, optional
+            Error that the integrator allows in a step, relative to 1 kPa plus the pressure above the reservoir's; 1e-13
+            to 0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa (1e-3 roller-centric).
+        segment_scale : float, optional
+            Roller-centric: volume between two rollers over the volume of the round tube, 0.5 to 2; by default 0.953.
+        distensibility_per_kpa : float, optional
+            Roller-centric: relative growth of a segment's volume with pressure, 1/kPa, 1e-9 to 1; by default 2.05e-3.
+        valve_resistance_kpa_s_ml : float, optional
+            Roller-centric: resistance of a roller that only just touches the tube, kPa s/mL, 1e-9 to 1e3; by default
+            1e-3.
+        closure_rad : float, optional
+            Roller-centric: angle after first contact at which a roller has closed the tube, rad; by default the angle
+            that follows from the pump's dimensions.
+
+        Returns
+        -------
+        Run
+            Flows and pressures over time.
+
+        Raises
+        ------
+        ValueError
+            If an argument is not allowed, or if the speed varies and the pump's volumes depend on the speed.
+        PumpError
+            If the solver fails on the way.
+        MemoryError
+            If there is no room for the samples.
+
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> pump = pm.Pump.three_roller()
+        >>> steady = pump.simulate(speed_rpm=100, duration_s=0.6, initial="steady", start_angle_rad=0.5)
+        >>> ramp = pump.simulate(
+        ...     speed_rpm=[100, 0, 0], time_s=[0, 0.5, 2], output_time_s=[0, 0.25, 0.5, 2], initial=steady.end_state,
+        ...     start_angle_rad=steady.angle_rad[-1],
+        ... )
+        >>> float(ramp.speed_rad_s[-1])
+        0.0
+        """
     @overload
     def simulate(
         self,
@@ -748,15 +1051,74 @@ class Pump:
     @overload
     def harmonics(
         self, count: int = 20, *, speed_rpm: _Number, speed_rad_s: None = None, port: Port = "outlet"
-    ) -> Harmonics: ...
+    ) -> Harmonics:
+        """\
+        Return the harmonics of the pulsation in the periodic steady state at constant speed, exact for every number.
+
+        Flow and pressure at a port are their means plus the real part of the sum of `amplitude * exp(1j * rad_s * t)`,
+        with angle 0 at t = 0. A line that is a hose has its resistance at the pump's default rate.
+
+        Parameters
+        ----------
+        count : int
+            Number of harmonics, 1 to 10,000. The first has the frequency at which rollers pass.
+        speed_rpm : float
+            Speed of the pump head, r/min; negative in reverse; not zero.
+        speed_rad_s : float
+            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+        port : {"outlet", "inlet"}
+            Port whose pulsation is returned.
+
+        Returns
+        -------
+        Harmonics
+            Frequencies `rad_s`, and complex amplitudes `flow_ml_s` of the flow at the rollers and `pressure_kpa` of the
+            pressure, of shape (count,), with the means `mean_flow_ml_s` and `mean_kpa`.
+
+        Raises
+        ------
+        ValueError
+            If an argument is not allowed, or if a line without resistance resonates at one of the frequencies.
+
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> found = pm.Pump.three_roller().harmonics(5, speed_rpm=100)
+        >>> round(float(found.rad_s[0]), 4), found.pressure_kpa.shape
+        (31.4159, (5,))
+        """
     @overload
     def harmonics(
         self, count: int = 20, *, speed_rpm: None = None, speed_rad_s: _Number, port: Port = "outlet"
     ) -> Harmonics: ...
     @overload
-    def steady_state(self, *, speed_rpm: _Number, speed_rad_s: None = None) -> SteadyState[float]: ...
-    @overload
-    def steady_state(self, *, speed_rpm: None = None, speed_rad_s: _Number) -> SteadyState[float]: ...
+    def steady_state(
+        self, *, speed_rpm: _Number | None = None, speed_rad_s: _Number | None = None
+    ) -> SteadyState[float]:
+        """Compute the periodic steady state at constant speed. Other Python threads run meanwhile.
+
+        A line that is a hose has its resistance at the pump's default rate. `simulate` follows its friction at every
+        flow.
+
+        Parameters
+        ----------
+        speed_rpm : float or array_like
+            Speed of the pump head, r/min; negative in reverse; not zero.
+        speed_rad_s : float or array_like
+            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+
+        Returns
+        -------
+        SteadyState
+            Attributes are floats for one speed; array input gives arrays of float64 of its shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not allowed, or a line without resistance resonates at it.
+        PumpError
+            If the solver fails on the way.
+        """
     @overload
     def steady_state(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> SteadyState[_Array]: ...
     @overload

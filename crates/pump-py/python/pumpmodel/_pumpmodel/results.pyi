@@ -49,7 +49,11 @@ class Run:
     def delivered_ml(self) -> _Array:
         """Volume that has passed the outlet line, mL; shape (n,)."""
     @property
-    def end_state(self) -> LineStates | None: ...
+    def end_state(self) -> LineStates | None:
+        """\
+        State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
+        for runs of `from_dict`.
+        """
     @property
     @deprecated("use inlet_flow_ml_s")
     def q_in_ml_s(self) -> _Array:
@@ -68,24 +72,17 @@ class Run:
         """Deprecated name of `outlet_kpa`."""
     @staticmethod
     def from_dict(data: dict[str, Any]) -> Run:
-        """staticmethod(function) -> method
+        """Return the run of the columns that `to_dict` gave.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        data : dict
+            Eight columns by their names, or by those of the command's `--trace`; array_like of equal length.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
-
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
-
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Raises
+        ------
+        ValueError
+            If a column is missing, unknown or given by both names, or its length differs.
         """
     def to_dict(self) -> dict[str, _Array]:
         """Return the columns by their names.
