@@ -46,9 +46,24 @@ def fault_of(link: str, file: Path, pages: dict[Path, Page]) -> str | None:
     return None
 
 
+def pages_of(guide: Path) -> dict[Path, Page]:
+    """Return the pages of the guide by their files."""
+    return {file.resolve(): Page(file.read_text()) for file in sorted(guide.rglob("*.html"))}
+
+
+def outward(pages: dict[Path, Page]) -> list[str]:
+    """Return the links to other hosts, each with the pages that have it."""
+    found: dict[str, set[str]] = {}
+    for file, page in pages.items():
+        for link in page.links:
+            if link.startswith(HOSTS) and file.name != "print.html":
+                found.setdefault(link, set()).add(file.name)
+    return [f"{link}  {' '.join(sorted(names))}" for link, names in sorted(found.items())]
+
+
 def faults(guide: Path, sources: Path) -> tuple[int, list[str]]:
     """Return the number of links within the guide, and what is wrong with it."""
-    pages = {file.resolve(): Page(file.read_text()) for file in sorted(guide.rglob("*.html"))}
+    pages = pages_of(guide)
     found, count = [], 0
     for file, page in pages.items():
         for link in page.links + page.fetched:
@@ -73,6 +88,9 @@ def main() -> None:
     count, found = faults(guide, sources)
     if found:
         sys.exit("\n".join([*found, f"the guide has {len(found)} faults"]))
+    outside = outward(pages_of(guide))
+    (guide / "outside.txt").write_text("\n".join(outside) + "\n")
+    print(f"{len(outside)} links lead to other hosts, and are not tried: {guide / 'outside.txt'}")
     print(f"{count} links of the guide resolve. Its first page: {guide / 'index.html'}")
 
 

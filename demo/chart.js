@@ -29,8 +29,9 @@ function range(curves) {
 }
 
 class Chart {
-  constructor({ title, unit, along, alongUnit, keys, isMark, data }) {
-    Object.assign(this, { title, unit, along, alongUnit, keys, isMark, data });
+  /** `leastSpan` is what the axis spans at least: less is the rounding of the steps, which is no curve. */
+  constructor({ title, unit, along, alongUnit, keys, isMark, leastSpan = 0, data }) {
+    Object.assign(this, { title, unit, along, alongUnit, keys, isMark, leastSpan, data });
     const make = (tag, name, ...kids) => {
       const made = document.createElement(tag);
       made.className = name;
@@ -74,6 +75,8 @@ class Chart {
     const pen = this.canvas.getContext('2d');
     pen.scale(density, density);
     let [least, most] = range(curves);
+    const short = (this.leastSpan - (most - least)) / 2;
+    if (short > 0) [least, most] = [least - short, most + short];
     const room = 0.06 * (most - least) || 1;
     [least, most] = [least - room, most + room];
     const [from, to] = [x[0], x[x.length - 1]];

@@ -6,7 +6,7 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 
 /** The settings of a page without a link: the dose of the README, lines of the paper. */
 const USUAL = {
-  head: 3, rollers: 6, perRev: 5, volume: 25, angle: 17.19, rate: 5, smooth: 0, r: 0.1108, c: 0.0361, l: 0.0042,
+  head: 3, rollers: 6, perRev: 6.3, volume: 25, angle: 17.19, rate: 5, smooth: 0, r: 0.1108, c: 0.0361, l: 0.0042,
 };
 const NAMES = Object.keys(USUAL);
 const HEADS = { 3: 'three-roller', 2: 'two-roller' };
@@ -45,7 +45,9 @@ function fromLink() {
 }
 
 function toLink() {
-  const words = NAMES.filter((name) => settings[name] !== USUAL[name]).map((name) => `${name}=${settings[name]}`);
+  // A field that is empty, or no number, is left out.
+  const differs = (name) => settings[name] !== USUAL[name] && Number.isFinite(settings[name]);
+  const words = NAMES.filter(differs).map((name) => `${name}=${settings[name]}`);
   return `#${words.join('&')}`;
 }
 
@@ -76,8 +78,8 @@ $('form').addEventListener('input', ({ target }) => {
   const slider = document.querySelector(`[data-for="${name}"]`);
   if (target.dataset.for) $(name).value = target.value;
   else if (slider) slider.value = target.value;
-  // A field that is empty for a moment is no number, and the planner says so.
-  settings[name] = name === 'smooth' ? Number(target.checked) : target.value === '' ? NaN : Number(target.value);
+  // A field that is empty for a moment is no number, and the page says so.
+  settings[name] = name === 'smooth' ? Number(target.checked) : target.value.trim() === '' ? NaN : Number(target.value);
   if (name === 'head' || name === 'rollers') showSliders();
   changed();
 });
@@ -150,6 +152,11 @@ planner.postMessage({ module: $('module').textContent });
 const errorsKey = ({ head, rollers, perRev, volume }) => [head, rollers, perRev, volume].join();
 
 function ask() {
+  const empty = NAMES.find((name) => Number.isNaN(settings[name]));
+  if (empty) {
+    const label = document.querySelector(`label[for="${empty}"]`).textContent;
+    return refuse(`Not planned: “${label}” is empty or no number; type a number.`);
+  }
   isWaiting = isBusy;
   if (isBusy) return;
   question(settings);
@@ -193,16 +200,17 @@ function tell() {
   };
   const ours = facts.planned - set.volume;
   const theirs = facts.constant - set.volume;
+  const steps = (count) => `${grouped(count)} ${count === 1 ? 'step' : 'steps'}`;
   word('ours', `${fixed(facts.planned, 4)} mL`);
-  word('ours-error', `${percent(ours)}\n${grouped(facts.steps)} steps`);
+  word('ours-error', `${percent(ours)}\n${steps(facts.steps)}`);
   word('theirs', `${fixed(facts.constant, 4)} mL`);
-  word('theirs-error', `${percent(theirs)}\n${grouped(facts.constantSteps)} steps`);
+  word('theirs-error', `${percent(theirs)}\n${steps(facts.constantSteps)}`);
   clearTimeout(telling);
   // A slider that moves is not told at each place.
   telling = setTimeout(() => {
     const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
     $('command-line').hidden = !(HEADS[set.head] && isPublished);
-    $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${set.angle}deg+-0deg` +
+    $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${Number((set.angle % 360).toFixed(6))}deg+-0deg` +
       `${set.smooth ? ' --smooth' : ''}${set.head === 2 ? ' --pump two-roller' : ''} --dry-run`;
     $('said').textContent = `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
       `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
@@ -222,7 +230,7 @@ function tell() {
 const overTime = { along: ' over time', alongUnit: 's' };
 const charts = [
   new Chart({
-    title: 'Error over the start angle', unit: '%', along: '', alongUnit: '°', isMark: true,
+    title: 'Error over the start angle', unit: '%', along: '', alongUnit: '°', isMark: true, leastSpan: 0.02,
     keys: [{ name: 'by one constant', colour: 'theirs' }, { name: 'pump-dose', colour: 'ours', isWide: true }],
     data: ({ settings: set, errors }) => ({
       x: errors.angle.map(degrees),
@@ -244,7 +252,7 @@ const charts = [
   new Chart({
     ...overTime, title: 'Delivered', unit: 'mL',
     keys: [
-      { name: 'by one constant', colour: 'theirs', isDashed: true }, { name: 'asked', colour: 'ours', isDashed: true },
+      { name: 'one constant believes', colour: 'theirs', isDashed: true }, { name: 'asked', colour: 'ours', isDashed: true },
       { name: 'in the vessel', colour: 'outlet' },
     ],
     data: ({ settings: set, facts, trace }) => ({
