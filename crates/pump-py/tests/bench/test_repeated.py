@@ -36,7 +36,7 @@ def test_doses_come_in_their_interval_and_a_missed_one_is_skipped_or_made(tmp_pa
 
 def test_what_a_batch_cannot_be_is_refused(tmp_path: Path) -> None:
     bench = pm.Bench.open("three-roller", state_dir=tmp_path)
-    with pytest.raises(ValueError, match="number of doses is 0"):
+    with pytest.raises(ValueError, match="count is 0; allowed: 1 to 1000000"):
         next(bench.batch("1mL", 0))
     with pytest.raises(ValueError, match="missed is 'later'"):
         next(bench.batch("1mL", 2, missed="later"))  # type: ignore[arg-type]

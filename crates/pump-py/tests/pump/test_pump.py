@@ -125,7 +125,7 @@ def test_replacing_rollers_and_lines_makes_another_pump() -> None:
     ("rollers", "message"),
     [
         (-1, "rollers is -1; allowed: 1 to 1000"),
-        (0, "number of rollers is 0; allowed: 1 to 1000"),
+        (0, "rollers is 0; allowed: 1 to 1000"),
         (2**40, "allowed: 1 to 1000"),
         (1, "no roller seals"),
         (14, "14 rollers take 2.1055 mL each"),
