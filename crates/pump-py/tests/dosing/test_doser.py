@@ -191,8 +191,8 @@ def test_a_plan_as_a_dict_is_the_commands_dry_run() -> None:
     assert report["delivered_ml"] is None
     assert report["limits_not_checked"] == ["torque"], "the inlet is kept above collapse and vapour"
     assert report["end_angle_deg"] == pytest.approx(math.degrees(plan.end_angle_rad))
-    assert (report["retract_steps"], plan.retract_steps) == (None, 0)
-    for name in report.keys() & set(dir(plan)) - {"pump", "retract_steps"}:
+    assert (plan.retract_steps, plan.retraction_ml) == (0, 0), "None in the report"
+    for name in report.keys() & set(dir(plan)) - {"pump", "retract_steps", "retraction_ml"}:
         value = report[name]
         # A ripple is a pair in Python.
         value = tuple(value.values()) if isinstance(value, dict) else value
