@@ -283,6 +283,11 @@ impl Drive for Node {
         }
     }
 
+    fn put_on_record(&mut self) -> Result<(), DriveError> {
+        let At::Met { board, .. } = &self.at else { return Ok(()) };
+        Ok(connect::put_on_record(board, &mut self.terms)?)
+    }
+
     fn connect(&mut self) -> Result<(), DriveError> {
         Ok(self.meet()?)
     }
