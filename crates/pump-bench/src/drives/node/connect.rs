@@ -230,19 +230,10 @@ pub(super) fn identify(
 }
 
 /// Returns the marks of a board.
-fn marks(identity: &Identity, terms: &Terms) -> KnownBoard {
+pub(super) fn marks(identity: &Identity, terms: &Terms) -> KnownBoard {
     // A board whose flash chip tells no number says 0.
     let number = Some(identity.board).filter(|number| *number != 0);
     KnownBoard { number, ..terms.at_port.clone() }
-}
-
-/// Puts a board on record whose record was left for later.
-pub(super) fn put_on_record(board: &Board, terms: &mut Terms) -> Result<(), NodeError> {
-    if terms.opening.records_later {
-        marks(&board.identity, terms).put_on_record(&terms.opening)?;
-        terms.opening.records_later = false;
-    }
-    Ok(())
 }
 
 /// Returns the session of the board, and whether the board holds it. The disk has a new session before the board does.
