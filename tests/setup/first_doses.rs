@@ -1,4 +1,4 @@
-//! First doses that are refused: they leave no record of the board, so a person corrects the port without further words.
+//! First doses that are refused: they leave no record of the board, so a person corrects the port freely.
 
 use std::path::Path;
 

@@ -172,7 +172,8 @@ impl<'a> Session<'a> {
         motion.purpose != Purpose::Retract && self.bench.opening().stop.is_by_others()
     }
 
-    /// Keeps to the safety limits, and puts on record what came before a motion, and its intent. Returns it with the state before.
+    /// Keeps to the safety limits, and puts on record what came before a motion, and its intent. Returns it with the
+    /// state before.
     fn allow(&mut self, motion: &RecordedMotion<'_>) -> Result<(PumpState, Intent), DoseError> {
         // A retraction leaves the vessel, and the stretches of a dose by weight were allowed as a whole.
         if motion.purpose != Purpose::Retract && !motion.terms.by_weight {

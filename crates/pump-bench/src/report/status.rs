@@ -126,7 +126,7 @@ pub struct UnfinishedStatus {
     pub steps_made_least: i64,
     /// Most net steps of its last motion that may have been made in its direction.
     pub steps_made_most: i64,
-    /// True if the steps of all its motions are known exactly, so that the rollers' angle alone makes its volumes unsure.
+    /// True if the steps of all its motions are known exactly: the rollers' angle alone makes its volumes unsure.
     #[serde(skip)]
     pub steps_are_exact: bool,
     /// Time at which it began, seconds since 1970 by the clock of that day.
