@@ -216,13 +216,11 @@ pub trait Drive: Debug + Send {
     }
 
     /// Puts the device and the settings that it has told on record, if that was left for later
-    /// ([`Opening::records_later`]). A session calls this before it announces its first motion.
+    /// (`records_later` of the opening). A session calls this before it announces its first motion.
     ///
     /// # Errors
     ///
     /// [`DriveError`] if the record cannot be written. Nothing moves, and the drive is kept.
-    ///
-    /// [`Opening::records_later`]: super::Opening::records_later
     fn put_on_record(&mut self) -> Result<(), DriveError> {
         Ok(())
     }
