@@ -66,8 +66,8 @@ impl Unfinished {
         self.delivered(pump).range_ml()
     }
 
-    /// Returns true if the steps of all its motions are known exactly. A motion whose steps nobody knows, or whose rotor
-    /// was disturbed, has its volumes on record as bounds.
+    /// Returns true if the steps of all its motions are known exactly. A motion whose steps nobody knows, or whose
+    /// rotor was disturbed, has its volumes on record as bounds.
     pub(crate) fn has_exact_steps(&self) -> bool {
         self.made_least == self.made_most
             && self.intent.whole.is_none_or(|whole| whole.least_ml == whole.most_ml)
