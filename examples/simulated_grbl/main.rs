@@ -3,18 +3,19 @@
 
 #[allow(dead_code, reason = "tests choose its defects, and look into its vessel")]
 mod balance;
+mod board_words;
 mod simulated;
 
 use std::error::Error;
 use std::io::Write;
-use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use balance::{Defect, SimulatedBalance, Speech, Truth, Vessel};
+use board_words::pair;
 use pump_model::{DefaultPulse, Line, Pump};
 use simulated::Simulated;
-use simulated::options::{Options, Sensor};
+use simulated::options::Options;
 
 const HELP: &str = "\
 A simulated grbl board, of one axis, X, without --axes, at the end of a pseudo-terminal. Prints a device that
@@ -66,6 +67,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        if board_words::set(&mut options, &word, &mut value)? {
+            continue;
+        }
         match word.as_str() {
             "--help" | "-h" => {
                 write!(std::io::stdout(), "{HELP}")?;
@@ -74,37 +78,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--balance" => speech = Some(value()?.parse()?),
             "--head" => vessel = vessel_of(&value()?)?,
             "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
-            "--axes" => {
-                options.axes = value()?.parse()?;
-                if !(1..=3).contains(&options.axes) {
-                    return Err(format!("--axes is {}; allowed: 1 to 3", options.axes).into());
-                }
-            }
-            "--fast" => options.time_scale = value()?.parse()?,
-            "--resets" => options.resets_on_open = true,
-            "--set" => {
-                let text = value()?;
-                let (number, value) = text.split_once('=').ok_or("--set needs <number>=<value>")?;
-                options.settings.push((number.parse()?, value.parse()?));
-            }
-            // The board keeps it for as long as the program runs.
-            "--info" => options.text = value()?.leak(),
-            "--sensor" => options.sensor = Some(Sensor { at: value()?.parse()?, width: 128, every: 12_800 }),
-            "--auto-report" => options.auto_report = Some(Duration::from_secs_f64(value()?.parse()?)),
-            "--chatter" => options.chatters = true,
-            "--press" => options.defects.pressed = Some(pair(&value()?)?),
-            "--jog" => options.defects.foreign = Some(pair(&value()?)?),
-            "--garble" => options.defects.garbles = Some(pair(&value()?)?),
-            "--stretch" => options.defects.stretches = Some(value()?.parse()?),
-            "--miss" => {
-                let (place, steps) = pair(&value()?)?;
-                options.defects.misses = Some((place, steps, place + 500));
-            }
-            "--misread" => {
-                let (number, value) = pair(&value()?.replace('=', ":"))?;
-                options.defects.misreads = Some((1, number, value));
-            }
-            "--firmware" => options.firmware = value()?.parse()?,
             other => {
                 return Err(format!("{other} is not an option\n{HELP}").into());
             }
@@ -147,14 +120,4 @@ fn vessel_of(head: &str) -> Result<Vessel, Box<dyn Error>> {
     let pulse = DefaultPulse::new(0.23, 50.0);
     let pump = Pump::from_ml_per_rev(ml_per_rev.parse()?, rollers, pulse, Line::PUBLISHED, Line::PUBLISHED)?;
     Ok(Vessel::new(pump, Truth { steps_per_rev, ..TRUTH }))
-}
-
-/// Reads two values with a colon between them.
-fn pair<A, B>(text: &str) -> Result<(A, B), Box<dyn Error>>
-where
-    A: FromStr<Err: Error + 'static>,
-    B: FromStr<Err: Error + 'static>,
-{
-    let (one, two) = text.split_once(':').ok_or(format!("{text} needs a colon between two values"))?;
-    Ok((one.parse()?, two.parse()?))
 }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "../../examples/simulated_grbl/board_words.rs"]
+mod board_words;
 mod boards;
 mod confirmation;
 mod connecting;

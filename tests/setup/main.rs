@@ -11,6 +11,7 @@ mod back;
 mod balance;
 mod contradictions;
 mod course;
+mod first_doses;
 mod left;
 mod node;
 mod options;

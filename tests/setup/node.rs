@@ -62,6 +62,36 @@ fn two_commands_that_use_one_board_get_one_clear_message() {
 }
 
 #[test]
+fn the_bounds_of_a_killed_dose_are_those_of_the_angle_once_the_board_has_told_its_count() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let on = ["--confirm-pump", "--driver", "node", "--port", board.path().to_str().unwrap()];
+    let mut killed = desk.command(&[&["3mL"], &on[..]].concat());
+    let mut killed = killed.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while board.truth().steps[0] < 500 {
+        assert!(killed.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    while board.truth().moving {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let status = ["status", "--driver", "node"];
+    let exact = "(the steps are exact: the bounds are those of the rollers' angle)";
+    let before = desk.types(&status).out;
+    assert!(before.contains("were delivered") && !before.contains(exact), "{before}");
+    let refused = desk.types(&[&["0.2mL"], &on[..]].concat());
+    assert_ne!(refused.code, 0, "{}", refused.out);
+    let after = desk.types(&status).out;
+    assert!(after.contains("of which between ") && after.contains(exact), "{after}");
+    let unfinished = desk.json(&status)["unfinished"].clone();
+    for count in ["steps_made_least", "steps_made_most"] {
+        assert_eq!(unfinished[count], board.truth().steps[0], "{unfinished}");
+    }
+}
+
+#[test]
 fn a_pump_at_a_node_gets_from_nothing_to_a_calibrated_dose() {
     let desk = Desk::new();
     let board = SimulatedNode::start(7).unwrap();

@@ -4,6 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, GrblError, Opening};
 use pump_bench::notice::Remedy;
@@ -11,6 +12,7 @@ use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::report::{Explain, with_sources};
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 
+use crate::board_words;
 use crate::rig::{grbl_error, motor, plug};
 use crate::simulated::Simulated;
 use crate::simulated::options::Options;
@@ -115,6 +117,34 @@ fn boards_whose_ports_share_a_name_are_told_apart_by_their_texts() {
     assert!(said.contains("\"left pump\"") && said.contains("\"right pump\""), "{said}");
     computer.plug(&left, "ttyUSB0", LEFT);
     computer.open("ttyUSB0", &computer.opening()).unwrap();
+}
+
+#[test]
+fn the_text_that_a_word_gives_the_simulated_board_is_told_by_the_command_that_refuses_another() {
+    let computer = Computer::new();
+    let named = |text: &str| {
+        let mut options = Options::default();
+        assert!(board_words::set(&mut options, "--info", &mut || Ok(text.to_owned())).unwrap());
+        plug(options)
+    };
+    let (left, right) = (named("left pump"), named("right pump"));
+    let dose = |board: &Simulated| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
+        command.args(["0.2mL", "--confirm-pump", "--driver", "grbl", "--port"]).arg(board.path());
+        command
+            .env_remove("DOSE_PUMP")
+            .env_remove("DOSE_CONFIG")
+            .env("XDG_CONFIG_HOME", computer.path("config"));
+        let ended = command.env("DOSE_STATE_DIR", computer.path("state")).output().unwrap();
+        (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
+    };
+    assert_eq!(dose(&left).0, Some(0));
+    let (code, said) = dose(&right);
+    assert_eq!(code, Some(2), "{said}");
+    for text in ["calls itself \"left pump\"", "calls itself \"right pump\""] {
+        assert!(said.contains(text), "{said}");
+    }
+    assert_eq!(right.rest().steps, 0);
 }
 
 #[test]

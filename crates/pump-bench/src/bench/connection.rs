@@ -10,10 +10,10 @@ use pump_model::units::degrees;
 use super::device::{Device, as_allowed};
 use super::session::Session;
 use crate::dosing::DoseError;
-use crate::drives::{Disturbance, Drive, DriveError, registry};
+use crate::drives::{Disturbance, Drive, DriveError, Opening, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
-use crate::record::{PumpState, Unfinished, Why};
+use crate::record::{JournalError, PumpState, Unfinished, Why};
 
 /// Returns the unfinished dose during which the device was lost, and the steps counted since its start.
 /// `None` if the count does not fit or begins anew.
@@ -58,7 +58,10 @@ impl<'a> Session<'a> {
         let bench = self.bench;
         let drive = match self.given().map_err(DoseError::Connection)? {
             Some(drive) => Ok(drive),
-            None => registry::open(bench.drive(), bench.file(), bench.model(), bench.opening()),
+            None => {
+                let opening = Opening { records_later: self.is_fresh, ..bench.opening().clone() };
+                registry::open(bench.drive(), bench.file(), bench.model(), &opening)
+            }
         };
         self.take(drive.map_err(DoseError::Connection)?)
     }
@@ -78,12 +81,32 @@ impl<'a> Session<'a> {
         let file = as_allowed(bench.file(), limits);
         self.device = Some(Device { drive, file, limits, holds_since: Instant::now() });
         let changed = met != self.stands() || (self.state.is_none() && met.count.is_some());
-        let recorded = if changed { self.rest(Why::Met, met) } else { Ok(()) };
+        let recorded = if changed { self.met(met) } else { Ok(()) };
         if let (false, true, Some(device)) = (changed, self.written, &mut self.device) {
             device.drive.recorded();
         }
         self.finished_by_device = begun.filter(|_| met.unfinished.is_none());
         Ok(recorded?)
+    }
+
+    /// Takes over the state in which a device was met. It is on record at once, and that of a fresh pump later: a first
+    /// motion that is refused leaves no record of the board.
+    fn met(&mut self, state: PumpState) -> Result<(), JournalError> {
+        if !self.is_fresh {
+            return self.rest(Why::Met, state);
+        }
+        (self.state, self.written) = (Some(state), false);
+        Ok(())
+    }
+
+    /// Puts the board and the state in which it was met on record, unless they are. Something is to happen now.
+    pub(super) fn record_meeting(&mut self) -> Result<(), DoseError> {
+        if let Some(device) = &mut self.device {
+            device.drive.put_on_record().map_err(DoseError::Connection)?;
+        }
+        let Some(state) = self.state.filter(|_| !self.written) else { return Ok(()) };
+        let why = if self.is_fresh { Why::Met } else { Why::CutOff };
+        Ok(self.rest(why, state)?)
     }
 
     /// Returns the pump file as the device allows it, or as it is while no device is connected.
@@ -182,8 +205,8 @@ impl<'a> Session<'a> {
         let mut notes = Vec::new();
         let met = self.meet(device.drive.as_mut(), &mut notes);
         self.notes.append(&mut notes);
-        let met_is_recorded = if met == self.stands() { Ok(()) } else { self.rest(Why::Met, met) };
-        if met_is_recorded.is_ok() {
+        let met_is_recorded = if met == self.stands() { Ok(()) } else { self.met(met) };
+        if met_is_recorded.is_ok() && self.written {
             device.drive.recorded();
         }
         self.put_away(device.drive);
@@ -204,6 +227,7 @@ impl<'a> Session<'a> {
         if let Some(device) = self.device.as_ref().filter(|device| !device.drive.abilities().release) {
             return Err(DoseError::Connection(DriveError::no_release(device.drive.id())));
         }
+        self.record_meeting()?;
         let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model());
         let state = PumpState { released: true, ..state };
         // The release is on record first, so the record never claims a better angle than there is.

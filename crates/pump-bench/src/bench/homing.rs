@@ -273,6 +273,7 @@ impl Session<'_> {
     /// Records where the rotor was found.
     fn find(&mut self, phase: Option<Phase>, source: PhaseSource, why: Why) -> Result<PumpState, DoseError> {
         self.connect()?;
+        self.record_meeting()?;
         let state = self.confirmed(self.stands().found(phase, source, self.bench.model()));
         let recorded = self.record_angle(why, state)?;
         if phase.is_some() {

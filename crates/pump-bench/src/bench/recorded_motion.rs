@@ -114,10 +114,6 @@ impl<'a> Session<'a> {
         self.check_confirmed()?;
         self.check_stand()?;
         self.connect()?;
-        if let (false, Some(state)) = (self.written, self.state) {
-            self.rest(Why::CutOff, state)?;
-        }
-        self.record_confirmation()?;
         self.check(motion.plan)?;
         let allowed = self.allow(motion);
         if let (Err(_), Some(device)) = (&allowed, &mut self.device) {
@@ -176,12 +172,15 @@ impl<'a> Session<'a> {
         motion.purpose != Purpose::Retract && self.bench.opening().stop.is_by_others()
     }
 
-    /// Keeps to the safety limits, and writes the intent of a motion. Returns it with the state before.
+    /// Keeps to the safety limits, and puts on record what came before a motion, and its intent. Returns it with the
+    /// state before.
     fn allow(&mut self, motion: &RecordedMotion<'_>) -> Result<(PumpState, Intent), DoseError> {
         // A retraction leaves the vessel, and the stretches of a dose by weight were allowed as a whole.
         if motion.purpose != Purpose::Retract && !motion.terms.by_weight {
             self.keep_safe(motion.plan.planned_ml(motion.model))?;
         }
+        self.record_meeting()?;
+        self.record_confirmation()?;
         let mut before = self.stands();
         if motion.given {
             before.disturbances = 0;

@@ -27,10 +27,12 @@ use super::safety::RunBounds;
 pub struct Session<'a> {
     pub(super) bench: &'a Bench,
     pub(super) journal: Journal,
-    /// Last state of the pump. `None` if nothing was ever recorded.
+    /// Last state of the pump. `None` if nothing was ever recorded and no device was met.
     pub(super) state: Option<PumpState>,
     /// True if the state is on record as the rotor's rest.
     pub(super) written: bool,
+    /// True as long as nothing of the pump is on record. The board is put on record with its first entry.
+    pub(super) is_fresh: bool,
     /// State before a motion that an earlier process left unended, and that motion.
     pub(super) cut_off: Option<(PumpState, Unfinished)>,
     /// Dose that the device finished after the process that ran it had ended, until something else happens.
@@ -112,6 +114,7 @@ impl<'a> Session<'a> {
             bench,
             journal,
             state: story.state,
+            is_fresh: story.state.is_none(),
             written: story.cut_off.is_none() && log.unlogged.is_none(),
             cut_off: story.cut_off,
             finished_by_device: None,
@@ -235,7 +238,7 @@ impl<'a> Session<'a> {
         self.moved
     }
 
-    /// Returns the state of the pump. `None` if nothing was ever recorded.
+    /// Returns the state of the pump. `None` if nothing was ever recorded and no device was met.
     pub fn state(&self) -> Option<&PumpState> {
         self.state.as_ref()
     }
@@ -402,7 +405,7 @@ impl<'a> Session<'a> {
         // A dose that cannot be recorded now is recorded with the next rest.
         self.log.ended = dose.clone();
         self.journal.append(&Entry::Rest { unix_s: now_s, why, state, dose: dose.clone(), reason })?;
-        self.written = true;
+        (self.written, self.is_fresh) = (true, false);
         self.device.iter_mut().for_each(|device| device.drive.recorded());
         self.log.ended = None;
         self.log.doses = state.doses;

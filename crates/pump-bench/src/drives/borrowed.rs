@@ -51,6 +51,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::rests(self)
     }
 
+    fn put_on_record(&mut self) -> Result<(), DriveError> {
+        T::put_on_record(self)
+    }
+
     fn connect(&mut self) -> Result<(), DriveError> {
         T::connect(self)
     }

@@ -215,6 +215,16 @@ pub trait Drive: Debug + Send {
         0
     }
 
+    /// Puts the device and the settings that it has told on record, if that was left for later
+    /// (`records_later` of the opening). A session calls this before it announces its first motion.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the record cannot be written. Nothing moves, and the drive is kept.
+    fn put_on_record(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
     /// Connects the device anew, if it has to be. A session calls this before it asks for limits, disturbances and
     /// count: once at the beginning, and again after a fault, a refused plan or a release. The count that the drive
     /// tells then is compared with the record.

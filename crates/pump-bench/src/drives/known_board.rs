@@ -77,8 +77,9 @@ impl KnownBoard {
         }
     }
 
-    /// Compares this board at `port` with the one on record, and puts it on record. Another board is refused unless it
-    /// is accepted. Returns words for the board that was on record if another was accepted.
+    /// Compares this board at `port` with the one on record, and puts it on record unless `opening` leaves that for
+    /// later. Another board is refused unless it is accepted. Returns words for the board that was on record if another
+    /// was accepted.
     pub(super) fn recognise(
         &self,
         port: Option<&Path>,
@@ -94,10 +95,15 @@ impl KnownBoard {
             let (port, found) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
             return Err(BoardError::Other { port, found, recorded });
         }
-        if recorded.as_ref() != Some(self) {
+        if recorded.as_ref() != Some(self) && !opening.records_later {
             self.write(&path)?;
         }
         Ok(another)
+    }
+
+    /// Puts this board on record in place of any other. [`Self::recognise`] has compared it before.
+    pub(super) fn put_on_record(&self, opening: &Opening) -> Result<(), BoardError> {
+        record_path(opening).map_or(Ok(()), |path| self.write(&path))
     }
 
     /// Refuses a port whose name shows that another board is there, before anything is said to it.

@@ -25,6 +25,9 @@ pub struct Opening {
     pub boards: Option<PathBuf>,
     /// Folder of the names that serial ports keep, as /dev/serial/by-id. `None` tells no ports apart.
     pub port_names: Option<PathBuf>,
+    /// True if the board and its settings are on record only once `Drive::put_on_record` is called, so that a board
+    /// that never moves leaves no record. Otherwise they are as soon as the board has answered.
+    pub records_later: bool,
     /// Request that ends every wait at rest.
     pub stop: StopRequest,
 }

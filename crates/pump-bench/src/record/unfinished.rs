@@ -66,6 +66,13 @@ impl Unfinished {
         self.delivered(pump).range_ml()
     }
 
+    /// Returns true if the steps of all its motions are known exactly. A motion whose steps nobody knows, or whose
+    /// rotor was disturbed, has its volumes on record as bounds.
+    pub(crate) fn has_exact_steps(&self) -> bool {
+        self.made_least == self.made_most
+            && self.intent.whole.is_none_or(|whole| whole.least_ml == whole.most_ml)
+    }
+
     /// Returns the volume that this dose is booked with so far, in mL, the motions before the last one
     /// included.
     pub(crate) fn booked_ml(&self, pump: &Pump) -> f64 {

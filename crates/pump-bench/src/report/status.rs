@@ -126,6 +126,9 @@ pub struct UnfinishedStatus {
     pub steps_made_least: i64,
     /// Most net steps of its last motion that may have been made in its direction.
     pub steps_made_most: i64,
+    /// True if the steps of all its motions are known exactly: the rollers' angle alone makes its volumes unsure.
+    #[serde(skip)]
+    pub steps_are_exact: bool,
     /// Time at which it began, seconds since 1970 by the clock of that day.
     pub began_unix_s: u64,
     /// True if it is a run that was to go on until it is stopped: `requested_ml` is then the most that one run makes.
@@ -182,6 +185,7 @@ impl Status {
                 steps: dose.intent.steps,
                 steps_made_least: dose.made_least,
                 steps_made_most: dose.made_most,
+                steps_are_exact: dose.has_exact_steps(),
                 began_unix_s: dose.intent.unix_s,
                 until_stopped: dose.intent.terms.until_stopped,
                 over_time: dose.intent.terms.profile,

@@ -99,6 +99,11 @@ impl Status {
             // The bounds are those of the rollers' angle and of steps that nobody knows.
             false => " by the model, its own \u{b1} besides",
         };
+        let by_angle = if dose.steps_are_exact && dose.delivered_least_ml < dose.delivered_most_ml {
+            " (the steps are exact: the bounds are those of the rollers' angle)"
+        } else {
+            ""
+        };
         match &self.in_use_by {
             Some(holder) => format!(
                 "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \
@@ -106,7 +111,7 @@ impl Status {
             ),
             None => {
                 format!(
-                    "unfinished: {asked}, of which {made} were delivered{by_model}{no_rest}; {}",
+                    "unfinished: {asked}, of which {made} were delivered{by_model}{by_angle}{no_rest}; {}",
                     words(remedy)
                 )
             }

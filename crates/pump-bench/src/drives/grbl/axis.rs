@@ -80,6 +80,8 @@ pub struct Grbl {
     unrecorded: bool,
     /// Rests of the last motion before its end.
     rests: u32,
+    /// Board that is not on record yet, with the terms on which it was opened.
+    unknown_board: Option<(KnownBoard, Opening)>,
     notes: Vec<Notice>,
 }
 
@@ -154,6 +156,7 @@ impl Grbl {
             disturbed: reset.then_some(Disturbance::Reset),
             unrecorded: false,
             rests: 0,
+            unknown_board: opening.records_later.then(|| (found, opening.clone())),
             board: axis_board,
             resets,
             place: None,
@@ -374,6 +377,15 @@ impl Drive for Grbl {
 
     fn recorded(&mut self) {
         self.unrecorded = false;
+    }
+
+    fn put_on_record(&mut self) -> Result<(), DriveError> {
+        if let Some((board, opening)) = &self.unknown_board {
+            board.put_on_record(opening).map_err(GrblError::from)?;
+            settings::put_on_record(&self.settings, opening)?;
+            self.unknown_board = None;
+        }
+        Ok(())
     }
 
     fn holds_at_rest(&self) -> bool {

@@ -141,7 +141,9 @@ pub(super) fn meet(
     }
     let tick_rate = given!(TickRate::from_hz(identity.tick_hz).ok_or(NodeError::NoTimer));
     let brake = given!(make_brake(tick_rate));
-    let replaced = given!(recognise(&identity, terms));
+    // Another board than the one on record is refused, unless it is accepted.
+    let recognised = marks(&identity, terms).recognise(Some(&terms.port), &terms.opening);
+    let replaced = given!(recognised.map_err(NodeError::from));
     let found = session(&mut link.line(), &identity, held, terms);
     let Found { session, holds, counted_by } = given!(found);
     if session != link.session() {
@@ -227,12 +229,11 @@ pub(super) fn identify(
     }
 }
 
-/// Refuses another board than the one on record, unless it is accepted. Returns words for that one then.
-fn recognise(identity: &Identity, terms: &Terms) -> Result<Option<String>, NodeError> {
+/// Returns the marks of a board.
+pub(super) fn marks(identity: &Identity, terms: &Terms) -> KnownBoard {
     // A board whose flash chip tells no number says 0.
     let number = Some(identity.board).filter(|number| *number != 0);
-    let found = KnownBoard { number, ..terms.at_port.clone() };
-    Ok(found.recognise(Some(&terms.port), &terms.opening)?)
+    KnownBoard { number, ..terms.at_port.clone() }
 }
 
 /// Returns the session of the board, and whether the board holds it. The disk has a new session before the board does.

@@ -21,6 +21,7 @@ mod node;
 mod node_board;
 mod session_record;
 mod shared_line;
+mod unread_faults;
 
 #[cfg(feature = "grbl")]
 pub(super) use ask::ask;

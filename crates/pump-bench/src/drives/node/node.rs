@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use pump_ctl::plan::{FlowMotion, Motor, Plan, PlannedMotion};
 use pump_ctl::step::Brake;
-use pump_link::message::FaultCounts;
 
 use super::board::Board;
 use super::connect::{self, Met, Terms};
@@ -13,6 +12,7 @@ use super::error::NodeError;
 use super::link::Link;
 use super::motion::{self, Fault, Made, Motion, Room, SentLead, Task, most_steps_s};
 use super::node_board::NodeBoard;
+use super::unread_faults::faults_noted;
 use crate::drives::drive::wait_of;
 use crate::drives::stepped::Lead;
 use crate::drives::wire::Wire;
@@ -283,6 +283,16 @@ impl Drive for Node {
         }
     }
 
+    fn put_on_record(&mut self) -> Result<(), DriveError> {
+        let (At::Met { board, .. }, true) = (&self.at, self.terms.opening.records_later) else {
+            return Ok(());
+        };
+        let marks = connect::marks(&board.identity, &self.terms);
+        marks.put_on_record(&self.terms.opening).map_err(NodeError::from)?;
+        self.terms.opening.records_later = false;
+        Ok(())
+    }
+
     fn connect(&mut self) -> Result<(), DriveError> {
         Ok(self.meet()?)
     }
@@ -357,44 +367,5 @@ impl Drive for Node {
         self.disturbed = Some(Disturbance::Disabled);
         self.part();
         Ok(())
-    }
-}
-
-/// Returns the note on faults that the board has counted since they were last read.
-fn faults_noted(unread: FaultCounts) -> Option<Notice> {
-    let kinds = [
-        (unread.late, "late step", "late steps"),
-        (unread.starved, "empty queue", "empty queues"),
-        (unread.driver, "fault of the motor's driver", "faults of the motor's driver"),
-        (
-            unread.link,
-            "stop for want of a word from the computer",
-            "stops for want of a word from the computer",
-        ),
-        (unread.estop, "emergency stop", "emergency stops"),
-    ];
-    let counted = kinds.iter().filter(|(count, ..)| *count > 0);
-    let named: Vec<String> = counted
-        .map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many }))
-        .collect();
-    (!named.is_empty()).then(|| {
-        Notice::from(format!("the board has counted faults since they were last read: {}", named.join(", ")))
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_fault_is_named_in_the_singular_and_several_in_the_plural() {
-        let said = |link, late| {
-            faults_noted(FaultCounts { link, late, ..FaultCounts::default() })
-                .map(|note| note.text().to_owned())
-        };
-        let begins = "the board has counted faults since they were last read: ";
-        let one = format!("{begins}1 stop for want of a word from the computer");
-        let several = format!("{begins}1 late step, 2 stops for want of a word from the computer");
-        assert_eq!([said(0, 0), said(1, 0), said(2, 1)], [None, Some(one), Some(several)]);
     }
 }

@@ -116,12 +116,19 @@ pub(super) fn agreed(
     let again = read(board, flavour, axis)?;
     settings.agree(&again)?;
     if let Some(path) = &opening.settings_record {
-        let accepted = record::compare(&settings, path, opening.configure || opening.accept_settings)?;
+        let accepts = opening.configure || opening.accept_settings;
+        let accepted = record::compare(&settings, path, accepts, !opening.records_later)?;
         // A setting that was written just now has its note.
         let others = accepted.into_iter().filter(|(number, _)| !written.contains(number));
         notes.extend(others.map(|(_, note)| note));
     }
     Ok((settings, notes))
+}
+
+/// Puts the settings of a board on record in place of any others. [`agreed`] has compared them before.
+pub(super) fn put_on_record(settings: &Settings, opening: &Opening) -> Result<(), GrblError> {
+    let path = opening.settings_record.as_deref();
+    path.map_or(Ok(()), |path| record::compare(settings, path, true, true).map(drop))
 }
 
 /// Asks a board for its settings.

@@ -22,7 +22,8 @@ struct Recorded {
     settings: BTreeMap<u16, f64>,
 }
 
-/// Compares the settings of a board with those on record at `path`, and records them where there are none.
+/// Compares the settings of a board with those on record at `path`, and records them where there are none if `records`
+/// is true.
 ///
 /// Changed settings are refused, unless `accepted`. Returns the numbers of the settings whose changes were accepted,
 /// each with its note.
@@ -30,6 +31,7 @@ pub(super) fn compare(
     found: &Settings,
     path: &Path,
     accepted: bool,
+    records: bool,
 ) -> Result<Vec<(u16, String)>, GrblError> {
     let before = match recorded(path) {
         Err(_) if accepted => BTreeMap::new(),
@@ -52,7 +54,7 @@ pub(super) fn compare(
         let changes: Vec<String> = changes.into_iter().map(|(_, change)| change).collect();
         return Err(GrblError::SettingsChanged { changes: changes.join(", "), record: path.to_owned() });
     }
-    if now != before {
+    if now != before && records {
         write(path, now)?;
     }
     Ok(changes.into_iter().map(|(number, change)| (number, format!("{change}: accepted"))).collect())
