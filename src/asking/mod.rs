@@ -55,18 +55,14 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     let is_rack = path == ["run"] && text("rack").is_some();
     let pump = text("pump").and_then(|pump| pump.to_str()).unwrap_or(config.default_pump());
     let pump = if is_rack { "" } else { pump };
-    match Service::beside(&state_dir) {
-        Some(service) if is_status => {
+    if let Some(service) = Service::beside(&state_dir) {
+        if is_status {
             if service.answers() {
                 return None;
             }
+        } else if let Some(answer) = service.begin(pump, words) {
+            return Some(service.follow(answer, json));
         }
-        Some(service) => {
-            if let Some(answer) = service.begin(pump, words) {
-                return Some(service.follow(answer, json));
-            }
-        }
-        None => {}
     }
     Some(match Service::at(config.service().url()?, &config) {
         Ok(service) if is_status => {

@@ -56,8 +56,8 @@ pub(crate) fn smooth(firmware: &Path) -> Result<(), Box<dyn Error>> {
     make(&mut host, &moves, MOST_OFF_US)
 }
 
-/// Makes even steps with some axes, `apart` us from one axis to the next. Fast moves are so long that the queues are fed
-/// meanwhile.
+/// Makes even steps with some axes, `apart` us from one axis to the next. Fast moves are so long that the queues are
+/// fed meanwhile.
 fn even(firmware: &Path, axes: u8, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
     let mut host = Host::new(firmware, 500)?;
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;

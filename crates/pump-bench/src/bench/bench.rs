@@ -6,7 +6,7 @@ mod planned_from;
 mod run_volume;
 
 pub use head::head_print;
-pub(super) use head::print_of;
+pub(super) use head::{other_head, print_of};
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};

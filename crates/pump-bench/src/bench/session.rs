@@ -17,7 +17,7 @@ use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfi
 
 pub(super) use self::before_motion::BeforeMotion;
 pub(super) use self::patience::Patience;
-use super::bench::Bench;
+use super::bench::{Bench, other_head};
 use super::device::Device;
 use super::log::SessionLog;
 use super::safety::RunBounds;
@@ -109,7 +109,7 @@ impl<'a> Session<'a> {
         let lock = patience.try_until(&bench.opening().stop, || Ok(bench.folder().lock()?))?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
         let (log, note) = SessionLog::open(bench.folder(), &story);
-        let other_head = story.other_head.then(|| bench.other_head());
+        let other_head = story.other_head.then(|| other_head(bench.file()));
         Ok(Self {
             bench,
             journal,

@@ -1,6 +1,5 @@
 //! The print of a pump's head: an angle on record is the angle of one head.
 
-use super::Bench;
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
 
@@ -28,16 +27,14 @@ pub fn head_print(file: &PumpFile) -> u32 {
     print_of(file, &TABLES, &KEYS)
 }
 
-impl Bench {
-    /// Returns the note that the record is of another head.
-    pub(in crate::bench) fn other_head(&self) -> Notice {
-        let (pump, rollers) = (&self.file.pump.id, self.file.rollers.count);
-        let text = format!(
-            "the record of {pump} is of another head than this one with {rollers} rollers, so the angle of the rollers \
-             is unknown and nothing is carried"
-        );
-        Notice::from(text).with_remedy(Remedy::FindAngle)
-    }
+/// Returns the note that the record is of another head than the pump file's.
+pub(in crate::bench) fn other_head(file: &PumpFile) -> Notice {
+    let (pump, rollers) = (&file.pump.id, file.rollers.count);
+    let text = format!(
+        "the record of {pump} is of another head than this one with {rollers} rollers, so the angle of the rollers is \
+         unknown and nothing is carried"
+    );
+    Notice::from(text).with_remedy(Remedy::FindAngle)
 }
 
 /// Returns a number that changes with every value in `tables` of the pump file. Of a table in `keys` only those keys
