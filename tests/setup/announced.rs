@@ -52,12 +52,12 @@ fn a_plan_that_a_node_refuses_is_not_announced_as_a_motion() {
     let node = ["--driver", "node", "--port", &port];
     let desk = set_up(&[&["256"], &node[..]].concat());
     is_refused_in_silence(
-        &desk.types(&["1mL", "--rate", "0.8mL/s"]),
-        "the node driver makes 61068 steps/s at most",
+        &desk.types(&["1mL", "--rate", "1.3mL/s"]),
+        "the node driver makes 96385 steps/s at most",
     );
     is_refused_in_silence(
-        &desk.types(&["1mL", "--rate", "0.8mL/s", "--format", "json"]),
-        "the node driver makes 61068 steps/s at most",
+        &desk.types(&["1mL", "--rate", "1.3mL/s", "--format", "json"]),
+        "the node driver makes 96385 steps/s at most",
     );
     let desk = set_up(&[&["16"], &node[..]].concat());
     assert_eq!(desk.types(&["home", "--set", "30deg+-1deg"]).code, 0);
