@@ -4,9 +4,12 @@ use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, Opening};
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::report::Explain;
+use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
+use pump_ctl::plan::Cruise;
 
 use crate::rig::{defective, dose, each, grbl_error, motor, open, refusal, run, start, table, turn_at};
 use crate::simulated::options::{Defects, Firmware, Options};
+use crate::virtual_time::session::VirtualDrive;
 
 fn with(settings: &[(u16, f32)]) -> Options {
     Options { settings: settings.to_vec(), ..Options::default() }
@@ -55,6 +58,30 @@ fn speeds_out_of_reach_are_refused_before_anything_moves() {
         assert!(slow || matches!(error, GrblError::Fast { number: 110, .. }));
     }
     assert_eq!(board.truth().lines.iter().filter(|line| line.starts_with("$J")).count(), 0);
+}
+
+#[test]
+fn a_dose_that_is_too_slow_for_the_board_is_refused_with_finer_microsteps_which_make_it() {
+    for (finer, per_mm) in [(1, 200.0), (8, 1600.0)] {
+        let folder = tempfile::tempdir().unwrap();
+        let board = start(with(&[(100, per_mm), (120, 100.0)]));
+        let mut drive = VirtualDrive::new(&board);
+        let mut file = built_in("three-roller").unwrap();
+        file.motor.steps_per_rev *= finer;
+        let bench = Bench::new(file, None, folder.path()).unwrap();
+        let bench = bench.driven_by(&drive).unwrap().confirming_pump(true);
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        session.connect().unwrap();
+        let slow = DoseRequest::dose(0.5).with_cruise(Some(Cruise::Flow { ml_s: 0.02 }));
+        match session.prepare(slow) {
+            Err(error @ DoseError::TooSlow { .. }) if finer == 1 => {
+                let said = error.to_string();
+                assert!(said.ends_with("ask for that rate or more, or use finer microsteps"), "{said}");
+            }
+            Ok(_) if finer > 1 => {}
+            other => panic!("{finer}: {other:?}"),
+        }
+    }
 }
 
 #[test]
