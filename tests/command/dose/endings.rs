@@ -150,6 +150,11 @@ fn a_killed_dose_is_known_between_bounds_and_can_be_accepted_as_it_is() {
     assert!(user.is_refused(&["resume"]).contains("nothing to resume"));
 }
 
+/// Returns words as a person types them.
+fn words(typed: &[String]) -> Vec<&str> {
+    typed.iter().map(String::as_str).collect()
+}
+
 #[test]
 fn a_smooth_dose_that_was_killed_twice_is_homed_and_resumed_as_typed() {
     let user = User::new();
@@ -182,7 +187,6 @@ fn a_smooth_dose_that_was_killed_twice_is_homed_and_resumed_as_typed() {
     let finish = typed("dose resume", ("<FLOW>", "30mL/s"));
     let homed = user.types(&["home", "--set", "30deg"]);
     assert_eq!(homed.code, 4, "{}", homed.err);
-    let words = |typed: &[String]| typed.iter().map(String::as_str).collect::<Vec<_>>();
     let homed = user.types(&words(&say_angle));
     assert_eq!(homed.code, 0, "{}", homed.err);
     let status = user.json(&["status"]);
