@@ -75,8 +75,15 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::NameWeighedFluid => "name the fluid that was weighed with --fluid",
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
         Remedy::FindAngle => {
-            "`dose home --set <ANGLE>` says it; with a sensor or a mark, `dose home` finds it"
+            "`dose home --set <ANGLE>` says it; with a sensor or a mark, `dose home --sensor` or `dose home --mark` \
+             finds it"
         }
+        Remedy::FindAngleOfUnfinished => {
+            "`dose home --unfinished --set <ANGLE>` says the angle and keeps the unfinished dose; with a sensor or a \
+             mark, `dose home --unfinished --sensor` or `dose home --unfinished --mark` finds it"
+        }
+        Remedy::FinishAtConstantSpeed => "`dose resume --rate <FLOW>` makes the rest at constant speed",
+        Remedy::FinishAnywhere => "`dose resume --finish any` lets the rest end anywhere",
         Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",
         Remedy::ThenFindAngle => "find the angle again once the journal can be written",
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
@@ -189,6 +196,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "write your pump's values into a pump file, without confirmed = false and direction_confirmed = false, and \
              name it with --pump; or say --confirm-pump once if these are the values of your pump"
         }
+        Remedy::UpdateFirmware => {
+            "build the firmware of this version (make firmware), hold the board's button BOOTSEL while you plug its \
+             cable in, and drag target/pump-node.uf2 onto the drive that appears"
+        }
+        Remedy::UpdateProgram => "install a version of this program that is as new as the firmware",
         Remedy::DescribeHose => {
             "give the line's hose in the pump file, [inlet.hose] or [outlet.hose], and its resistance follows the fluid"
         }
@@ -215,9 +227,10 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 14] = [
+    const VALUES: [&str; 15] = [
         "<TEXT>",
         "none",
+        "any",
         "<ANGLE>",
         "<FLOW>",
         "<N>",

@@ -4,9 +4,12 @@ use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, Opening};
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::report::Explain;
+use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
+use pump_ctl::plan::Cruise;
 
 use crate::rig::{defective, dose, each, grbl_error, motor, open, refusal, run, start, table, turn_at};
 use crate::simulated::options::{Defects, Firmware, Options};
+use crate::virtual_time::session::VirtualDrive;
 
 fn with(settings: &[(u16, f32)]) -> Options {
     Options { settings: settings.to_vec(), ..Options::default() }
@@ -55,6 +58,26 @@ fn speeds_out_of_reach_are_refused_before_anything_moves() {
         assert!(slow || matches!(error, GrblError::Fast { number: 110, .. }));
     }
     assert_eq!(board.truth().lines.iter().filter(|line| line.starts_with("$J")).count(), 0);
+}
+
+#[test]
+fn a_dose_that_is_too_slow_for_the_board_is_advised_the_finer_microsteps_that_make_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let mut drive = VirtualDrive::new(&board);
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
+    let bench = bench.driven_by(&drive).unwrap().confirming_pump(true);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+    session.connect().unwrap();
+    let slow = DoseRequest::dose(0.5).with_cruise(Some(Cruise::Flow { ml_s: 0.02 }));
+    let error = session.prepare(slow).unwrap_err();
+    let DoseError::TooSlow { speed_rpm, least_rpm, .. } = error else { panic!("{error}") };
+    // The slowest head makes the fewest steps a second, so eight times the steps a revolution are an eighth of it.
+    let of_steps = |steps_per_rev: u32| 60.0 * 30.517_578_125 / f64::from(steps_per_rev);
+    assert!((least_rpm - of_steps(motor().steps_per_rev)).abs() < 1.1e-4, "{least_rpm}");
+    assert!(of_steps(8 * motor().steps_per_rev) < speed_rpm && speed_rpm < least_rpm, "{speed_rpm}");
+    let said = error.to_string();
+    assert!(said.ends_with("ask for that rate or more, or use finer microsteps"), "{said}");
 }
 
 #[test]

@@ -150,6 +150,11 @@ fn a_killed_dose_is_known_between_bounds_and_can_be_accepted_as_it_is() {
     assert!(user.is_refused(&["resume"]).contains("nothing to resume"));
 }
 
+/// Returns words as a person types them.
+fn words(typed: &[String]) -> Vec<&str> {
+    typed.iter().map(String::as_str).collect()
+}
+
 #[test]
 fn a_smooth_dose_that_was_killed_twice_is_homed_and_resumed_as_typed() {
     let user = User::new();
@@ -171,15 +176,23 @@ fn a_smooth_dose_that_was_killed_twice_is_homed_and_resumed_as_typed() {
 
     let refused = user.types(&["resume", "--smooth"]);
     assert_eq!(refused.code, 2, "{}", refused.err);
-    assert!(refused.err.contains("angle"), "{}", refused.err);
+    let advised: Vec<String> = refused.err.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    let typed = |command: &str, value: (&str, &str)| -> Vec<String> {
+        let advice = advised.iter().find(|advice| advice.starts_with(command));
+        let advice =
+            advice.unwrap_or_else(|| panic!("{command} in {}", refused.err)).replace(value.0, value.1);
+        advice.split(' ').skip(1).map(str::to_owned).collect()
+    };
+    let say_angle = typed("dose home --unfinished --set", ("<ANGLE>", "30deg"));
+    let finish = typed("dose resume", ("<FLOW>", "30mL/s"));
     let homed = user.types(&["home", "--set", "30deg"]);
     assert_eq!(homed.code, 4, "{}", homed.err);
-    let homed = user.types(&["home", "--unfinished", "--set", "30deg"]);
+    let homed = user.types(&words(&say_angle));
     assert_eq!(homed.code, 0, "{}", homed.err);
     let status = user.json(&["status"]);
     assert!((number(&status, "angle_deg") - 30.0).abs() < 1e-9, "{status}");
     assert_eq!(status["unfinished"]["requested_ml"], asked, "the dose is kept");
-    let resumed = user.json(&["resume", "--rate", "30mL/s"]);
+    let resumed = user.json(&words(&finish));
     assert_eq!(resumed["completed"], true);
     assert_eq!(user.json(&["status"])["unfinished"], Value::Null);
 }

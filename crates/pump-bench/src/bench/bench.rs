@@ -75,7 +75,8 @@ impl Bench {
         let settings_record = Some(folder.path().join(SETTINGS_RECORD));
         let boards = Some(state_dir.join(BOARDS));
         let port_names = Some(PathBuf::from(PORT_NAMES));
-        let opening = Opening { settings_record, boards, port_names, ..Opening::default() };
+        let pump = Some(file.pump.id.clone());
+        let opening = Opening { pump, settings_record, boards, port_names, ..Opening::default() };
         let (is_given, unfinished, confirms_pump, plans_afresh) = (false, false, false, false);
         let patience = Patience::default();
         Ok(Self {

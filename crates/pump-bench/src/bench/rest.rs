@@ -4,11 +4,11 @@ use pump_ctl::plan::{Finish, Phase};
 
 use super::bench::Bench;
 use super::session::Session;
-use crate::dosing::{DoseError, DoseRequest, Prepared, Swept};
+use crate::dosing::{DoseError, DoseRequest, Prepared, Stands, Swept};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{between, significant};
 use crate::pump_file::PumpFile;
-use crate::record::{Account, PumpState, Purpose, Unfinished, Whole};
+use crate::record::{Account, Intent, PhaseSource, PumpState, Purpose, Unfinished, Whole};
 
 impl Session<'_> {
     /// Plans the rest of the unfinished dose on the terms of the whole dose, in what `request` leaves open:
@@ -133,7 +133,7 @@ impl Bench {
             return Err(DoseError::NoRest { requested_ml, least_ml, most_ml });
         }
         let state = PumpState { unfinished: None, carry_ml, ..state };
-        let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml)?;
+        let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml).map_err(DoseError::of_rest)?;
         prepared.warnings.extend(self.unsure_rest(dose, &prepared));
         if intent.terms.by_weight {
             let text = format!(
@@ -143,6 +143,31 @@ impl Bench {
             prepared.warnings.push(Notice::from(text).with_remedy(Remedy::AcceptAndWeigh));
         }
         Ok(prepared)
+    }
+
+    /// Plans the motion of `intent` anew, as it was announced. `None` if it cannot be planned so: it followed a flow
+    /// over time, which is not on record, or the pump file or the calibration has changed since.
+    pub(super) fn planned_anew(&self, file: &PumpFile, intent: &Intent) -> Option<Prepared> {
+        if intent.terms.profile {
+            return None;
+        }
+        let stored = self.calibrations().active().ok()?;
+        let account = intent.turned.map(|turned| Account { turned, correction: intent.correction });
+        let open_ml = account.map_or(0.0, |account| account.half_width_ml(self.model()));
+        let request = DoseRequest {
+            purpose: intent.purpose,
+            whole_ml: intent.whole.map(|whole| whole.requested_ml),
+            ..DoseRequest::dose(intent.requested_ml).for_rest(&intent.terms)
+        };
+        let stands = Stands {
+            carry_half_width_ml: (intent.carry_in_half_width_ml - open_ml).max(0.0),
+            account,
+            to_end_ml: intent.whole.map(|_| intent.planned_ml),
+            ..Stands::at(intent.start(), PhaseSource::Given, intent.carry_in_ml)
+        };
+        let prepared = Prepared::standing(file, self.model(), stored.as_ref(), request, stands).ok()?;
+        let is_same = prepared.plan.steps() == intent.steps && prepared.correction() == intent.correction;
+        is_same.then_some(prepared)
     }
 
     /// Warns of a rest after a part whose volume is known within bounds only.

@@ -44,6 +44,9 @@ pub enum DoseError {
     /// The dose cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// The rest of an unfinished dose needs the rollers' angle, which is not known well enough.
+    #[error(transparent)]
+    RestWithoutAngle(PlanError),
     /// The motion is faster than the device makes it, whatever the pump file allows. Nothing has moved.
     #[error(
         "the {driver} driver makes {most_steps_s:.0} steps/s at most, and so {limit_rpm:.2} of the {file_rpm} r/min \
@@ -238,7 +241,7 @@ pub enum DoseError {
     #[error(
         "the dose would peak at {speed_rpm:.4} r/min, and {driver} cannot turn slower than {least_rpm:.4} \
          r/min ({least_ml_s:.4} mL/s): it would run at that speed instead; ask for that rate or more, or \
-         use fewer microsteps"
+         use finer microsteps"
     )]
     TooSlow {
         /// Name of the drive.
@@ -452,6 +455,16 @@ pub enum DoseError {
 }
 
 impl DoseError {
+    /// Returns the error of the rest of a dose: a rest that needs the angle has other remedies than a new dose.
+    pub(crate) fn of_rest(self) -> Self {
+        match self {
+            Self::Plan(
+                error @ (PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }),
+            ) => Self::RestWithoutAngle(error),
+            error => error,
+        }
+    }
+
     /// Returns true if the user asked to stop before anything moved.
     pub(crate) fn is_stop(&self) -> bool {
         matches!(self, Self::Connection(DriveError::Interrupted))

@@ -44,6 +44,8 @@ pub(super) enum BoardError {
     Other {
         /// Path of the port.
         port: PathBuf,
+        /// Id of the pump, as [`Opening::pump`].
+        pump: Option<String>,
         /// Words for the board at the port.
         found: String,
         /// Words for the board on record.
@@ -58,6 +60,11 @@ pub(super) enum BoardError {
         /// Cause of the failure.
         reason: String,
     },
+}
+
+/// Names the pump of a record.
+pub(super) fn pump_in_words(pump: Option<&str>) -> String {
+    pump.map_or_else(|| "the pump".to_owned(), |id| format!("pump `{id}`"))
 }
 
 impl KnownBoard {
@@ -93,7 +100,7 @@ impl KnownBoard {
         let another = recorded.as_ref().filter(|recorded| !self.is_same(recorded)).map(Self::to_string);
         if let Some(recorded) = another.clone().filter(|_| !opening.accept_settings) {
             let (port, found) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
-            return Err(BoardError::Other { port, found, recorded });
+            return Err(BoardError::Other { port, pump: opening.pump.clone(), found, recorded });
         }
         if recorded.as_ref() != Some(self) && !opening.records_later {
             self.write(&path)?;
@@ -117,8 +124,8 @@ impl KnownBoard {
         match recorded {
             Some(recorded) if found.port_name != recorded.port_name => {
                 let recorded = Self { text: None, ..recorded };
-                let (port, found) = (port.to_owned(), found.to_string());
-                Err(BoardError::Other { port, found, recorded: recorded.to_string() })
+                let (port, pump, found) = (port.to_owned(), opening.pump.clone(), found.to_string());
+                Err(BoardError::Other { port, pump, found, recorded: recorded.to_string() })
             }
             _ => Ok(()),
         }

@@ -17,6 +17,8 @@ pub struct Opening {
     pub acceleration_rad_s2: Option<f64>,
     /// True if the board and its settings may differ from those on record. They are on record from then on.
     pub accept_settings: bool,
+    /// Id of the pump, by which messages name it. `None` if the drive is opened for no pump of a bench.
+    pub pump: Option<String>,
     /// File that holds the device settings of the last time. The record of the board is beside it. `None` keeps no
     /// record of either.
     pub settings_record: Option<PathBuf>,

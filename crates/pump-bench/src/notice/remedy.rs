@@ -72,6 +72,12 @@ pub enum Remedy {
     NameWeighedFluid,
     /// Find the angle of the rollers.
     FindAngle,
+    /// Find the angle of the rollers of an unfinished dose, which stays on record.
+    FindAngleOfUnfinished,
+    /// Make the rest of the unfinished dose at a constant speed.
+    FinishAtConstantSpeed,
+    /// Make the rest of the unfinished dose up to any end.
+    FinishAnywhere,
     /// Find the angle of the rollers, or say it.
     FindOrSayAngle,
     /// Find the angle of the rollers again once the cause is removed.
@@ -188,6 +194,10 @@ pub enum Remedy {
     ListHeads,
     /// Write the values of the own pump into a pump file, or confirm that the values are right.
     WriteOrConfirmPump,
+    /// Update the firmware of the board.
+    UpdateFirmware,
+    /// Update this program.
+    UpdateProgram,
     /// Describe the lines by their hoses, so that their resistance follows the fluid.
     DescribeHose,
 }
@@ -227,6 +237,9 @@ impl Remedy {
         Self::ChangeFileAlone,
         Self::NameWeighedFluid,
         Self::FindAngle,
+        Self::FindAngleOfUnfinished,
+        Self::FinishAtConstantSpeed,
+        Self::FinishAnywhere,
         Self::FindOrSayAngle,
         Self::ThenFindAngle,
         Self::FindAngleDropCarry,
@@ -285,6 +298,8 @@ impl Remedy {
         Self::PrintSource,
         Self::ListHeads,
         Self::WriteOrConfirmPump,
+        Self::UpdateFirmware,
+        Self::UpdateProgram,
         Self::DescribeHose,
     ];
 }

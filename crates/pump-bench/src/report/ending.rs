@@ -49,6 +49,7 @@ impl DoseError {
             | Self::NotRecorded { .. } => Ending::Moved,
             Self::PumpFile(_)
             | Self::Plan(_)
+            | Self::RestWithoutAngle(_)
             | Self::DeviceSpeed { .. }
             | Self::Profile(_)
             | Self::Flow(_)

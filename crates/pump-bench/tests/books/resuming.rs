@@ -116,7 +116,7 @@ fn a_smooth_dose_that_was_killed_twice_is_resumed_at_constant_speed() {
     let at_speed = DoseRequest::dose(0.0).with_cruise(slow);
     lab.resumed_and_killed(at_speed, 3);
     let refused = lab.bench.session().unwrap().prepare_rest(at_speed.with_smooth(true));
-    assert!(matches!(refused, Err(DoseError::Plan(_))), "{refused:?}");
+    assert!(matches!(refused, Err(DoseError::RestWithoutAngle(_))), "{refused:?}");
     let rest = lab.rest(at_speed);
     assert!(!rest.plan.is_smooth() && rest.plan.steps() > 0);
 }

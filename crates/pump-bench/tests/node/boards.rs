@@ -80,7 +80,7 @@ fn boards_without_numbers_are_told_apart_by_the_names_of_their_ports() {
     let computer = computer.plugged(0, "usb-right");
     let refused = computer.open(false).unwrap_err();
     let said = node_error(&refused).to_string();
-    assert!(said.contains("is usb-right, and the pump's record is of usb-left"), "{said}");
+    assert!(said.contains("is usb-right, and the record of the pump is of usb-left"), "{said}");
     drop(computer.open(true).unwrap());
 }
 

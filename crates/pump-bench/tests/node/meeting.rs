@@ -3,6 +3,7 @@
 use pump_bench::built_in;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Node, NodeError, Opening, StopRequest};
 use pump_bench::pump_file::Axis;
+use pump_bench::report::{Explain, Remedy};
 use pump_ctl::plan::{Cruise, Doser, Phase, Request};
 use pump_link::sender::TooFast;
 
@@ -28,10 +29,12 @@ fn another_board_on_the_port_is_refused_until_it_is_accepted() {
     let mut rig = Rig::new();
     drop(rig.open());
     rig.world = SharedWorld::of_board(0x5ec0d);
-    let refused = rig.open_by(&Rig::table(), &rig.opening()).unwrap_err();
+    let opening = Opening { pump: Some("acid".to_owned()), ..rig.opening() };
+    let refused = rig.open_by(&Rig::table(), &opening).unwrap_err();
     assert!(matches!(node_error(&refused), NodeError::OtherBoard { .. }), "{refused}");
     let said = node_error(&refused).to_string();
     assert!(said.contains("000000000005ec0d") && said.contains("00000000000b0a2d"), "{said}");
+    assert!(said.contains("the record of pump `acid` is of number"), "{said}");
     let accepting = Opening { accept_settings: true, ..rig.opening() };
     drop(rig.open_by(&Rig::table(), &accepting).unwrap());
     drop(rig.open());
@@ -39,9 +42,9 @@ fn another_board_on_the_port_is_refused_until_it_is_accepted() {
 
 #[test]
 fn whatever_else_is_at_the_port_is_named_within_seconds() {
-    let no_version = {
-        // A frame of version 9, as this version of the protocol frames it.
-        let mut plain = vec![9; 19];
+    let of_version = |version: u8| {
+        // A frame of another version, as this version of the protocol frames it.
+        let mut plain = vec![version; 19];
         plain.push(0);
         let sum = crc32(&plain).to_le_bytes();
         plain.extend(sum);
@@ -51,20 +54,35 @@ fn whatever_else_is_at_the_port_is_named_within_seconds() {
         frame
     };
     type Is = fn(&NodeError) -> bool;
-    let cases: [(Vec<u8>, Is); 3] = [
-        (Vec::new(), |error| matches!(error, NodeError::Silent { .. })),
-        (b"Grbl 1.1h ['$' for help]\r\n".to_vec(), |error| matches!(error, NodeError::Foreign { .. })),
-        (no_version, |error| {
-            matches!(error, NodeError::Version { theirs: 9, .. })
-                && error.to_string().contains("/dev/ttyACM0")
-        }),
+    let cases: [(Vec<u8>, Is, &[Remedy]); 4] = [
+        (Vec::new(), |error| matches!(error, NodeError::Silent { .. }), &[]),
+        (b"Grbl 1.1h ['$' for help]\r\n".to_vec(), |error| matches!(error, NodeError::Foreign { .. }), &[]),
+        (
+            of_version(9),
+            |error| {
+                let said = error.to_string();
+                matches!(error, NodeError::Version { theirs: 9, .. })
+                    && said.contains("/dev/ttyACM0")
+                    && said.ends_with(": this program is the older")
+            },
+            &[Remedy::UpdateProgram],
+        ),
+        (
+            of_version(1),
+            |error| {
+                matches!(error, NodeError::Version { theirs: 1, .. })
+                    && error.to_string().ends_with(": the firmware is the older")
+            },
+            &[Remedy::UpdateFirmware],
+        ),
     ];
-    for (bytes, is) in cases {
+    for (bytes, is, remedies) in cases {
         let rig = Rig::new();
         rig.world.0.lock().unwrap().foreign = Some(bytes);
         let began_us = rig.world.now_us();
         let refused = rig.open_by(&Rig::table(), &rig.opening()).unwrap_err();
         assert!(is(node_error(&refused)), "{refused:?}");
+        assert_eq!(refused.remedies(), remedies, "{refused:?}");
         assert!(rig.world.now_us() - began_us < 4_000_000);
         assert!(!rig.record().exists() && rig.world.rises().is_empty());
     }

@@ -1,9 +1,11 @@
 //! Doses by a bench, with its journal: finished, killed and resumed.
 
+use std::fs;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pump_bench::drives::Node;
+use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::{Bench, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Cruise, Phase};
 
@@ -49,4 +51,49 @@ fn a_dose_that_was_killed_is_counted_to_the_step_and_resumed() {
     assert!(session.run(&rest, |_| ControlFlow::Continue(())).unwrap().completed);
     assert_eq!(rig.world.count(), count + rest.plan.steps());
     assert!(session.state().unwrap().unfinished.is_none());
+}
+
+/// Returns the dose in the log.
+fn logged(bench: &Bench) -> LogEntry {
+    match bench.log().unwrap().next().unwrap().unwrap() {
+        LogLine::Dose(entry) => entry,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_part_that_a_killed_process_made_is_logged_as_sure_as_one_that_was_stopped() {
+    for request in [request(), DoseRequest::dose(40.0)] {
+        let rig = Rig::new();
+        let folder = tempfile::tempdir().unwrap();
+        let mut drive = rig.open();
+        let bench = bench(folder.path(), &drive);
+        {
+            let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+            session.connect().unwrap();
+            session.set_angle(Some(Phase::known(0.0))).unwrap();
+            let prepared = session.prepare(request).unwrap();
+            let stop = |made| if made < 800 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+            assert!(!session.run(&prepared, stop).unwrap().completed);
+        }
+        let stopped = logged(&bench);
+        assert_eq!(stopped.end, LogEnd::Stopped);
+        // A process that was killed leaves no rest and no entry, and the board still has the count.
+        let journal = bench.folder().path().join("journal.jsonl");
+        let text = fs::read_to_string(&journal).unwrap();
+        let lines: Vec<&str> = text.split_inclusive('\n').collect();
+        let announced = lines.iter().rposition(|line| line.contains("\"progress\"")).unwrap();
+        fs::write(&journal, lines[..=announced].concat()).unwrap();
+        fs::remove_file(bench.folder().path().join("log.jsonl")).unwrap();
+        drop(drive);
+        let mut drive = rig.open();
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        session.connect().unwrap();
+        session.discard().unwrap();
+        let killed = logged(&bench);
+        assert_eq!((killed.end, killed.steps), (LogEnd::CutOff, stopped.steps));
+        assert!((killed.delivered_ml - stopped.delivered_ml).abs() < 1e-9, "{killed:?}");
+        let [killed_ml, stopped_ml] = [killed, stopped].map(|dose| dose.expanded_uncertainty_ml.unwrap());
+        assert!((killed_ml - stopped_ml).abs() < 1e-9, "{killed_ml} {stopped_ml}");
+    }
 }

@@ -51,6 +51,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "make it more pitches long, or find the angle with bench.home_sensor()"
         }
         Remedy::FindAngle => "bench.home_sensor() or bench.home_mark() finds it",
+        Remedy::FindAngleOfUnfinished => {
+            "accept the dose with bench.discard(); then bench.home_set(angle_rad) says the angle"
+        }
+        Remedy::FinishAtConstantSpeed => "bench.resume(rate=...) makes the rest at constant speed",
+        Remedy::FinishAnywhere => "bench.resume(finish=\"any\") lets the rest end anywhere",
         Remedy::FindOrSayAngle => "bench.home_sensor() finds it, or bench.home_set(angle_rad) says it",
         Remedy::ThenFindAngle => "find the angle again once the journal can be written",
         Remedy::FindAngleDropCarry => "bench.home_sensor() finds the angle and drops the carry",
@@ -169,6 +174,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "write your pump's values into a pump file, without confirmed = false and direction_confirmed = false; or, \
              if these are your pump's, open the bench once with confirm_pump=True"
         }
+        Remedy::UpdateFirmware => {
+            "build the firmware of this version (make firmware), hold the board's button BOOTSEL while you plug its \
+             cable in, and drag target/pump-node.uf2 onto the drive that appears"
+        }
+        Remedy::UpdateProgram => "install a version of this package that is as new as the firmware",
         Remedy::DescribeHose => {
             "give the line's hose in the pump file, [inlet.hose] or [outlet.hose], and its resistance follows the fluid"
         }

@@ -170,6 +170,7 @@ fn class(error: DoseError) -> PyErr {
     match error {
         DoseError::PumpFile(error) => pump_file(error),
         DoseError::Plan(error) => plan(error),
+        DoseError::RestWithoutAngle(_) => PlanError::new_err(message),
         DoseError::Calibration(error) => calibration(error),
         DoseError::Displacement(DisplacementError::Model(error)) => model(error),
         DoseError::NoRest { .. }

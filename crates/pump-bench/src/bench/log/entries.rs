@@ -6,7 +6,7 @@ use crate::bench::announced_steps::Halt;
 use crate::bench::recorded_motion::RecordedMotion;
 use crate::bench::session::Session;
 use crate::bench::{DeliveredByWeight, PreparedByWeight};
-use crate::dosing::{RunBound, Swept, weighed_shares};
+use crate::dosing::{Prepared, RunBound, Swept, weighed_shares};
 use crate::notice::with_sources;
 use crate::record::{
     Clock, DosedFluid, Intent, LogEnd, LogEntry, PumpState, Purpose, ShortText, Stamp, Told, Unfinished, Why,
@@ -145,7 +145,7 @@ impl Session<'_> {
     /// Returns the entry of a dose by weight, all its stretches, which began at `began`.
     fn entry_by_weight(&self, began: Stamp, end: LogEnd) -> Option<LogEntry> {
         let dose = self.stands().unfinished.filter(|dose| dose.intent.terms.by_weight)?;
-        let entry = LogEntry::of(&dose, self.bench.model(), end, self.stands().tube(), self.log.doses + 1);
+        let entry = self.entry_of(&dose, end);
         let earlier_ml = dose.intent.told.map_or(0.0, |told| told.earlier_ml);
         Some(LogEntry { time: began, requested_ml: dose.intent.whole_requested_ml() - earlier_ml, ..entry })
     }
@@ -157,8 +157,7 @@ impl Session<'_> {
             let left = self.log.unlogged.take()?;
             let found = self.found(&left, why, state);
             let before = self.stands();
-            let mut entry =
-                LogEntry::of(&found, self.bench.model(), LogEnd::CutOff, before.tube(), self.log.doses + 1);
+            let mut entry = self.entry_of(&found, LogEnd::CutOff);
             // The first stretch of a dose by weight began it.
             if let Some(last) = before.last.filter(|_| left.intent.terms.by_weight) {
                 entry.time.unix_s = last.unix_s;
@@ -186,23 +185,47 @@ impl Session<'_> {
     fn entry(&self, part: &Unfinished, end: LogEnd) -> Option<LogEntry> {
         let intent = &part.intent;
         let is_own = intent.purpose != Purpose::Jog && !intent.terms.by_weight;
-        is_own.then(|| LogEntry::of(part, self.bench.model(), end, self.stands().tube(), self.log.doses + 1))
+        is_own.then(|| self.entry_of(part, end))
+    }
+
+    /// Returns the entry of `part`, whatever its purpose.
+    fn entry_of(&self, part: &Unfinished, end: LogEnd) -> LogEntry {
+        let (model, tube, number) = (self.bench.model(), self.stands().tube(), self.log.doses + 1);
+        LogEntry::of(part, model, end, tube, number, self.part_uncertainty_ml(part))
+    }
+
+    /// Returns the expanded uncertainty of the most steps that a motion on record may have made, in mL. `None` for a
+    /// motion whose plan had none.
+    fn part_uncertainty_ml(&self, part: &Unfinished) -> Option<f64> {
+        let intent = &part.intent;
+        let whole_ml = intent.told?.expanded_uncertainty_ml?;
+        let (made, all) = (part.made_most.max(0).unsigned_abs(), intent.steps.unsigned_abs());
+        if made >= all {
+            return Some(whole_ml);
+        }
+        let prepared = self.bench.planned_anew(self.file(), intent);
+        Some(prepared.map_or(whole_ml, |prepared| self.expanded_ml(&prepared, made)))
     }
 
     /// Returns the expanded uncertainty of the first `made` steps, in mL. `None` for a motion that was not prepared.
     fn uncertainty_ml(&self, motion: &RecordedMotion<'_>, made: u64) -> Option<f64> {
         let prepared = motion.prepared.filter(|_| !motion.terms.by_weight)?;
-        let (model, plan) = (&prepared.model, &prepared.plan);
         if let PlannedMotion::Flow(flow) = motion.plan {
-            let part = Swept::flow(model, flow, made);
+            let part = Swept::flow(&prepared.model, flow, made);
             let backflow_ml = prepared.backflow_in_ml(motion.plan, made);
             let backflow_ml = backflow_ml.unwrap_or(prepared.back_flow.backflow_ml);
             return Some(prepared.budget(self.bench.file(), &part, backflow_ml).expanded_ml());
         }
+        Some(self.expanded_ml(prepared, made))
+    }
+
+    /// Returns the expanded uncertainty of the first `made` steps of a dose, in mL.
+    fn expanded_ml(&self, prepared: &Prepared, made: u64) -> f64 {
+        let (model, plan) = (&prepared.model, &prepared.plan);
         let is_whole = made == plan.steps().unsigned_abs();
         let part = if is_whole { Swept::whole(model, plan) } else { Swept::part(model, plan, made) };
         let backflow_ml = prepared.backflow_of_ml(made).unwrap_or(prepared.back_flow.backflow_ml);
-        Some(prepared.budget(self.bench.file(), &part, backflow_ml).expanded_ml())
+        prepared.budget(self.bench.file(), &part, backflow_ml).expanded_ml()
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::drives::known_board::BoardError;
+use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 
@@ -198,12 +198,14 @@ pub enum GrblError {
     },
     /// Another board is at the port than the one on record.
     #[error(
-        "the board at {} is {found}, and the pump's record is of {recorded}; connect that board, or name its port",
-        .port.display()
+        "the board at {} is {found}, and the record of {} is of {recorded}; connect that board, or name its port",
+        .port.display(), pump_in_words(pump.as_deref())
     )]
     OtherBoard {
         /// Path of the port.
         port: PathBuf,
+        /// Id of the pump whose record it is. `None` if the drive was opened for no pump of a bench.
+        pump: Option<String>,
         /// Board at the port, as the message words it.
         found: String,
         /// Board on record, as the message words it.
@@ -373,7 +375,9 @@ impl GrblError {
 impl From<BoardError> for GrblError {
     fn from(error: BoardError) -> Self {
         match error {
-            BoardError::Other { port, found, recorded } => Self::OtherBoard { port, found, recorded },
+            BoardError::Other { port, pump, found, recorded } => {
+                Self::OtherBoard { port, pump, found, recorded }
+            }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }

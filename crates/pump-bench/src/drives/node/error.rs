@@ -9,7 +9,7 @@ use pump_link::message::Refusal;
 use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
-use crate::drives::known_board::BoardError;
+use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 use crate::pump_file::Axis;
@@ -58,9 +58,9 @@ pub enum NodeError {
     },
     /// The firmware speaks another version of the protocol.
     #[error(
-        "the firmware of the board at {} speaks version {theirs} of the protocol, and this program speaks {VERSION}; \
-         update the older of the two",
-        .port.display()
+        "the firmware of the board at {} speaks version {theirs} of the protocol, and this program speaks {VERSION}: \
+         {} is the older",
+        .port.display(), if *theirs < VERSION { "the firmware" } else { "this program" }
     )]
     Version {
         /// Path of the port.
@@ -70,12 +70,14 @@ pub enum NodeError {
     },
     /// Another board is at the port than the one on record.
     #[error(
-        "the board at {} is {found}, and the pump's record is of {recorded}; connect that board, or name its port",
-        .port.display()
+        "the board at {} is {found}, and the record of {} is of {recorded}; connect that board, or name its port",
+        .port.display(), pump_in_words(pump.as_deref())
     )]
     OtherBoard {
         /// Path of the port.
         port: PathBuf,
+        /// Id of the pump whose record it is. `None` if the drive was opened for no pump of a bench.
+        pump: Option<String>,
         /// Board at the port, as the message words it.
         found: String,
         /// Board on record, as the message words it.
@@ -342,7 +344,9 @@ impl NodeError {
 impl From<BoardError> for NodeError {
     fn from(error: BoardError) -> Self {
         match error {
-            BoardError::Other { port, found, recorded } => Self::OtherBoard { port, found, recorded },
+            BoardError::Other { port, pump, found, recorded } => {
+                Self::OtherBoard { port, pump, found, recorded }
+            }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }

@@ -32,7 +32,8 @@ pub struct LogEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delivered_range_ml: Option<(f64, f64)>,
     /// Expanded uncertainty (k = 2) of the delivered volume, in mL. `None` for a retraction. A dose that was cut off
-    /// has that of the whole plan, with half of the volume of the steps that nobody counted added.
+    /// has that of the part that was made, with half of the volume of the steps that nobody counted added. It is that
+    /// of the whole plan if the pump file or the calibration has changed since, so that the plan cannot be made anew.
     pub expanded_uncertainty_ml: Option<f64>,
     /// Carry to the next dose, in mL. Positive toward the outlet.
     pub carry_ml: f64,
@@ -62,8 +63,16 @@ pub struct LogEntry {
 
 impl LogEntry {
     /// Describes a motion of `part` that the drive has ended, or of which nobody has recorded the end. `number` is the
-    /// next number, for a motion of an early version that tells none.
-    pub(crate) fn of(part: &Unfinished, pump: &Pump, end: LogEnd, tube: u32, number: u64) -> Self {
+    /// next number, for a motion of an early version that tells none. `expanded_ml` is the expanded uncertainty of the
+    /// most steps that it may have made, in mL.
+    pub(crate) fn of(
+        part: &Unfinished,
+        pump: &Pump,
+        end: LogEnd,
+        tube: u32,
+        number: u64,
+        expanded_ml: Option<f64>,
+    ) -> Self {
         let Unfinished { intent, made_least, made_most, .. } = *part;
         let told = intent.told;
         let is_exact = made_least == made_most;
@@ -74,12 +83,12 @@ impl LogEntry {
         } else {
             part.motion_delivered(pump)
         };
-        // The plan's uncertainty has the angle's share. The steps that nobody counted are added. The plan of a run
+        // The uncertainty has the angle's share. The steps that nobody counted are added. The plan of a run
         // until it is stopped is no measure of what it delivered, so its bounds alone are told.
         let [fewest_ml, most_steps_ml] = [made_least, made_most].map(|made| intent.delivered_ml(pump, made));
         let half_ml = 0.5 * (most_steps_ml - fewest_ml).abs();
         let is_endless = intent.terms.until_stopped;
-        let uncertainty_ml = told.and_then(|told| told.expanded_uncertainty_ml).filter(|_| !is_endless);
+        let uncertainty_ml = expanded_ml.filter(|_| !is_endless);
         Self {
             number: told.map_or(number, |told| told.number),
             time: Stamp::new(intent.unix_s, told.map_or(0, |told| told.utc_offset_s)),

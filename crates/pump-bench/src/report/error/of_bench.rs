@@ -17,7 +17,7 @@ impl Explain for DoseError {
         let ml = |volume_ml: f64| format!("{} mL", Shown(volume_ml));
         match self {
             Self::PumpFile(error) => error.facts(),
-            Self::Plan(error) => error.facts(),
+            Self::Plan(error) | Self::RestWithoutAngle(error) => error.facts(),
             Self::Profile(error) => error.facts(),
             Self::Flow(error) | Self::SteepFlow { source: error, .. } => error.facts(),
             Self::Folder(error) => error.facts(),

@@ -35,6 +35,13 @@ impl DoseError {
             | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
                 vec![Remedy::FindAngle]
             }
+            Self::RestWithoutAngle(error) => {
+                let or_else = match error {
+                    PlanError::LowFlowWithoutAngle { .. } => Remedy::FinishAnywhere,
+                    _ => Remedy::FinishAtConstantSpeed,
+                };
+                vec![Remedy::FindAngleOfUnfinished, or_else]
+            }
             Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
@@ -52,10 +59,10 @@ impl DoseError {
             Self::SlowDisk { .. } => vec![Remedy::FasterDisk, Remedy::ThenSeeStatus],
             Self::Panicked => vec![Remedy::SeeStatusThenFinish],
             Self::Drive { error, unfinished: true, over_time: true, .. } => {
-                then(error.known_remedies(), Remedy::Accept)
+                then(while_unfinished(error.known_remedies()), Remedy::Accept)
             }
             Self::Drive { error, unfinished: true, .. } => {
-                then(error.known_remedies(), Remedy::SeeStatusThenFinish)
+                then(while_unfinished(error.known_remedies()), Remedy::SeeStatusThenFinish)
             }
             Self::Drive { error, unfinished: false, .. } => then(error.known_remedies(), Remedy::SeeStatus),
             Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.known_remedies(),
@@ -82,6 +89,14 @@ impl DoseError {
             | Self::NothingUnfinished(_) => Vec::new(),
         }
     }
+}
+
+/// Returns the remedies as they are while a dose is unfinished.
+fn while_unfinished(mut remedies: Vec<Remedy>) -> Vec<Remedy> {
+    for remedy in remedies.iter_mut().filter(|remedy| **remedy == Remedy::FindAngle) {
+        *remedy = Remedy::FindAngleOfUnfinished;
+    }
+    remedies
 }
 
 /// Returns the remedy of a dose by weight that has no rest by weight.

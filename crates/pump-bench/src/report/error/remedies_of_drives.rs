@@ -2,6 +2,9 @@
 
 use std::error::Error as StdError;
 
+#[cfg(feature = "node")]
+use pump_link::frame::VERSION;
+
 use crate::drives::DriveError;
 #[cfg(feature = "grbl")]
 use crate::drives::GrblError;
@@ -60,6 +63,8 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
     match error {
         NodeError::NoPort => Some(Remedy::NamePort),
         NodeError::Open { fault, .. } => of_port(fault),
+        NodeError::Version { theirs, .. } if *theirs < VERSION => Some(Remedy::UpdateFirmware),
+        NodeError::Version { .. } => Some(Remedy::UpdateProgram),
         NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
         NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         NodeError::Gone(_) => Some(Remedy::CheckCable),
