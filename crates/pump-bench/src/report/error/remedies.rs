@@ -35,13 +35,7 @@ impl DoseError {
             | Self::Plan(PlanError::SmoothWithoutAngle { .. } | PlanError::LowFlowWithoutAngle { .. }) => {
                 vec![Remedy::FindAngle]
             }
-            Self::RestWithoutAngle(error) => {
-                let or_else = match error {
-                    PlanError::LowFlowWithoutAngle { .. } => Remedy::FinishAnywhere,
-                    _ => Remedy::FinishAtConstantSpeed,
-                };
-                vec![Remedy::FindAngleOfUnfinished, or_else]
-            }
+            Self::RestWithoutAngle(error) => vec![Remedy::FindAngleOfUnfinished, rest_without_angle(error)],
             Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
@@ -58,11 +52,9 @@ impl DoseError {
             }
             Self::SlowDisk { .. } => vec![Remedy::FasterDisk, Remedy::ThenSeeStatus],
             Self::Panicked => vec![Remedy::SeeStatusThenFinish],
-            Self::Drive { error, unfinished: true, over_time: true, .. } => {
-                then(while_unfinished(error.known_remedies()), Remedy::Accept)
-            }
-            Self::Drive { error, unfinished: true, .. } => {
-                then(while_unfinished(error.known_remedies()), Remedy::SeeStatusThenFinish)
+            Self::Drive { error, unfinished: true, over_time, .. } => {
+                let last = if *over_time { Remedy::Accept } else { Remedy::SeeStatusThenFinish };
+                then(while_unfinished(error.known_remedies()), last)
             }
             Self::Drive { error, unfinished: false, .. } => then(error.known_remedies(), Remedy::SeeStatus),
             Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.known_remedies(),
@@ -88,6 +80,14 @@ impl DoseError {
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
         }
+    }
+}
+
+/// Returns the way to finish a dose without the angle that its rest needs.
+fn rest_without_angle(error: &PlanError) -> Remedy {
+    match error {
+        PlanError::LowFlowWithoutAngle { .. } => Remedy::FinishAnywhere,
+        _ => Remedy::FinishAtConstantSpeed,
     }
 }
 
