@@ -89,8 +89,10 @@ fn a_node_of_another_version_is_named_whichever_driver_asks() {
     let desk = Desk::new();
     for driver in ["grbl", "node"] {
         let refused = desk.types(&["1mL", "--driver", driver, "--port", &port, "--confirm-pump"]);
-        let said = "the board's firmware speaks version 9 of the protocol, and this program speaks ";
-        assert!(refused.code == 2 && refused.err.contains(said), "{driver}: {}", refused.err);
+        let said = format!(
+            "the firmware of the board at {port} speaks version 9 of the protocol, and this program speaks "
+        );
+        assert!(refused.code == 2 && refused.err.contains(&said), "{driver}: {}", refused.err);
     }
     drop(kept);
 }
