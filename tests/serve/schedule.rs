@@ -101,7 +101,7 @@ fn a_doubt_comes_and_goes_with_the_files_that_its_trial_reads() {
     let laboratory = Laboratory::new(&["acid", "base"], more);
     let text = "schema = \"schedule/1\"\n[[entry]]\nname = \"a\"\npump = \"acid\"\ndose = \"25mL\"\nat = \"03:00\"\n\
         options = { rate = \"50mL/s\" }\n[[entry]]\nname = \"b\"\nrack = \"night\"\nat = \"04:00\"\n\
-        [[entry]]\nname = \"c\"\npump = \"base\"\nprime = \"5mL\"\nat = \"05:00\"\n";
+        [[entry]]\nname = \"c\"\npump = \"base\"\ndose = \"5mL\"\nat = \"05:00\"\n";
     fs::write(laboratory.path("schedule.toml"), text).unwrap();
     let service = laboratory.serve(&["--pace", "fast"]);
     let doubts = || {
@@ -136,6 +136,8 @@ fn a_doubt_comes_and_goes_with_the_files_that_its_trial_reads() {
     let weighed = json!({"reading": "15g", "options": {"anyway": true}});
     let (status, made) = service.post("/api/v1/pumps/acid/calibrate", &weighed);
     assert_eq!(status, 202, "{made}");
+    let used = laboratory.run(&["calibrate", "use", "1", "--pump", "acid"]);
+    assert_eq!(used.status.code(), Some(0), "{used:?}");
     becomes("the calibration", [true, false, false]);
     // An edit of another entry tells no doubt again.
     let edited = text.replace("\"5mL\"", "\"900000L\"");
