@@ -50,8 +50,8 @@ pub(super) async fn doubted_key(entry: &Entry, service: &Service) -> &'static st
     }
 }
 
-/// Returns the refusal of an option that no order has. It names the options of an entry, which `allowed` has among those
-/// of an order.
+/// Returns the refusal of an option that no order has. It names the options of an entry, which `allowed` has among
+/// those of an order.
 fn no_option(option: String, allowed: &str) -> String {
     let is_own = |name: &&str| !NO_OPTIONS.iter().any(|(known, _)| known == name);
     let allowed = allowed.split(", ").filter(is_own).collect::<Vec<_>>().join(", ");

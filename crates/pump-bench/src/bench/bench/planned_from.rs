@@ -45,8 +45,8 @@ impl Bench {
         Ok(Some(PumpState { confirmed_pump, ..fresh.as_recorded(self.model().pitch_rad()) }))
     }
 
-    /// Plans as if `state` were on record. Where the record is left out and that is refused, other angles of a pitch are
-    /// tried too, as nobody knows at which one the rotor stands on the night. Returns the first refusal if each one is
+    /// Plans as if `state` were on record. Where the record is left out and that is refused, other angles of a pitch
+    /// are tried too, as nobody knows at which one the rotor stands on the night. Returns the first refusal if each one is
     /// refused.
     pub(in crate::bench) fn plan_at_some_angle<T, E>(
         &self,

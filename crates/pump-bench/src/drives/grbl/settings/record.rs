@@ -60,8 +60,8 @@ pub(super) fn compare(
     Ok(changes.into_iter().map(|(number, change)| (number, format!("{change}: accepted"))).collect())
 }
 
-/// Returns the limits of the axis of `table` by the settings on record. `step_rad` is a step of the motor, in rad of the
-/// pump head. `None` if they are not on record.
+/// Returns the limits of the axis of `table` by the settings on record. `step_rad` is a step of the motor, in rad of
+/// the pump head. `None` if they are not on record.
 ///
 /// # Errors
 ///
