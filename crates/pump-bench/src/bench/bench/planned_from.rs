@@ -46,8 +46,8 @@ impl Bench {
     }
 
     /// Plans as if `state` were on record. Where the record is left out and that is refused, other angles of a pitch
-    /// are tried too, as nobody knows at which one the rotor stands on the night. Returns the first refusal if each one is
-    /// refused.
+    /// are tried too, as nobody knows at which one the rotor stands on the night. Returns the first refusal if each one
+    /// is refused.
     pub(in crate::bench) fn plan_at_some_angle<T, E>(
         &self,
         state: Option<PumpState>,
