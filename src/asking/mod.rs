@@ -53,8 +53,8 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     let config = Config::of_user(text("config").map(Path::new)).ok()?;
     let state_dir = text("state_dir").map(Into::into).or_else(|| config.state_dir().ok())?;
     let is_rack = path == ["run"] && text("rack").is_some();
-    let pump = text("pump").and_then(|pump| pump.to_str()).unwrap_or(config.default_pump());
-    let pump = if is_rack { "" } else { pump };
+    let named = text("pump").and_then(|pump| pump.to_str()).or(config.named_default_pump());
+    let pump = if is_rack { "" } else { named.unwrap_or(config.default_pump()) };
     if let Some(service) = Service::beside(&state_dir) {
         if is_status {
             if service.answers() {
@@ -64,6 +64,8 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
             return Some(service.follow(answer, json));
         }
     }
+    // Where nobody names a pump, that service takes the default of its own configuration.
+    let pump = if is_rack { "" } else { named.unwrap_or_default() };
     Some(match Service::at(config.service().url()?, &config) {
         Ok(service) if is_status => {
             let word = |id: &str| text(id).map(|word| word.to_string_lossy());

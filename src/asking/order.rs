@@ -11,7 +11,7 @@ use crate::cli;
 const NO_OPTIONS: [&str; 6] = ["pump", "config", "state_dir", "format", "verbose", "rack"];
 
 /// Returns the body that orders what `leaf`, the command at `path`, asks of `pump`. Its options are those that were
-/// typed; the service refuses those that are for no order.
+/// typed; the service refuses those that are for no order. An empty `pump` is the service's default.
 pub(super) fn of(leaf: &ArgMatches, path: &[&str], pump: &str, json: bool) -> Value {
     let typed = |id: &str| {
         leaf.ids().any(|known| known == id) && leaf.value_source(id) == Some(ValueSource::CommandLine)
@@ -35,7 +35,7 @@ pub(super) fn of(leaf: &ArgMatches, path: &[&str], pump: &str, json: bool) -> Va
         options.insert(name.to_owned(), choice);
     }
     let mut order = json!({"pump": pump, "task": path.first().unwrap_or(&"dose"), "options": options});
-    if pump.is_empty() {
+    if path == ["run"] && typed("rack") {
         (order["task"], order["rack"]) = ("rack".into(), words("rack").into());
     } else if path != ["run"] && typed("volume") {
         order["volume"] = words("volume").into();

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use pump_bench::pump_file::{DriveTable, DriverName};
-use pump_bench::{Bench, DoseError, DoseRequest, PumpFile, built_in};
-use pump_ctl::plan::Phase;
+use pump_bench::{Bench, DoseError, DoseRequest, PumpFile, Rehearsal, built_in};
+use pump_ctl::plan::{Cruise, Phase};
 
 use crate::rig::plug;
 use crate::simulated::Simulated;
@@ -152,6 +152,30 @@ fn a_value_that_stands_in_a_file_is_confirmed_unless_the_file_says_otherwise() {
     let error: serde_json::Value = serde_json::from_slice(&refused.stderr).unwrap();
     assert_eq!((&error["kind"], &error["moved"]), (&"pump_file".into(), &false.into()));
     assert!(error["value"].as_str().unwrap().starts_with("1600 steps per revolution"), "{error}");
+}
+
+#[test]
+fn a_trial_refuses_a_pump_that_nobody_has_confirmed_and_takes_the_word_and_the_board_on_record() {
+    let folder = tempfile::tempdir().unwrap();
+    // The board makes 1 unit a second at most, which is 0.42 mL/s of this pump.
+    let board = plug(Options { settings: vec![(110, 60.0)], ..Options::default() });
+    let slow = |file: &mut PumpFile| file.pump.default_rate_ml_s = 0.2;
+    let trial = || bench(folder.path(), &board, slow).planning_afresh(true);
+    let refused = trial().prepare(DoseRequest::dose(0.2)).unwrap_err();
+    assert!(matches!(refused, DoseError::Unconfirmed { changed: false, .. }), "{refused}");
+    let refused = Rehearsal::new(&trial()).unwrap_err();
+    assert!(matches!(refused, DoseError::Unconfirmed { .. }), "{refused}");
+    let fast = DoseRequest::dose(0.2).with_cruise(Cruise::Flow { ml_s: 2.0 });
+    bench(folder.path(), &board, slow).prepare(fast).unwrap();
+    dose(&bench(folder.path(), &board, slow).confirming_pump(true)).unwrap();
+    trial().prepare(DoseRequest::dose(0.2)).unwrap();
+    Rehearsal::new(&trial()).unwrap();
+    let refused = trial().prepare(fast).unwrap_err();
+    assert!(matches!(refused, DoseError::DeviceSpeed { .. }), "{refused}");
+    // A word for other values is none.
+    let other = |file: &mut PumpFile| file.motor.gear = 2.0;
+    let refused = bench(folder.path(), &board, other).planning_afresh(true).prepare(DoseRequest::dose(0.2));
+    assert!(matches!(refused.unwrap_err(), DoseError::Unconfirmed { changed: true, .. }));
 }
 
 #[test]

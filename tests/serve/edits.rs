@@ -262,6 +262,11 @@ fn an_entry_is_tried_out_whatever_its_pump_waits_for() {
     }
     let (status, made) = add("dye", 4, json!({"dose": "850mL"}));
     assert_eq!(status, 201, "{made}");
+    // 0.3 s is too short from 0 deg, and long enough from 40 deg.
+    for (hour, within, taken) in [(5, "0.3s", 201), (6, "0.1s", 422)] {
+        let (status, told) = add("dye", hour, json!({"dose": "3mL", "options": {"within": within}}));
+        assert_eq!(status, taken, "{within}: {told}");
+    }
     for pump in WAITING {
         let view = service.get(&format!("/api/v1/pumps/{pump}")).1;
         assert_eq!(view["order"].is_string(), pump == "dye", "nothing changed: {view}");
@@ -307,11 +312,13 @@ fn a_doubt_at_the_begin_of_a_service_is_there_whatever_its_pump_waits_for_and_st
     // A file that is read anew has its doubts until a trial takes them away.
     fs::write(&file, format!("{text}# A word more.\n")).unwrap();
     let notes = || service.get("/api/v1/notes").1.to_string();
-    let told = || notes().matches("dye-fast: its runs will be refused").count() == 2;
-    wait_for("the trials of the new file", || {
+    wait_for("the new file", || {
         assert_eq!(doubted(), wrong, "no doubt goes away meanwhile");
-        told().then_some(())
+        notes().contains("was read anew").then_some(())
     });
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    assert_eq!(doubted(), wrong);
+    assert_eq!(notes().matches("dye-fast: its runs will be refused").count(), 1, "a doubt is told once");
     fs::write(&file, text.replace("rats = ", "smooth = ").replace("\"1\"", "true")).unwrap();
     wait_for("the mended entries", || (doubted().len() == 6).then_some(()));
     moving.kill().unwrap();

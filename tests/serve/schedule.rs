@@ -82,12 +82,68 @@ fn an_entry_that_would_be_refused_at_night_is_told_at_once() {
         }
     }
     assert!(laboratory.log("acid").is_empty(), "nothing moved");
+    let options = found[4].as_deref().unwrap();
+    assert!(
+        options.contains("allowed: rate, ") && !options.contains("repeat"),
+        "those of an entry: {options}"
+    );
     // An entry that is mended is in doubt no more.
     fs::write(laboratory.path("schedule.toml"), text.replace("rats", "rate")).unwrap();
     wait_for("the mended entry", || {
         let found = doubts();
         (found[4].is_none() && found[5].is_some()).then_some(())
     });
+}
+
+#[test]
+fn a_doubt_comes_and_goes_with_the_files_that_its_trial_reads() {
+    let more = "[racks]\nnight = \"night.toml\"\n[service]\nschedule = \"schedule.toml\"\n";
+    let laboratory = Laboratory::new(&["acid", "base"], more);
+    let text = "schema = \"schedule/1\"\n[[entry]]\nname = \"a\"\npump = \"acid\"\ndose = \"25mL\"\nat = \"03:00\"\n\
+        options = { rate = \"50mL/s\" }\n[[entry]]\nname = \"b\"\nrack = \"night\"\nat = \"04:00\"\n\
+        [[entry]]\nname = \"c\"\npump = \"base\"\ndose = \"5mL\"\nat = \"05:00\"\n";
+    fs::write(laboratory.path("schedule.toml"), text).unwrap();
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let doubts = || {
+        let next = service.get("/api/v1/schedule").1["next"].clone();
+        next.as_array().unwrap().iter().map(|next| next["doubt"].is_string()).collect::<Vec<_>>()
+    };
+    let becomes = |what: &str, are: [bool; 3]| wait_for(what, || (doubts() == are).then_some(()));
+    let notes = |name: &str| {
+        let words = format!("{name}: its runs will be refused: ");
+        service.get("/api/v1/notes").1.to_string().matches(&words).count()
+    };
+    becomes("the rack that is missing", [false, true, false]);
+    let rack = "schema = \"rack/1\"\n[pumps]\nbase = \"base\"\n[[step]]\npump = \"base\"\nvolume = \"2mL\"\n";
+    fs::write(laboratory.path("night.toml"), rack).unwrap();
+    becomes("the rack", [false; 3]);
+    let pump = fs::read_to_string(laboratory.path("acid.toml")).unwrap();
+    let limited = |limit: &str| {
+        let text = format!("{pump}\n[safety]\nmax_ml_per_day = {limit}\n");
+        fs::write(laboratory.path("acid.toml"), text).unwrap();
+    };
+    limited("10.0");
+    becomes("the limit that was lowered", [true, false, false]);
+    limited("100.0");
+    becomes("the limit that was raised", [false; 3]);
+    let config = fs::read_to_string(laboratory.path("config.toml")).unwrap();
+    fs::write(laboratory.path("config.toml"), format!("{config}[defaults]\nrate = \"900mL/s\"\n")).unwrap();
+    becomes("the rate of the configuration", [false, false, true]);
+    fs::write(laboratory.path("config.toml"), config).unwrap();
+    becomes("the configuration as it was", [false; 3]);
+    // A pump that delivers less has a lower largest rate.
+    service.ended(&service.dose("acid", "20mL", &json!({"rate": "5mL/s"})));
+    let weighed = json!({"reading": "15g", "options": {"anyway": true}});
+    let (status, made) = service.post("/api/v1/pumps/acid/calibrate", &weighed);
+    assert_eq!(status, 202, "{made}");
+    let used = laboratory.run(&["calibrate", "use", "1", "--pump", "acid"]);
+    assert_eq!(used.status.code(), Some(0), "{used:?}");
+    becomes("the calibration", [true, false, false]);
+    // An edit of another entry tells no doubt again.
+    let edited = text.replace("\"5mL\"", "\"900000L\"");
+    fs::write(laboratory.path("schedule.toml"), edited).unwrap();
+    becomes("the edit", [true, false, true]);
+    assert_eq!(["a", "b", "c"].map(notes), [2, 1, 2]);
 }
 
 #[test]

@@ -100,6 +100,25 @@ fn the_status_is_that_of_the_service_of_the_url() {
 }
 
 #[test]
+fn a_command_without_a_name_takes_the_default_pump_of_the_service_at_the_url() {
+    let (there, _service, here) = places("");
+    let config = fs::read_to_string(here.path("config.toml")).unwrap();
+    let run = |words: &[&str]| {
+        let told = here.dose(words).env("DOSE_SERVICE_TOKEN", TOKEN).output().unwrap();
+        assert_eq!(told.status.code(), Some(0), "{words:?}: {}", errors(&told));
+        serde_json::from_slice::<Value>(&told.stdout).unwrap()["pump"].clone()
+    };
+    fs::write(here.path("config.toml"), config.replace("default_pump = \"acid\"\n", "")).unwrap();
+    for words in [["2mL", "--format", "json"], ["status", "--format", "json"]] {
+        assert_eq!(run(&words), "acid", "{words:?}");
+    }
+    assert_eq!(there.log("acid").len(), 1);
+    // A default of this configuration is a name.
+    fs::write(here.path("config.toml"), config.replace("acid", "base")).unwrap();
+    assert_eq!(run(&["status", "--format", "json"]), "base");
+}
+
+#[test]
 fn an_interrupt_stops_the_motion_at_the_url() {
     let (there, _service, here) = places("");
     let mut command = here.dose(&["200mL", "--rate", "0.5mL/s"]);

@@ -91,12 +91,18 @@ fn a_wrong_option_is_refused_with_its_value() {
         ),
         (
             "{ unfinished = \"ask\" }",
-            "options is `unfinished`; allowed: options that are no keys of the entry; write the key unfinished of \
-             the entry",
+            "options is `unfinished`; allowed: options of a motion that are no keys of the entry; write the key \
+             unfinished of the entry",
         ),
         (
             "{ repeat = \"3\" }",
-            "options is `repeat`; allowed: options that are no keys of the entry; write the key batch of the entry",
+            "options is `repeat`; allowed: options of a motion that are no keys of the entry; write the key batch of \
+             the entry",
+        ),
+        (
+            "{ dry-run = true }",
+            "options is `dry-run`; allowed: options of a motion that are no keys of the entry; take it out: a run \
+             with it moves nothing",
         ),
     ] {
         assert_eq!(

@@ -334,8 +334,12 @@ impl Bench {
             self.would_run(safety, now_s)?;
         }
         let most = RunBounds { steps: None, safety };
-        let mut prepared = self.prepare_from(&self.file_for_dry_run(), state, request, Some(most))?;
-        self.would_be_safe(state.as_ref(), prepared.plan.planned_ml())?;
+        let file = self.file_for_dry_run()?;
+        let mut prepared = self.plan_at_some_angle(state, |state| {
+            let prepared = self.prepare_from(&file, state, request, Some(most))?;
+            self.would_be_safe(state.as_ref(), prepared.plan.planned_ml())?;
+            Ok::<_, DoseError>(prepared)
+        })?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(state.as_ref()));
         Ok(prepared)

@@ -7,7 +7,7 @@ use pump_model::units::rpm;
 
 use super::bench::Bench;
 use crate::dosing::DoseError;
-use crate::drives::{Drive, DriveLimits};
+use crate::drives::{Drive, DriveLimits, registry};
 use crate::pump_file::{DriverName, PumpFile};
 
 /// Connected drive of a session.
@@ -49,15 +49,25 @@ pub(super) fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFi
 
 impl Bench {
     /// Returns the pump file for a plan that asks no device. The pulses of a node's pins stand in the file, and no
-    /// board makes more steps than they allow.
-    pub(super) fn file_for_dry_run(&self) -> PumpFile {
-        let is_node = self.drive_id() == DriverName::Node.as_str();
-        let limits = is_node.then(|| {
+    /// board makes more steps than they allow. A plan that leaves the pump's record out takes the settings that its
+    /// board had the last time.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] if the settings on record cannot be read.
+    pub(super) fn file_for_dry_run(&self) -> Result<PumpFile, DoseError> {
+        let step_rad = self.file().limits().motor.step_rad();
+        let limits = if self.drive_id() == DriverName::Node.as_str() {
             let pins = self.drive().pins_or_usual();
             let most_steps_s = 1e6 / (pins.step_pulse_us + pins.step_pause_us);
-            DriveLimits::of_speed(most_steps_s * self.file().limits().motor.step_rad())
-        });
-        as_allowed(self.file(), limits)
+            Some(DriveLimits::of_speed(most_steps_s * step_rad))
+        } else if self.plans_afresh() {
+            registry::recorded_limits(self.drive(), self.opening(), step_rad)
+                .map_err(DoseError::Connection)?
+        } else {
+            None
+        };
+        Ok(as_allowed(self.file(), limits))
     }
 
     /// Returns the refusal of a plan with the cause of a speed limit that is lower than that of the pump file. `file`

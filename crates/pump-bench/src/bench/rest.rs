@@ -84,7 +84,7 @@ impl Bench {
     pub fn prepare_rest(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let unfinished = self.state_to_plan_from()?.and_then(|state| Some((state, state.unfinished?)));
         let (state, dose) = unfinished.ok_or(DoseError::NothingUnfinished("resume"))?;
-        let mut prepared = self.plan_rest(&self.file_for_dry_run(), &dose, state, request)?;
+        let mut prepared = self.plan_rest(&self.file_for_dry_run()?, &dose, state, request)?;
         self.would_be_safe(Some(&state), prepared.plan.planned_ml())?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(Some(&state)));

@@ -56,6 +56,11 @@ impl Calibrations {
         Self { path: folder.path().join(FOLDER) }
     }
 
+    /// Returns the folder of the calibrations, which may not be there.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.path
+    }
+
     /// Reads every calibration, oldest first.
     ///
     /// # Errors

@@ -46,6 +46,11 @@ impl Config {
         self.default_pump.as_deref().unwrap_or(DEFAULT_PUMP)
     }
 
+    /// Returns the name of the pump that the file gives to a command that names none. `None` if it gives none.
+    pub fn named_default_pump(&self) -> Option<&str> {
+        self.default_pump.as_deref()
+    }
+
     /// Finds the pump of a name: a path, then a configured name, then a built-in pump, then a file in this folder.
     ///
     /// A name is a path if it has a `/` or a `\`, or ends in `.toml`.

@@ -1,6 +1,8 @@
 //! The drive of a board, in a program that is built without it.
 
 use super::drive::Drive;
+#[cfg(not(feature = "grbl"))]
+use super::drive::DriveLimits;
 use super::error::DriveError;
 use super::opening::Opening;
 use super::stop_request::StopRequest;
@@ -12,6 +14,16 @@ pub(super) fn open(
     _file: &PumpFile,
     _opening: &Opening,
 ) -> Result<Box<dyn Drive>, DriveError> {
+    Err(DriveError::NotBuilt { driver: table.driver.as_str() })
+}
+
+/// Refuses the board.
+#[cfg(not(feature = "grbl"))]
+pub(super) fn recorded_limits(
+    table: &DriveTable,
+    _opening: &Opening,
+    _step_rad: f64,
+) -> Result<Option<DriveLimits>, DriveError> {
     Err(DriveError::NotBuilt { driver: table.driver.as_str() })
 }
 

@@ -4,7 +4,7 @@
 use pump_model::Pump;
 
 use super::abilities::Abilities;
-use super::drive::Drive;
+use super::drive::{Drive, DriveLimits};
 use super::error::DriveError;
 #[cfg(all(feature = "grbl", feature = "node"))]
 use super::find;
@@ -31,6 +31,22 @@ pub(crate) fn identity(driver: DriverName) -> Identity {
         DriverName::Node => (false, Abilities::NODE),
     };
     Identity { id: driver.as_str().to_owned(), is_simulated, abilities }
+}
+
+/// Returns the limits that the device of `table` had the last time, by its record. `None` without a record.
+///
+/// # Errors
+///
+/// [`DriveError`] if the record cannot be read.
+pub(crate) fn recorded_limits(
+    table: &DriveTable,
+    opening: &Opening,
+    step_rad: f64,
+) -> Result<Option<DriveLimits>, DriveError> {
+    match table.driver {
+        DriverName::Grbl => grbl::recorded_limits(table, opening, step_rad),
+        DriverName::Sim | DriverName::Node => Ok(None),
+    }
 }
 
 /// Opens the drive that `table` names, for the pump of `file` with its `model`, on the terms of `opening`.

@@ -40,6 +40,7 @@ struct CommandBody {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OrderBody {
+    /// Order; an empty pump is the service's default.
     order: Order,
     /// True if a program reads the report.
     json: bool,
@@ -53,7 +54,7 @@ struct OrderBody {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StatusBody {
-    /// Name of the pump in the configuration.
+    /// Name of the pump in the configuration; empty for its default.
     pump: String,
     /// Name of the rack in the configuration.
     rack: Option<String>,
@@ -84,10 +85,13 @@ pub(super) async fn command(
 /// Carries out a command of somebody else who may give orders: its options are those of an order. The answer is that of
 /// [`command`].
 pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<Response, Failure> {
-    let OrderBody { order, json, verbose, attended } = body(&bytes)?;
+    let OrderBody { mut order, json, verbose, attended } = body(&bytes)?;
     if matches!(order.task, Task::Command { .. }) {
         let message = "words of a command are no order; only this user on this machine may give them";
         return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
+    }
+    if !matches!(order.task, Task::Rack { .. }) {
+        order.pump = named(order.pump, &shared.service);
     }
     let mut words = order.words().map_err(Refusal::from)?;
     if !json {
@@ -105,6 +109,7 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
 /// Tells the status of pumps as the command `dose status` does. The answer is that of [`command`], without an order.
 pub(super) async fn status(State(shared): State<Shared>, bytes: Bytes) -> Result<Response, Failure> {
     let StatusBody { pump, rack, all, tube_limit, json } = body(&bytes)?;
+    let pump = named(pump, &shared.service);
     let mut words = vec!["status".to_owned()];
     words.push(match rack {
         _ if all => switch("all"),
@@ -122,6 +127,11 @@ pub(super) async fn status(State(shared): State<Shared>, bytes: Bytes) -> Result
     let code = ended.map_err(Refusal::Start)?.code;
     lines += &format!("{}\n", json!({"code": code}));
     Ok(([(CONTENT_TYPE, "application/x-ndjson")], lines).into_response())
+}
+
+/// Returns the name of a pump, or that of the service's default pump for an empty one.
+fn named(pump: String, service: &Service) -> String {
+    if pump.is_empty() { service.config().default_pump().to_owned() } else { pump }
 }
 
 /// Begins a command, and answers with its lines.

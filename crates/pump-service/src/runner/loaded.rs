@@ -9,6 +9,7 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::runner::RunnerError;
+use super::trial::Trial;
 use crate::history::History;
 use crate::schedule::Schedule;
 
@@ -29,10 +30,8 @@ pub(super) struct Loaded {
     pub(super) since: Timestamp,
     /// Time at which its file was written.
     pub(super) written: Option<SystemTime>,
-    /// Reasons why the runs of entries would be refused, by their names.
-    pub(super) doubts: BTreeMap<String, String>,
-    /// True once every entry was tried out.
-    pub(super) is_tried: bool,
+    /// Last trial of each entry that was tried out, by its name.
+    pub(super) trials: BTreeMap<String, Trial>,
 }
 
 impl Loaded {
@@ -48,19 +47,24 @@ impl Loaded {
                 now
             }
         };
-        Ok(Self { text, schedule, since, written, doubts: BTreeMap::new(), is_tried: false })
+        Ok(Self { text, schedule, since, written, trials: BTreeMap::new() })
     }
 
-    /// Returns the schedule with the doubts of the one before, for entries that are as they were: only a trial takes a
+    /// Returns the schedule with the trials of the one before, for entries that are as they were: only a trial takes a
     /// doubt away.
-    pub(super) fn doubting(self, before: &Self) -> Self {
+    pub(super) fn as_tried(self, before: &Self) -> Self {
         let stays = |name: &str| {
             let [old, new] = [before, &self].map(|loaded| loaded.schedule.entry(name));
             old == new
         };
-        let kept = before.doubts.iter().filter(|(name, _)| stays(name));
-        let doubts = kept.map(|(name, why)| (name.clone(), why.clone())).collect();
-        Self { doubts, ..self }
+        let kept = before.trials.iter().filter(|(name, _)| stays(name));
+        let trials = kept.map(|(name, trial)| (name.clone(), trial.clone())).collect();
+        Self { trials, ..self }
+    }
+
+    /// Returns the reason why the runs of an entry would be refused, as its last trial found.
+    pub(super) fn doubt(&self, name: &str) -> Option<&str> {
+        self.trials.get(name)?.doubt.as_deref()
     }
 
     /// Reads the file, and has nothing in force.

@@ -7,6 +7,7 @@ mod loaded;
 mod refusal;
 mod run;
 mod runner;
+mod trial;
 
 pub use self::editing::Edit;
 pub use self::refusal::EditError;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use jiff::Timestamp;
 use serde_json::{Value, json};
@@ -13,6 +13,7 @@ use tokio::task::JoinSet;
 use super::doubt::doubt;
 use super::loaded::Loaded;
 use super::run::{KIND, Run, in_turn};
+use super::trial::{Files, Seen, Trial};
 use crate::history::HistoryError;
 use crate::schedule::{Entry, Missed, ScheduleError};
 use crate::service::Service;
@@ -96,41 +97,49 @@ impl Runner {
         }
     }
 
-    /// Tries each entry out once for each state of the file, and tells those whose runs would be refused before the
-    /// night in which they are due.
+    /// Tries each entry out once for each state of the entry and of the files that its trial reads. Tells those whose
+    /// runs would be refused before the night in which they are due.
     async fn keep_doubts(&self) {
         while !self.service.is_ending() {
-            let (entries, written) = {
-                let loaded = self.loaded();
-                let enabled = |entry: &&Entry| !loaded.is_tried && entry.enabled();
-                let entries: Vec<Entry> = loaded.schedule.entries().iter().filter(enabled).cloned().collect();
-                (entries, loaded.written)
-            };
-            let mut doubts = BTreeMap::new();
-            for entry in &entries {
-                if let Some(why) = doubt(entry, &self.service).await {
-                    doubts.insert(entry.name().to_owned(), why);
+            let mut tried = Vec::new();
+            for (entry, seen) in self.untried() {
+                let doubt = doubt(&entry, &self.service).await;
+                if self.service.is_ending() {
+                    return;
                 }
+                tried.push((entry, Trial { seen, doubt }));
             }
-            if !entries.is_empty() && !self.service.is_ending() {
-                self.take_doubts(doubts, written);
-            }
+            self.take_trials(tried);
             tokio::time::sleep(LOOK).await;
         }
     }
 
-    /// Keeps and tells the doubts about a schedule, unless its file was read anew meanwhile.
-    fn take_doubts(&self, doubts: BTreeMap<String, String>, written: Option<SystemTime>) {
+    /// Returns the entries whose last trial may say something else now, with the files as they are.
+    fn untried(&self) -> Vec<(Entry, Seen)> {
+        let mut files = Files::of(&self.service);
+        let loaded = self.loaded();
+        let enabled = loaded.schedule.entries().iter().filter(|entry| entry.enabled());
+        let seen = enabled.map(|entry| (entry, files.seen(entry)));
+        let is_untried = |(entry, seen): &(&Entry, Seen)| {
+            !loaded.trials.get(entry.name()).is_some_and(|trial| trial.holds(seen))
+        };
+        seen.filter(is_untried).map(|(entry, seen)| (entry.clone(), seen)).collect()
+    }
+
+    /// Keeps the trials of entries that are as they were tried, and tells the doubts that are new.
+    fn take_trials(&self, tried: Vec<(Entry, Trial)>) {
         let mut loaded = self.loaded();
-        if loaded.written != written || loaded.is_tried {
-            return;
+        for (entry, trial) in tried {
+            let name = entry.name();
+            if loaded.schedule.entry(name) != Some(&entry) {
+                continue;
+            }
+            if let Some(why) = trial.doubt.as_deref().filter(|why| loaded.doubt(name) != Some(why)) {
+                let text = format!("{name}: its runs will be refused: {why}");
+                self.service.note(KIND, entry.action().pump(), &text);
+            }
+            loaded.trials.insert(name.to_owned(), trial);
         }
-        for (name, why) in &doubts {
-            let pump = loaded.schedule.entries().iter().find(|entry| entry.name() == name);
-            let pump = pump.and_then(|entry| entry.action().pump());
-            self.service.note(KIND, pump, &format!("{name}: its runs will be refused: {why}"));
-        }
-        (loaded.doubts, loaded.is_tried) = (doubts, true);
     }
 
     /// Gives the orders that are due now, and tells what was missed.
@@ -199,7 +208,7 @@ impl Runner {
         }
         match Loaded::read(&self.path, self.service.history(), (self.now)()) {
             Ok(read) => {
-                *loaded = read.doubting(loaded);
+                *loaded = read.as_tried(loaded);
                 self.service.note(KIND, None, "the schedule was read anew and is in force");
             }
             Err(error) => {
@@ -217,7 +226,7 @@ impl Runner {
         let next = loaded.schedule.entries().iter().map(|entry| {
             let due = loaded.schedule.next(entry.name(), now);
             let (at, words) = (due.map(|due| due.planned), due.map(|due| due.to_string()));
-            let (zone, doubt) = (entry.zone().iana_name(), loaded.doubts.get(entry.name()));
+            let (zone, doubt) = (entry.zone().iana_name(), loaded.doubt(entry.name()));
             json!({"entry": entry.name(), "at": at, "words": words, "zone": zone, "doubt": doubt})
         });
         let next: Vec<Value> = next.collect();

@@ -13,6 +13,15 @@ use super::keys::{Keys, shown};
 /// Most doses of a batch.
 const MOST_DOSES: i64 = 100_000;
 
+/// Options of commands that are no options of an entry, each with its way out, in words.
+pub(crate) const NO_OPTIONS: [(&str, &str); 5] = [
+    ("unfinished", "write the key unfinished of the entry"),
+    ("pump", "write the key pump of the entry"),
+    ("repeat", "write the key batch of the entry"),
+    ("every", "write the key batch of the entry"),
+    ("dry-run", "take it out: a run with it moves nothing"),
+];
+
 /// Thing that an entry does. Volumes, names and options are as they were typed: whoever runs the entry checks them as
 /// those of a command.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -174,10 +183,9 @@ pub(super) fn options(keys: &Keys<'_>) -> Result<BTreeMap<String, Setting>, Sche
                 "write the option's name without dashes before it",
             ));
         }
-        if ["unfinished", "pump", "repeat", "every"].contains(&name.as_str()) {
-            let own = if ["repeat", "every"].contains(&name.as_str()) { "batch" } else { name };
-            let instead = format!("write the key {own} of the entry");
-            return Err(keys.wrong("options", name, "options that are no keys of the entry", instead));
+        if let Some((_, instead)) = NO_OPTIONS.iter().find(|(known, _)| known == name) {
+            let allowed = "options of a motion that are no keys of the entry";
+            return Err(keys.wrong("options", name, allowed, *instead));
         }
         let setting = match value {
             Value::Boolean(true) => Setting::On,

@@ -21,6 +21,8 @@ mod written;
 
 pub use jiff::{Timestamp, tz::TimeZone};
 
+#[cfg(feature = "serve")]
+pub(crate) use self::action::NO_OPTIONS;
 pub use self::action::{Action, Batch, Setting};
 pub use self::catchup::{Ahead, Catchup, Missed};
 pub use self::days::Days;

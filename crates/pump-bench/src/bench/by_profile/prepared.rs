@@ -111,7 +111,7 @@ impl Bench {
         profile: &FlowProfile,
     ) -> Result<PreparedProfile, DoseError> {
         let state = self.state_to_plan_from()?;
-        let mut prepared = self.plan_profile(&self.file_for_dry_run(), state, request, profile)?;
+        let mut prepared = self.plan_profile(&self.file_for_dry_run()?, state, request, profile)?;
         self.would_be_safe(state.as_ref(), prepared.planned_ml())?;
         prepared.whole.warnings.extend(self.device_not_asked());
         prepared.whole.warnings.extend(self.confirmation_missing(state.as_ref()));

@@ -143,7 +143,7 @@ impl Bench {
     /// [`DoseError`] as in [`Session::prepare_by_weight`].
     pub fn prepare_by_weight(&self, order: &OrderByWeight) -> Result<PreparedByWeight, DoseError> {
         let state = self.state_to_plan_from()?;
-        let (mut found, _) = self.plan_by_weight(&self.file_for_dry_run(), state, order, None, 0.0)?;
+        let (mut found, _) = self.plan_by_weight(&self.file_for_dry_run()?, state, order, None, 0.0)?;
         self.would_be_safe(state.as_ref(), found.most_ml)?;
         found.whole.warnings.extend(self.device_not_asked());
         Ok(found)

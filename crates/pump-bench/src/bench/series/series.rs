@@ -194,7 +194,8 @@ impl Bench {
         let first = |error| (0, error);
         let state = self.state_to_plan_from().map_err(first)?;
         self.refuse_unfinished(state).map_err(first)?;
-        let mut motions = self.plan_series(&self.file_for_dry_run(), state, requests)?;
+        let file = self.file_for_dry_run().map_err(first)?;
+        let mut motions = self.plan_at_some_angle(state, |state| self.plan_series(&file, state, requests))?;
         if let Some(motion) = motions.first_mut() {
             let whole = motion.whole_mut();
             whole.warnings.extend(self.device_not_asked());

@@ -24,3 +24,4 @@ pub use axis::Grbl;
 pub(super) use axis::open;
 pub use error::GrblError;
 pub use line::GrblBoard;
+pub(super) use settings::recorded_limits;

@@ -3,6 +3,8 @@
 mod configure;
 mod record;
 
+pub(in crate::drives) use record::recorded_limits;
+
 use std::collections::BTreeMap;
 
 use pump_ctl::plan::Motor;

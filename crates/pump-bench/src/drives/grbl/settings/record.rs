@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::super::error::GrblError;
 use super::Settings;
+use crate::drives::{DriveError, DriveLimits, Opening};
 use crate::files::{read_plain, replace_plain};
+use crate::pump_file::DriveTable;
 
 /// Form of the record.
 const SCHEMA: &str = "board-settings/1";
@@ -58,6 +60,31 @@ pub(super) fn compare(
         write(path, now)?;
     }
     Ok(changes.into_iter().map(|(number, change)| (number, format!("{change}: accepted"))).collect())
+}
+
+/// Returns the limits of the axis of `table` by the settings on record. `step_rad` is a step of the motor, in rad of
+/// the pump head. `None` if they are not on record.
+///
+/// # Errors
+///
+/// [`DriveError::Device`] if the record cannot be read.
+pub(in crate::drives) fn recorded_limits(
+    table: &DriveTable,
+    opening: &Opening,
+    step_rad: f64,
+) -> Result<Option<DriveLimits>, DriveError> {
+    let Some(path) = &opening.settings_record else { return Ok(None) };
+    let settings = recorded(path)?;
+    let of_axis = |first: u16| {
+        let value = settings.get(&(first + table.axis.number() as u16)).copied();
+        value.filter(|value| *value > 0.0)
+    };
+    let limits = of_axis(100).zip(of_axis(110)).map(|(steps_per_unit, units_min)| {
+        let unit_rad = steps_per_unit * step_rad;
+        let acceleration_rad_s2 = of_axis(120).map(|units_s2| units_s2 * unit_rad);
+        DriveLimits { acceleration_rad_s2, ..DriveLimits::of_speed(units_min / 60.0 * unit_rad) }
+    });
+    Ok(limits)
 }
 
 /// Returns the settings on record. There are none before the board was first met.
