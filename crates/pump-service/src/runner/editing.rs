@@ -68,7 +68,7 @@ impl Runner {
             self.check_text(&loaded)?;
             Staged::new(self.path(), |file| file.write_all(text.as_bytes()))?.put()?;
             *loaded = match Loaded::read(self.path(), self.service().history(), self.now()) {
-                Ok(read) => read.as_tried(&loaded),
+                Ok(read) => read.with_trials_of(&loaded),
                 Err(RunnerError::History(error)) => return Err(EditError::History(error)),
                 Err(error) => return Err(EditError::Unusable(error)),
             };

@@ -52,7 +52,7 @@ impl Loaded {
 
     /// Returns the schedule with the trials of the one before, for entries that are as they were: only a trial takes a
     /// doubt away.
-    pub(super) fn as_tried(self, before: &Self) -> Self {
+    pub(super) fn with_trials_of(self, before: &Self) -> Self {
         let stays = |name: &str| {
             let [old, new] = [before, &self].map(|loaded| loaded.schedule.entry(name));
             old == new

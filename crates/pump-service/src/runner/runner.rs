@@ -208,7 +208,7 @@ impl Runner {
         }
         match Loaded::read(&self.path, self.service.history(), (self.now)()) {
             Ok(read) => {
-                *loaded = read.as_tried(loaded);
+                *loaded = read.with_trials_of(loaded);
                 self.service.note(KIND, None, "the schedule was read anew and is in force");
             }
             Err(error) => {
