@@ -50,13 +50,13 @@ fn a_plan_that_a_node_refuses_is_not_announced_as_a_motion() {
     let board = SimulatedNode::start(7).unwrap();
     let port = board.path().display().to_string();
     let node = ["--driver", "node", "--port", &port];
-    let desk = set_up(&[&["256"], &node[..]].concat());
+    let desk = set_up(&[&["512"], &node[..]].concat());
     is_refused_in_silence(
-        &desk.types(&["1mL", "--rate", "1.3mL/s"]),
+        &desk.types(&["1mL", "--rate", "0.8mL/s"]),
         "the node driver makes 96385 steps/s at most",
     );
     is_refused_in_silence(
-        &desk.types(&["1mL", "--rate", "1.3mL/s", "--format", "json"]),
+        &desk.types(&["1mL", "--rate", "0.8mL/s", "--format", "json"]),
         "the node driver makes 96385 steps/s at most",
     );
     let desk = set_up(&[&["16"], &node[..]].concat());

@@ -205,7 +205,9 @@ impl Player<'_> {
                 Err(error) => {
                     self.stop.make(Stop::Fault(self.pump));
                     played.warnings.append(&mut session.notes());
-                    (played.error, played.failed_expanded_ml) = (Some(error), expanded_ml);
+                    let part = session.state().and_then(|state| state.unfinished);
+                    let part_ml = part.and_then(|part| session.part_uncertainty_ml(&part));
+                    (played.error, played.failed_expanded_ml) = (Some(error), part_ml.unwrap_or(expanded_ml));
                     played.failed_end_s = last_s.get();
                     return;
                 }

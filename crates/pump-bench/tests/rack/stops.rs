@@ -89,7 +89,7 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
         assert!(desk.state(&row.name).unwrap().unfinished.is_some());
     }
     assert!(report.json().contains("\"fault\":\"base\""));
-    // The volume is as unsure as the whole plan, and half the range of the unknown steps comes on top, as in the log.
+    // Half the range of the unknown steps comes on top of the uncertainty of the part that was made, as in the log.
     let range_ml = base.delivered_most_ml - base.delivered_least_ml;
     let entry = last_logged(&rack, 1);
     let known_ml = entry.expanded_uncertainty_ml.unwrap();

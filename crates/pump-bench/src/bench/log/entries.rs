@@ -196,7 +196,7 @@ impl Session<'_> {
 
     /// Returns the expanded uncertainty of the most steps that a motion on record may have made, in mL. `None` for a
     /// motion whose plan had none.
-    fn part_uncertainty_ml(&self, part: &Unfinished) -> Option<f64> {
+    pub(crate) fn part_uncertainty_ml(&self, part: &Unfinished) -> Option<f64> {
         let intent = &part.intent;
         let whole_ml = intent.told?.expanded_uncertainty_ml?;
         let (made, all) = (part.made_most.max(0).unsigned_abs(), intent.steps.unsigned_abs());

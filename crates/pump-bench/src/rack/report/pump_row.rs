@@ -123,8 +123,8 @@ impl RackPumpReport {
         }
     }
 
-    /// Adds the fault of a motion whose whole plan is as unsure as `expanded_ml`. Of the part that was made nobody
-    /// knows more, so it is as unsure as the plan, and half the range of its volume comes on top, as in the log.
+    /// Adds the fault of a motion whose made part is as unsure as `expanded_ml`. Half the range of its volume comes on
+    /// top, as in the log.
     /// `over_time` tells that the motion was a flow over time.
     pub(in crate::rack) fn failed(&mut self, error: &DoseError, expanded_ml: f64, over_time: bool) {
         self.error = Some(with_sources(error));
