@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python clock demo browser mqtt faults long fuzz lint features oldest packages packaging wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
+.PHONY: test test-rust test-python clock demo browser mqtt faults long fuzz lint features oldest packages packaging other-systems wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
 
 # With the example, the command takes the libraries that `make test` has built.
 COMMAND := cargo build --locked --features serve --bin dose --example simulated_node
@@ -160,8 +160,7 @@ packages:
 	cargo run --locked $(OUTSIDE) -p line-model
 
 # What is released beside the crates, as far as one Linux can make it: spelling, the workflow of a release by a linter, and a
-# package of Debian that is installed, doses and goes again. The command must compile for Windows and macOS; `make
-# windows` lets its program dose. npm keeps what it fetches within the checkout.
+# package of Debian that is installed, doses and goes again. npm keeps what it fetches within the checkout.
 TOOLS := .venv-packaging
 packaging: $(TOOLS)/installed
 	$(TOOLS)/bin/typos
@@ -171,6 +170,10 @@ packaging: $(TOOLS)/installed
 	rm -rf target/texts && packaging/texts target/debug/dose target/texts
 	packaging/deb/build target/debug/dose target/texts target/pump-dose.deb
 	packaging/deb/try target/pump-dose.deb
+
+# The command with its service compiles for Windows and macOS. It compiles everything once more for each, so CI leaves it
+# out.
+other-systems: $(TOOLS)/installed
 	rustup target add x86_64-pc-windows-gnu aarch64-apple-darwin
 	for target in x86_64-pc-windows-gnu aarch64-apple-darwin; do \
 		PATH="$(CURDIR)/$(TOOLS)/bin:$$PATH" cargo-zigbuild check --locked --features serve -p pump-dose --target $$target || exit 1; \
