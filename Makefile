@@ -159,7 +159,7 @@ packages:
 	cargo run --locked $(OUTSIDE) -p motor-drive
 	cargo run --locked $(OUTSIDE) -p line-model
 
-# What is released beside the crates, as far as one Linux can make it: spelling, the workflow of a release by a linter, and a
+# Releases beside the crates, as far as one Linux can make it: spelling, the workflow of a release by a linter, and a
 # package of Debian that is installed, doses and goes again. npm keeps what it fetches within the checkout.
 TOOLS := .venv-packaging
 packaging: $(TOOLS)/installed

@@ -5,7 +5,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-# What a browser fetches by itself, by element and attribute. A link is followed only by a person.
+# A browser fetches these by itself, by element and attribute. A link is followed only by a person.
 FETCHED = {"script": "src", "img": "src", "link": "href", "iframe": "src", "source": "src", "object": "data"}
 HOSTS = ("http:", "https:", "//")
 

@@ -24,12 +24,12 @@ PERMISSIVE = {
     "Unlicense",
     "Zlib",
 }
-# Its source must be offered with a binary (Mozilla Public License 2.0, section 3.2).
+# The source must be offered with a binary (Mozilla Public License 2.0, section 3.2).
 SOURCE_OFFERED = {"MPL-2.0"}
 
 
 def is_permissive(licence: str) -> bool:
-    """Whether an SPDX expression asks for no more than notices: any part of an OR, each part of an AND."""
+    """Tell if an SPDX expression asks for no more than notices: any part of an OR, each part of an AND."""
     expression = licence.replace("/", " OR ").strip()
     while match := re.search(r"\(([^()]*)\)", expression):
         inner = "MIT" if is_permissive(match[1]) else "unknown"

@@ -47,7 +47,7 @@ fn commands(page: &str) -> Vec<String> {
     found
 }
 
-/// What `dose PATH --help` says.
+/// Text of `dose PATH --help`.
 #[derive(Default)]
 struct Help(BTreeMap<String, String>);
 

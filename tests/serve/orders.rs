@@ -38,7 +38,7 @@ fn a_dose_whose_process_is_killed_is_told_to_everyone() {
         config.replace("$DOSE_FAIL_KIND", "$DOSE_FAIL_KIND $DOSE_FAIL_LEAST_ML $DOSE_FAIL_MOST_ML");
     fs::write(laboratory.path("config.toml"), with_bounds).unwrap();
     let service = laboratory.serve(&[]);
-    // What another order has delivered before does not count.
+    // A volume that another order has delivered before does not count.
     service.ended(&service.dose("acid", "2mL", &json!({"rate": "4mL/s"})));
     let id = service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
     service.moves("acid");

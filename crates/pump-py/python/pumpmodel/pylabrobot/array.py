@@ -203,7 +203,7 @@ class BenchPumpArray(bases.PumpArray):
         try:
             return list(await asyncio.gather(*tasks))
         except BaseException:
-            # What still runs decelerates and is on record before the failure is told.
+            # A pump that still runs decelerates and is on record before the failure is told.
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
