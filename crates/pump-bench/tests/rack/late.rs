@@ -112,10 +112,12 @@ fn a_rack_whose_flow_ran_late_tells_it_and_the_times_that_were_made() {
     let acid = &report.pumps[0];
     let told = acid.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     assert!(told.contains("and 1 s by its plan") && told.contains("step 2 began"), "{told}");
-    // The second step was to begin once the first had ended.
+    // The second step was to begin after the first second, once the first step had ended. A real motor is given its
+    // steps ahead of their time, so its hanging may begin ahead of the rack's clock.
     let begins_s = acid.doses[1].begin_s;
     let (ended_s, planned_s) = (report.ended_s.unwrap(), report.planned_s);
-    assert!(begins_s > HANGS_S && ended_s >= begins_s, "{begins_s} s, {ended_s} s, {planned_s} s planned");
+    let is_late = begins_s > HANGS_S - 0.2 && ended_s >= begins_s;
+    assert!(is_late, "{begins_s} s, {ended_s} s, {planned_s} s planned");
     let times = format!("2 steps in {ended_s:.3} s, completed");
     assert!(report.text().contains(&times), "{}", report.text());
 }
