@@ -215,7 +215,7 @@ function tell() {
     $('said').textContent = `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
       `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
       `the flow that leaves varies by ${fixed(facts.ripple, 0)} % of its mean` +
-      `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed` : ''}.`;
+      `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed; a pump that differs from the model varies by more` : ''}.`;
     $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
       `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);
     for (const chart of charts) {
