@@ -260,7 +260,7 @@ fn a_service_begins_with_a_refused_schedule_runs_nothing_of_it_says_so_and_takes
     assert!(status.status.success() && said == format!("warning: {error}\n"), "{said}");
     let add = json!({"name": "more", "pump": "acid", "dose": "1mL", "at": "03:00"});
     let (code, refused) = service.edit("POST", "", &add, &format!("{}", shown["etag"]));
-    assert!(code == 422 && refused["message"].as_str().unwrap().contains("correct it first"), "{refused}");
+    assert!(code == 409 && refused["message"].as_str().unwrap().contains("correct it first"), "{refused}");
     // The pumps are there for people.
     let id = service.dose("acid", "1mL", &json!({}));
     assert_eq!(service.ended(&id)["state"], "done");
