@@ -140,7 +140,7 @@ fn takes_value(node: &Command, found: &[&Arg], next: Option<&str>) -> bool {
 /// # Errors
 /// Clap's error where it refuses the words beside the defaults.
 pub(crate) fn with_defaults(
-    command: Command,
+    command: impl FnOnce() -> Command,
     words: &[OsString],
     typed: ArgMatches,
 ) -> Result<ArgMatches, clap::Error> {
@@ -162,7 +162,7 @@ pub(crate) fn with_defaults(
     let set = |command: Command, (key, value): (&'static str, &str)| {
         command.mut_arg(key, |option| option.default_value(value.to_owned()))
     };
-    defaults.into_iter().fold(command, set).try_get_matches_from(words)
+    defaults.into_iter().fold(command(), set).try_get_matches_from(words)
 }
 
 /// Finds every definition of an option in a command and its subcommands.

@@ -78,17 +78,23 @@ fn typed(words: &[OsString]) -> Vec<String> {
     words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect()
 }
 
+/// Clap's definitions with what it adds itself.
+fn built() -> clap::Command {
+    let mut definitions = cli::command();
+    definitions.build();
+    definitions
+}
+
 fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
     #[cfg(feature = "serve")]
     let (typed, json) = (typed(&words), arguments::asks_for_json(&words));
-    let mut definitions = cli::command();
-    definitions.build();
-    let arranged = arguments::arrange(words.into_iter(), &definitions).map_err(Unparsed::Refused)?;
-    let command = if arranged.brief { help::brief(cli::command()) } else { cli::command() };
-    let matches = command.clone().try_get_matches_from(&arranged.words);
+    // Definitions take a megabyte, so none stays: a service has a process for each motion.
+    let arranged = arguments::arrange(words.into_iter(), &built()).map_err(Unparsed::Refused)?;
+    let command = || if arranged.brief { help::brief(cli::command()) } else { cli::command() };
+    let matches = command().try_get_matches_from(&arranged.words);
     let matches = matches.and_then(|typed| arguments::with_defaults(command, &arranged.words, typed));
     let read = |matches: ArgMatches| {
-        told_commands::note(&matches, cli::command());
+        told_commands::note(&matches, cli::command);
         let cli = Cli::from_arg_matches(&matches)?;
         // A command that cannot be understood is refused here, before anybody is asked.
         #[cfg(feature = "serve")]
@@ -99,7 +105,7 @@ fn parse(words: Vec<OsString>) -> Result<Parsed, Unparsed> {
     };
     matches.and_then(read).map_err(|error| {
         let misplaced = (error.kind() == ErrorKind::UnknownArgument)
-            .then(|| refusals::misplaced(&error, &arranged.path, &definitions))
+            .then(|| refusals::misplaced(&error, &arranged.path, &built()))
             .flatten();
         misplaced.map_or(Unparsed::Clap(error), Unparsed::Refused)
     })

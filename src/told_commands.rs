@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command};
@@ -35,8 +35,11 @@ struct Told {
     pump: Option<String>,
     /// Pump that a command without `--pump` means.
     usual: Option<String>,
-    root: Command,
+    root: Definitions,
 }
+
+/// Definitions of all commands. They take a megabyte, so they are made when a command is told.
+type Definitions = Arc<LazyLock<Command>>;
 
 impl Told {
     /// The places of a command that means this one of several pumps.
@@ -67,7 +70,9 @@ pub(crate) fn meaning<T>(pump: &str, does: impl FnOnce() -> T) -> T {
 
 /// Notes the options of the command line that the next command needs too. The pump that a command without `--pump`
 /// means anyway is left out.
-pub(crate) fn note(matches: &ArgMatches, root: Command) {
+///
+/// `root` makes the definitions of all commands.
+pub(crate) fn note(matches: &ArgMatches, root: fn() -> Command) {
     let mut leaf = matches;
     while let Some((_, inner)) = leaf.subcommand() {
         leaf = inner;
@@ -93,6 +98,7 @@ pub(crate) fn note(matches: &ArgMatches, root: Command) {
     };
     let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(is_typed));
     typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
+    let root = Arc::new(LazyLock::new(root));
     let _ = TOLD.set(Told { typed, pump, usual, root });
 }
 
@@ -194,15 +200,18 @@ mod tests {
     #[test]
     fn commands_go_to_the_motor_that_was_typed() {
         let typed = [("--driver", "grbl".to_owned()), ("--port", "/dev/pts/4".to_owned())];
-        let motor = |command: Command| {
+        fn motor(command: Command) -> Command {
             command.arg(Arg::new("driver").long("driver")).arg(Arg::new("port").long("port"))
+        }
+        let root = || {
+            motor(Command::new("dose")).subcommands([
+                motor(Command::new("resume")),
+                motor(Command::new("setup")),
+                Command::new("log"),
+            ])
         };
-        let root = motor(Command::new("dose")).subcommands([
-            motor(Command::new("resume")),
-            motor(Command::new("setup")),
-            Command::new("log"),
-        ]);
-        let told = Told { typed: typed.to_vec(), pump: None, usual: None, root };
+        let told =
+            Told { typed: typed.to_vec(), pump: None, usual: None, root: Arc::new(LazyLock::new(root)) };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(told("`dose resume` makes"), "`dose resume --driver grbl --port /dev/pts/4` makes");
         assert_eq!(told("`dose log` lists"), "`dose log` lists");
@@ -213,7 +222,8 @@ mod tests {
     fn commands_mean_the_pump_and_the_record_that_were_typed() {
         let typed = [("--pump", "my acid.toml".to_owned()), ("--state-dir", "/srv/state".to_owned())];
         let pump = Some("my acid.toml".to_owned());
-        let told = Told { typed: typed.to_vec(), pump, usual: None, root: definitions() };
+        let told =
+            Told { typed: typed.to_vec(), pump, usual: None, root: Arc::new(LazyLock::new(definitions)) };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(
             told("`dose resume NAME --reason <TEXT>`"),
@@ -237,13 +247,27 @@ mod tests {
     #[test]
     fn commands_of_one_of_several_pumps_mean_that_pump_and_are_completed_once() {
         let typed = vec![("--state-dir", "/srv/state".to_owned())];
-        let told = Told { typed, pump: None, usual: Some("acid".to_owned()), root: definitions() };
+        let told = Told {
+            typed,
+            pump: None,
+            usual: Some("acid".to_owned()),
+            root: Arc::new(LazyLock::new(definitions)),
+        };
         let of = |pump: &str, text: &str| completed_with(text, &told.of_pump(pump));
         let base = "`dose resume --pump racks/base.toml --state-dir /srv/state`";
         assert_eq!(of("racks/base.toml", "`dose resume`"), base);
         assert_eq!(completed_with(base, &told), base);
         assert_eq!(of("acid", "`dose resume`"), "`dose resume --state-dir /srv/state`");
         assert_eq!(of("acid", "`dose pumps NAME`"), "`dose pumps acid`");
+    }
+
+    /// A service has a process for each motion, and definitions take a megabyte.
+    #[test]
+    fn a_text_that_tells_no_command_makes_no_definitions() {
+        let root = Arc::new(LazyLock::new((|| unreachable!("nobody needs them")) as fn() -> Command));
+        let told = Told { typed: Vec::new(), pump: Some("acid".to_owned()), usual: None, root };
+        let told = told.of_pump("base");
+        assert_eq!(completed_with("the pump `base` stands", &told), "the pump `base` stands");
     }
 
     #[test]

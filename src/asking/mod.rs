@@ -58,6 +58,7 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     if let Some(service) = Service::beside(&state_dir) {
         if is_status {
             if service.answers() {
+                service.warn_of_schedule();
                 return None;
             }
         } else if let Some(answer) = service.begin(pump, words) {
@@ -71,6 +72,7 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
             let word = |id: &str| text(id).map(|word| word.to_string_lossy());
             let body = json!({"pump": pump, "rack": word("rack"), "all": is_typed("all"),
                 "tube_limit": word("tube_limit"), "json": json});
+            service.warn_of_schedule();
             service.follow(service.status(&body), json)
         }
         Ok(service) => service.follow(service.order(&order::of(leaf, &path, pump, json)), json),

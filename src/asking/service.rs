@@ -11,8 +11,8 @@ use std::time::Duration;
 use pump_bench::config::Config;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use ureq::Agent;
 use ureq::http::Response;
+use ureq::{Agent, RequestBuilder};
 
 use crate::commands::serve::secret;
 use crate::failure::Failure;
@@ -82,9 +82,7 @@ impl Service {
     }
 
     fn post(&self, path: &str, body: &Value) -> Result<Response<ureq::Body>, ureq::Error> {
-        let request = Self::agent().post(format!("{}{path}", self.url));
-        let bearer = self.token.iter().map(|token| format!("Bearer {token}"));
-        let request = bearer.fold(request, |request, bearer| request.header("authorization", bearer));
+        let request = self.bearing(Self::agent().post(format!("{}{path}", self.url)));
         request.header("content-type", "application/json").send(body.to_string())
     }
 
@@ -126,6 +124,22 @@ impl Service {
     /// Returns true if the service answers now.
     pub(super) fn answers(&self) -> bool {
         Self::agent().get(format!("{}/login", self.url)).call().is_ok()
+    }
+
+    /// Warns of a schedule whose file is refused. A service that does not say so is no reason to tell nothing else.
+    pub(super) fn warn_of_schedule(&self) {
+        let request = self.bearing(Self::agent().get(format!("{}/api/v1/schedule", self.url)));
+        let told = request.call().ok().and_then(|mut answer| answer.body_mut().read_to_string().ok());
+        let told: Option<Value> = told.and_then(|text| serde_json::from_str(&text).ok());
+        if let Some(error) = told.as_ref().and_then(|told| told.get("error")?.as_str()) {
+            say(&format!("warning: {error}\n"));
+        }
+    }
+
+    /// Returns the request with the token.
+    fn bearing<B>(&self, request: RequestBuilder<B>) -> RequestBuilder<B> {
+        let bearer = self.token.iter().map(|token| format!("Bearer {token}"));
+        bearer.fold(request, |request, bearer| request.header("authorization", bearer))
     }
 
     fn ask(

@@ -83,7 +83,8 @@ def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     card.get_by_role("button", name="Clear…").first.click()
     box = page.get_by_role("dialog", name="Clear base")
     box.get_by_label("Name of the pump").fill("acid")
-    box.get_by_label("Reason").fill("the tank was changed; Anna")
+    box.get_by_label("Reason").fill("the tank was changed")
+    box.get_by_label("Your name").fill("Anna")
     box.get_by_role("button", name="Clear the pump").click()
     expect(box.get_by_role("alert")).to_contain_text("Type the name of this pump")
     box.get_by_label("Name of the pump").fill("base")
@@ -92,6 +93,8 @@ def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     expect(box).to_have_count(0)
     expect(card.get_by_role("alert")).to_have_count(0)
     assert service.get("/api/v1/orders?pump=base")[0]["task"] == "clear"
+    order = service.get("/api/v1/orders?pump=base")[0]
+    assert (order["reason"], order["by"]) == ("the tank was changed", "Anna")
 
 
 def test_a_pump_that_was_put_to_stand_shows_the_reason(make_laboratory, open_page):

@@ -29,7 +29,7 @@ fn tell(service: &Service, input: &str, ok: bool, reason: Option<&str>) -> Value
 
 fn clear(service: &Service, pump: &str) {
     let (status, cleared) =
-        service.post(&format!("/api/v1/pumps/{pump}/clear"), &json!({"reason": "looked at it"}));
+        service.post(&format!("/api/v1/pumps/{pump}/clear"), &json!({"reason": "looked at it", "by": "Ada"}));
     assert_eq!((status, &cleared["state"]), (202, &json!("done")), "{cleared}");
 }
 
@@ -84,6 +84,13 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
     // A clearing while there is still water does not help, and the good word alone does not either.
     clear(&service, "acid");
     noted(&service, "acid was cleared while its input was not well, so it stands again: leak: water under");
+    let cleared = wait_for("the clearing", || {
+        let (_, orders) = service.get("/api/v1/orders?pump=acid");
+        orders.as_array().unwrap().iter().find(|order| order["task"] == "clear").cloned()
+    });
+    assert_eq!((&cleared["reason"], &cleared["by"]), (&json!("looked at it"), &json!("Ada")), "{cleared}");
+    let journal = fs::read_to_string(laboratory.path("records/acid/sim/journal.jsonl")).unwrap();
+    assert!(journal.contains("looked at it (by Ada)"), "{journal}");
     stands(&laboratory, "acid");
     assert_eq!(tell(&service, "leak", true, None)["state"], "well");
     noted(&service, "input leak: all is well again");

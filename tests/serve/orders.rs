@@ -250,3 +250,15 @@ fn every_path_that_is_described_is_answered() {
         }
     }
 }
+
+#[test]
+fn a_service_that_cannot_use_a_pump_file_says_why() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let file = laboratory.path("acid.toml");
+    let text = fs::read_to_string(&file).unwrap();
+    fs::write(&file, text.replace("inertance_kpa_s2_ml = 0.0042", "inertance_kpa_s2_ml = -1.0")).unwrap();
+    let refused = laboratory.run(&["serve", "--listen", "127.0.0.1:0"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(said.starts_with("error: pump acid: ") && said.contains("-1"), "{said}");
+}

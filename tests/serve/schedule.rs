@@ -237,9 +237,38 @@ fn a_schedule_that_is_changed_is_read_anew_and_a_wrong_one_leaves_the_old_in_for
     fs::write(&file, text.replace("03:00", "04:00")).unwrap();
     told("read anew");
     assert!(at(&service).contains("04:00"), "{}", at(&service));
+}
 
-    fs::write(&file, text.replace("03:00", "25:00")).unwrap();
-    let refused = laboratory.run(&["serve", "--listen", "127.0.0.1:0", "--state-dir", "elsewhere"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("at is `25:00`; allowed"));
+#[test]
+fn a_service_begins_with_a_refused_schedule_runs_nothing_of_it_says_so_and_takes_the_mended_file_up() {
+    let laboratory = Laboratory::new(&["acid"], "[service]\nschedule = \"schedule.toml\"\n");
+    let file = laboratory.path("schedule.toml");
+    let entry = |name: &str, at: &str| {
+        format!("[[entry]]\nname = \"{name}\"\npump = \"acid\"\ndose = \"2mL\"\nat = \"{at}\"\n")
+    };
+    let text = "schema = \"schedule/1\"\nzone = \"UTC\"\n".to_owned() + &entry("soon", &soon(3));
+    fs::write(&file, text.clone() + &entry("wrong", "25:00")).unwrap();
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let shown = service.get("/api/v1/schedule").1;
+    let error = shown["error"].as_str().unwrap();
+    assert!(error.contains("at is `25:00`") && error.contains("no entry runs until"), "{shown}");
+    assert_eq!(shown["schedule"]["entry"], json!([]), "{shown}");
+    assert!(service.get("/api/v1/notes").1.to_string().contains("at is `25:00`"));
+    wait_for("the line", || laboratory.said().contains(error).then_some(()));
+    let status = laboratory.run(&["status", "--pump", "acid"]);
+    let said = String::from_utf8_lossy(&status.stderr).into_owned();
+    assert!(status.status.success() && said == format!("warning: {error}\n"), "{said}");
+    let add = json!({"name": "more", "pump": "acid", "dose": "1mL", "at": "03:00"});
+    let (code, refused) = service.edit("POST", "", &add, &format!("{}", shown["etag"]));
+    assert!(code == 409 && refused["message"].as_str().unwrap().contains("correct it first"), "{refused}");
+    // The pumps are there for people.
+    let id = service.dose("acid", "1mL", &json!({}));
+    assert_eq!(service.ended(&id)["state"], "done");
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    assert_eq!(laboratory.log("acid").len(), 1, "no entry has run");
+
+    fs::write(&file, text + &entry("next", &soon(3))).unwrap();
+    wait_for("the dose of the mended schedule", || (laboratory.log("acid").len() == 2).then_some(()));
+    assert!(service.get("/api/v1/schedule").1["error"].is_null());
+    assert!(laboratory.run(&["status", "--pump", "acid"]).stderr.is_empty());
 }

@@ -19,6 +19,9 @@ pub(crate) struct ClearArgs {
     /// Reason why the pump may go on; it is kept on record
     #[arg(long, value_name = "TEXT", required = true)]
     reason: String,
+    /// Name of whoever clears it; it is kept behind the reason
+    #[arg(long, value_name = "NAME")]
+    by: Option<String>,
     #[command(flatten)]
     config: ConfigOption,
     #[command(flatten)]
@@ -34,11 +37,15 @@ impl ClearArgs {
         if self.reason.trim().is_empty() {
             return Err(Failure::refused("--reason is empty; say why the pump may go on").value("\"\""));
         }
+        if self.by.as_ref().is_some_and(|by| by.trim().is_empty()) {
+            return Err(Failure::refused("--by is empty; say who clears the pump").value("\"\""));
+        }
+        let by = self.by.as_ref().map_or(String::new(), |by| format!(" (by {})", by.trim()));
         let config = self.config.config()?;
         let file = config.pump(&self.name).map_err(Failure::of)?;
         let bench = Bench::new(file, self.driver.driver, &self.record.folder(&config)?)?;
         let mut session = bench.session()?;
-        let cleared = session.clear_safety(&self.reason);
+        let cleared = session.clear_safety(&format!("{}{by}", self.reason.trim()));
         let cleared = noted(&mut session, cleared)?;
         warn(&session.notes());
         if self.format.json() {

@@ -10,8 +10,8 @@ use pump_ctl::plan::PlannedMotion;
 const SLICE: Duration = Duration::from_millis(20);
 
 /// Time by which a step may be early: a sleep for each of many thousand steps a second would make them late, and fifty
-/// pumps of a service would keep a processor busy.
-const EARLY: Duration = Duration::from_millis(10);
+/// pumps of a service would keep a processor busy. A wake costs as much as a hundred steps.
+const EARLY: Duration = Duration::from_millis(20);
 
 /// Time by which the last step may be early, which ends the motion.
 const LAST_EARLY: Duration = Duration::from_millis(1);
@@ -23,12 +23,14 @@ pub(super) struct RealTime<'p> {
     plan: Option<PlannedMotion<'p>>,
     /// Instant at which the drive asked for the first step.
     began: Option<Instant>,
+    /// Time of the motion until which steps are due by the last look at the clock, in s.
+    due_until_s: f64,
 }
 
 impl<'p> RealTime<'p> {
     /// Makes the real time of a motion that is about to begin, if it is kept.
     pub(super) fn of(plan: PlannedMotion<'p>, is_kept: bool) -> Self {
-        Self { plan: is_kept.then_some(plan), began: None }
+        Self { plan: is_kept.then_some(plan), began: None, due_until_s: 0.0 }
     }
 
     /// Returns the time since the motion began, in s. `None` if no real time is kept.
@@ -46,10 +48,16 @@ impl<'p> RealTime<'p> {
         let began = *self.began.get_or_insert_with(Instant::now);
         let steps = plan.steps().unsigned_abs();
         let due_s = plan.time_of((made + 1).min(steps));
-        let early = if made + 1 < steps { EARLY } else { LAST_EARLY };
+        let is_last = made + 1 >= steps;
+        if due_s < self.due_until_s && !is_last {
+            return ControlFlow::Continue(());
+        }
+        let early = if is_last { LAST_EARLY } else { EARLY };
         loop {
-            let left = Duration::from_secs_f64(due_s).saturating_sub(began.elapsed());
+            let elapsed = began.elapsed();
+            let left = Duration::from_secs_f64(due_s).saturating_sub(elapsed);
             if left < early {
+                self.due_until_s = (elapsed + early).as_secs_f64();
                 return ControlFlow::Continue(());
             }
             watch(made)?;

@@ -3,7 +3,6 @@
 use std::error::Error as StdError;
 use std::path::PathBuf;
 
-use pump_model::integrator::IntegrationError;
 use thiserror::Error;
 
 use crate::notice::Remedy;
@@ -136,9 +135,6 @@ pub enum DriveError {
         /// Name of the drive.
         driver: &'static str,
     },
-    /// The arithmetic of the simulation failed.
-    #[error("the simulated drive failed")]
-    Sim(#[from] IntegrationError),
 }
 
 impl DriveError {

@@ -61,7 +61,7 @@ pub(crate) fn open<'a>(
     opening: &Opening,
 ) -> Result<Box<dyn Drive + 'a>, DriveError> {
     let opened: Result<Box<dyn Drive>, _> = match table.driver {
-        DriverName::Sim => return Ok(Box::new(sim::Sim::new(model)?)),
+        DriverName::Sim => return Ok(Box::new(sim::Sim::new(model))),
         DriverName::Grbl => grbl::open(table, file, opening),
         DriverName::Node => node::open(table, file, opening),
     };

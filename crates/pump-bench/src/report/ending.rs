@@ -117,8 +117,7 @@ impl DriveError {
             | Self::NotGiven { .. }
             | Self::OtherDriver { .. }
             | Self::NoBoard { .. }
-            | Self::NotBuilt { .. }
-            | Self::Sim(_) => Ending::Refused,
+            | Self::NotBuilt { .. } => Ending::Refused,
         }
     }
 }

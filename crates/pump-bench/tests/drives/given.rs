@@ -267,7 +267,7 @@ fn a_bench_takes_its_own_drive_and_no_other() {
     assert!(not_given.contains("Session::with_drive"), "{not_given}");
     // The drive of a pump file may be given too.
     let model = built_in("three-roller").unwrap().model().unwrap();
-    let mut session = Session::with_drive(&plain, Box::new(Sim::new(&model).unwrap())).unwrap();
+    let mut session = Session::with_drive(&plain, Box::new(Sim::new(&model))).unwrap();
     session.connect().unwrap();
 }
 
@@ -460,7 +460,7 @@ fn a_session_that_was_given_the_drive_of_a_pump_file_goes_on_with_it_after_a_fau
     let plain = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
     let model = built_in("three-roller").unwrap().model().unwrap();
     let motions = Mutex::new(0);
-    let drive = FailsOnce { sim: Sim::new(&model).unwrap(), motions: &motions };
+    let drive = FailsOnce { sim: Sim::new(&model), motions: &motions };
     let mut session = Session::with_drive(&plain, Box::new(drive)).unwrap();
     let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
     session.run(&prepared, go).unwrap_err();

@@ -32,7 +32,19 @@ pub(super) struct OptionsBody {
     pub(super) options: Options,
 }
 
-/// Reason of a person who clears a pump, or puts it to stand.
+/// Reason of a person who clears a pump.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClearBody {
+    /// Reason, which the pump's record keeps.
+    #[schema(example = "the tank was changed")]
+    pub(super) reason: String,
+    /// Name of the person, which the record keeps behind the reason.
+    #[schema(example = "Ada")]
+    pub(super) by: Option<String>,
+}
+
+/// Reason of a person who puts a pump to stand.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ReasonBody {

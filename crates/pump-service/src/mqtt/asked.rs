@@ -46,6 +46,7 @@ struct OptionsBody {
 #[serde(deny_unknown_fields)]
 struct ReasonBody {
     reason: String,
+    by: Option<String>,
     key: Option<String>,
 }
 
@@ -89,10 +90,10 @@ impl Asked {
             "resume" if text == word || text == PRESS => plain(Task::Resume),
             "accept" if text == word || text == PRESS => plain(Task::Accept),
             "clear" if is_json => {
-                let ReasonBody { reason, key } = json(text)?;
-                Ok(Self::Order { task: Task::Clear { reason }, options: Options::new(), key })
+                let ReasonBody { reason, by, key } = json(text)?;
+                Ok(Self::Order { task: Task::Clear { reason, by }, options: Options::new(), key })
             }
-            "clear" => plain(Task::Clear { reason: text.to_owned() }),
+            "clear" => plain(Task::Clear { reason: text.to_owned(), by: None }),
             "volume" => {
                 let volume = text.parse().ok().filter(|ml: &f64| ml.is_finite() && *ml > 0.0);
                 volume.map(Self::Volume).ok_or_else(|| wrong(word, text))
@@ -118,7 +119,7 @@ fn allowed(word: &str) -> &'static str {
         }
         "resume" => "allowed: resume, or {\"options\": {}, \"key\": \"...\"}",
         "accept" => "allowed: accept, or {\"key\": \"...\"}",
-        "clear" => "allowed: a reason, or {\"reason\": \"...\", \"key\": \"...\"}",
+        "clear" => "allowed: a reason, or {\"reason\": \"...\", \"by\": \"...\", \"key\": \"...\"}",
         "volume" => "allowed: a number above 0, in mL",
         _ => "see docs/mqtt.md",
     }

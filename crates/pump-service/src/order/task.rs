@@ -40,6 +40,9 @@ pub enum Task {
     Clear {
         /// Reason of the person who clears it.
         reason: String,
+        /// Name of that person.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        by: Option<String>,
     },
     /// The receiving vessel was emptied.
     Emptied,
@@ -102,7 +105,7 @@ impl Task {
 
     /// Returns the words of the command before its options, for `pump`.
     pub(super) fn words(&self, pump: &str) -> Result<Vec<String>, OrderError> {
-        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
+        let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<String>>();
         Ok(match self {
             Self::Dose { volume } => words(&[amount("volume", volume)?]),
             Self::Prime { volume } => words(&["prime", amount("volume", volume)?]),
@@ -114,9 +117,13 @@ impl Task {
                 let reason = text("reason", reason)?;
                 words(&["safety", "stand", name("pump", pump)?, &option("reason", reason)])
             }
-            Self::Clear { reason } => {
+            Self::Clear { reason, by } => {
                 let reason = text("reason", reason)?;
-                words(&["safety", "clear", name("pump", pump)?, &option("reason", reason)])
+                let mut words = words(&["safety", "clear", name("pump", pump)?, &option("reason", reason)]);
+                if let Some(by) = by {
+                    words.push(option("by", text("by", by)?));
+                }
+                words
             }
             Self::Emptied => words(&["vessel", "emptied"]),
             Self::Calibrate { reading } => words(&["calibrate", "last", amount("reading", reading)?]),

@@ -1081,7 +1081,8 @@ function askEmptied(pump) {
 }
 function askClear(pump) {
   const name = field('Name of the pump', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
-  const reason = field('Reason', { required: true, placeholder: 'the tank was changed', hint: 'The record keeps it. Say who you are.' });
+  const reason = field('Reason', { required: true, placeholder: 'the tank was changed' });
+  const by = field('Your name', { required: true });
   const said = saidBox();
   const slot = {};
   const button = submit('Clear the pump');
@@ -1089,14 +1090,15 @@ function askClear(pump) {
     h('form', { novalidate: true, onsubmit: (event) => {
       event.preventDefault();
       if (name.input.value.trim() !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
-      if (!reason.input.value.trim()) return needs(reason, said, 'Enter a reason.');
-      send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason) }, async (order) => {
+      const missing = [reason, by].find((box) => !text(box));
+      if (missing) return needs(missing, said, 'Fill this in first.');
+      send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason), by: text(by) }, async (order) => {
         order = await ended(order);
         if (order.state !== 'done') throw orderError(order);
         box.close();
         politely(`${pump.name} is cleared.`, true);
       });
-    } }, name.el, reason.el, inRow(button), said)]);
+    } }, name.el, reason.el, by.el, inRow(button), said)]);
 }
 
 /** Guided calibration: dose, weigh, enter the reading, and see the factor. */
@@ -1553,7 +1555,7 @@ function viewSchedule() {
     const at = ({ name }) => { const one = next.get(name); return one && one.at ? new Date(one.at).getTime() : Infinity; };
     const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
     const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
-    box.replaceChildren(
+    box.replaceChildren(told.error ? bad(told.error) : '',
       entries.length ? table(`Next runs, by the clock of this device (${ownZone()})`, ['Entry', 'Next', 'What', 'Times', 'Policy', 'Change'],
         entries.map((entry) => rowOf(entry, next.get(entry.name)))) : para('The schedule has no entry.'),
       aside(`File: ${told.file}. Edits keep its comments.`));
@@ -1564,7 +1566,7 @@ function viewSchedule() {
   const load = async () => {
     try {
       told = await call('GET', '/api/v1/schedule');
-      add.hidden = !told.schedule;
+      add.hidden = !told.schedule || told.error;
       put();
     } catch (error) {
       box.replaceChildren(bad(wordsOf(error)));
@@ -1577,7 +1579,7 @@ function viewSchedule() {
 
 const WEEK = ['mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun'];
 const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);
-/** Words of a list with commas or spaces between them. */
+/** Words of a list. */
 const split = (text) => text.split(/[\s,;]+/).filter(Boolean);
 
 /** Fields of the keys that are not named as their field. */
@@ -1638,9 +1640,9 @@ function editEntry(told, entry, done) {
     if (what === 'dose' && (repeat || value('apart'))) {
       made.batch = { repeat: /^\d+$/.test(repeat) ? Number(repeat) : repeat, ...(value('apart') && { every: value('apart') }) };
     }
-    const words = value('options').split(/,\s*(?=[a-z][a-z0-9-]*(?:=|,|$))/).map((word) => word.trim()).filter(Boolean);
+    const words = value('options').split(/,\s*(?=[a-z][a-z0-9-]*(?:[=,]| \S*\d|$))/).map((word) => word.trim()).filter(Boolean);
     if (words.length) {
-      made.options = Object.fromEntries(words.map((word) => { const [name, ...rest] = word.split('='); return [name.trim(), rest.join('=').trim() || true]; }));
+      made.options = Object.fromEntries(words.map((word) => { const [, name, value] = /^([^\s=]*)\s*=?\s*(.*)$/.exec(word); return [name, value || true]; }));
     }
     if (when === 'at') made.at = split(value('at'));
     else Object.assign(made, { every: value('every').replace(/\s+/g, '') }, when === 'between' ? { between: split(value('between')) } : { anchor: value('anchor') });

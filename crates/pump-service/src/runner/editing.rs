@@ -86,7 +86,7 @@ impl Runner {
 
     /// Refuses an edit while the file is not the text that is in force.
     fn check_text(&self, loaded: &Loaded) -> Result<(), EditError> {
-        if fs::read_to_string(self.path()).is_ok_and(|text| text == loaded.text) {
+        if loaded.error.is_none() && fs::read_to_string(self.path()).is_ok_and(|text| text == loaded.text) {
             return Ok(());
         }
         match Loaded::read_unkept(self.path()) {

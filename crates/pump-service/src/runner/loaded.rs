@@ -32,6 +32,8 @@ pub(super) struct Loaded {
     pub(super) written: Option<SystemTime>,
     /// Last trial of each entry that was tried out, by its name.
     pub(super) trials: BTreeMap<String, Trial>,
+    /// Reason why the file is not in force as it is now, and what is instead.
+    pub(super) error: Option<String>,
 }
 
 impl Loaded {
@@ -47,7 +49,32 @@ impl Loaded {
                 now
             }
         };
-        Ok(Self { text, schedule, since, written, trials: BTreeMap::new() })
+        Ok(Self { text, schedule, since, written, ..Self::nothing(now) })
+    }
+
+    /// A schedule without entries, for a file that has not been read.
+    pub(super) fn nothing(now: Timestamp) -> Self {
+        let (text, schedule, trials) = (String::new(), Schedule::default(), BTreeMap::new());
+        Self { text, schedule, since: now, written: None, trials, error: None }
+    }
+
+    /// Refuses the file as it was `written`, and leaves in force what is. Returns the reason in words.
+    pub(super) fn refuse(&mut self, error: &RunnerError, written: Option<SystemTime>) -> String {
+        let instead = if self.schedule.entries().is_empty() {
+            "no entry runs until the file is mended"
+        } else {
+            "the schedule before stays in force"
+        };
+        let text = format!("{error}; {instead}");
+        // Told once for each state of the file.
+        self.written = written;
+        self.error = Some(text.clone());
+        text
+    }
+
+    /// The time at which a file was written; none without the file.
+    pub(super) fn written(path: &Path) -> Option<SystemTime> {
+        path.metadata().and_then(|file| file.modified()).ok()
     }
 
     /// Returns the schedule with the trials of the one before, for entries that are as they were: only a trial takes a

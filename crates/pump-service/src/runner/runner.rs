@@ -60,13 +60,25 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Reads the schedule at `path`. `now` is the clock.
+    /// Reads the schedule at `path`. `now` is the clock. A file that is refused has no entry run until it is mended:
+    /// the pumps need their page and their guard all the same.
     ///
     /// # Errors
     ///
-    /// [`RunnerError`] if the schedule is refused or the history cannot be used.
-    pub fn new(path: &Path, service: Service, now: fn() -> Timestamp) -> Result<Self, RunnerError> {
-        let loaded = Mutex::new(Loaded::read(path, service.history(), now())?);
+    /// [`HistoryError`] if the history cannot be used.
+    pub fn new(path: &Path, service: Service, now: fn() -> Timestamp) -> Result<Self, HistoryError> {
+        let written = Loaded::written(path);
+        let loaded = match Loaded::read(path, service.history(), now()) {
+            Ok(loaded) => loaded,
+            Err(RunnerError::History(error)) => return Err(error),
+            Err(error) => {
+                let mut loaded = Loaded::nothing(now());
+                let text = loaded.refuse(&error, written);
+                service.note(KIND, None, &text);
+                loaded
+            }
+        };
+        let loaded = Mutex::new(loaded);
         let (told_ahead, runs) = (Mutex::default(), Mutex::default());
         Ok(Self { path: path.to_owned(), service, now, loaded, told_ahead, runs })
     }
@@ -202,7 +214,7 @@ impl Runner {
 
     /// Reads the file anew if it was written since. A file that is refused leaves the schedule in force as it is.
     pub(super) fn reload(&self, loaded: &mut Loaded) {
-        let written = self.path.metadata().and_then(|file| file.modified()).ok();
+        let written = Loaded::written(&self.path);
         if written == loaded.written {
             return;
         }
@@ -212,14 +224,14 @@ impl Runner {
                 self.service.note(KIND, None, "the schedule was read anew and is in force");
             }
             Err(error) => {
-                // Told once for each state of the file.
-                loaded.written = written;
-                self.service.note(KIND, None, &format!("{error}; the schedule before stays in force"));
+                let text = loaded.refuse(&error, written);
+                self.service.note(KIND, None, &text);
             }
         }
     }
 
-    /// Returns the schedule in force, its file, and for each entry its next time and the doubt about it.
+    /// Returns the schedule in force, its file, the reason why the file as it is now is not in force, and for each
+    /// entry its next time and the doubt about it.
     pub fn shown(&self) -> Value {
         let loaded = self.loaded();
         let now = (self.now)();
@@ -231,7 +243,9 @@ impl Runner {
         });
         let next: Vec<Value> = next.collect();
         let (file, tag) = (self.path.display().to_string(), loaded.tag());
-        json!({"file": file, "etag": tag, "schedule": loaded.schedule, "next": next})
+        json!({
+            "file": file, "etag": tag, "schedule": loaded.schedule, "next": next, "error": loaded.error
+        })
     }
 
     fn runs(&self) -> MutexGuard<'_, JoinSet<()>> {

@@ -44,7 +44,9 @@ const MOST_ENTRIES: usize = 1000;
 /// assert!(refused.to_string().starts_with("entry `night` of the schedule, at is `25:00`; allowed: 00:00 to"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+///
+/// The default has no entry.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Schedule {
     /// Zone that the schedule names.
     zone: Option<TimeZone>,

@@ -1,12 +1,13 @@
 //! One pump of the service.
 
+use std::error::Error;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
 use pump_bench::Bench;
 use pump_bench::config::Config;
-use pump_bench::report::{Status, log_json};
+use pump_bench::report::{Status, log_json, with_sources};
 use pump_bench::safety::SafetyLimit;
 use pump_bench::units::flow_ml_s;
 use serde_json::Value;
@@ -39,9 +40,10 @@ struct Read {
 impl Pump {
     /// Takes the pump of this name of the configuration.
     pub(super) fn of(name: &str, config: &Config, state_dir: &Path) -> Result<Self, ServiceError> {
-        let failed = |message: String| ServiceError::Pump { name: name.to_owned(), message };
-        let file = config.pump(name).map_err(|error| failed(error.to_string()))?;
-        let bench = Bench::new(file, None, state_dir).map_err(|error| failed(error.to_string()))?;
+        let failed =
+            |error: &dyn Error| ServiceError::Pump { name: name.to_owned(), message: with_sources(error) };
+        let file = config.pump(name).map_err(|error| failed(&error))?;
+        let bench = Bench::new(file, None, state_dir).map_err(|error| failed(&error))?;
         let configured = config.defaults().rate.as_deref().and_then(|rate| flow_ml_s(rate).ok());
         let default_flow_ml_s = configured.unwrap_or(bench.file().pump.default_rate_ml_s);
         let pump = Self { name: name.to_owned(), bench, default_flow_ml_s, read: Mutex::default() };
@@ -76,7 +78,7 @@ impl Pump {
         (read.written, read.is_held) = (written, is_held);
         (read.status, read.error) = match Status::of(&self.bench) {
             Ok(status) => (Some(status), None),
-            Err(error) => (None, Some(error.to_string())),
+            Err(error) => (None, Some(with_sources(&error))),
         };
         read.last = self.last_logged();
         true

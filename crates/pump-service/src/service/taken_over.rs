@@ -1,9 +1,11 @@
 //! Orders of a history that was lost, from the log of their pump.
 
+use std::error::Error;
 use std::time::Duration;
 
 use jiff::Timestamp;
 use pump_bench::record::{LogEnd, LogEntry, LogLine, Purpose};
+use pump_bench::report::with_sources;
 
 use super::error::ServiceError;
 use super::pump::Pump;
@@ -16,14 +18,15 @@ const GIVER: &str = "the pump's log";
 /// Returns the orders that the log of a pump tells, oldest first. Runs of a calibration, retractions and turns to a
 /// mark are no orders.
 pub(super) fn orders(pump: &Pump) -> Result<Vec<OrderRecord>, ServiceError> {
-    let failed = |message: String| ServiceError::Pump { name: pump.name().to_owned(), message };
+    let failed =
+        |error: &dyn Error| ServiceError::Pump { name: pump.name().to_owned(), message: with_sources(error) };
     let mut orders = Vec::new();
-    for line in pump.bench().log().map_err(|error| failed(error.to_string()))? {
+    for line in pump.bench().log().map_err(|error| failed(&error))? {
         // A damaged line is told by whoever reads the log; the doses beside it are known.
-        if let LogLine::Dose(entry) = line.map_err(|error| failed(error.to_string()))?
+        if let LogLine::Dose(entry) = line.map_err(|error| failed(&error))?
             && let Some(task) = task(&entry)
         {
-            let id = OrderId::random().map_err(|error| failed(error.to_string()))?;
+            let id = OrderId::random().map_err(|error| failed(&error))?;
             orders.push(order(id, Order::new(pump.name(), task), &entry));
         }
     }

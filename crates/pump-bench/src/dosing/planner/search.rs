@@ -100,7 +100,7 @@ impl Planner<'_> {
             speed_rpm *= 1.0 + faster;
             faster = (2.0 * faster).min(MOST_RAISED);
         }
-        Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: shortest_s }.into())
+        Err(PlanError::too_short(time_s, shortest_s).into())
     }
 
     /// Plans the fastest dose within the speeds: plans again with the displacement at the speed found before,

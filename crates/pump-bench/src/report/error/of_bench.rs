@@ -158,8 +158,7 @@ impl Explain for DriveError {
             | Self::NotGiven { .. }
             | Self::OtherDriver { .. }
             | Self::NoBoard { .. }
-            | Self::NotBuilt { .. }
-            | Self::Sim(_) => ErrorFacts::of(ErrorKind::Drive),
+            | Self::NotBuilt { .. } => ErrorFacts::of(ErrorKind::Drive),
         }
     }
 

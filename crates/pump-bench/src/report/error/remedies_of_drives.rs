@@ -27,8 +27,7 @@ impl DriveError {
             | Self::NotGiven { .. }
             | Self::OtherDriver { .. }
             | Self::NoBoard { .. }
-            | Self::NotBuilt { .. }
-            | Self::Sim(_) => Vec::new(),
+            | Self::NotBuilt { .. } => Vec::new(),
         }
     }
 }

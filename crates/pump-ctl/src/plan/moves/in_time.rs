@@ -289,6 +289,14 @@ impl InTime<'_> {
     }
 }
 
+impl PlanError {
+    /// Returns the refusal of a dose within `asked_s`, s, where the shortest time found is `shortest_s`, s. It is
+    /// rounded up, so that the time that the message names is accepted.
+    pub fn too_short(asked_s: f64, shortest_s: f64) -> Self {
+        Self::TimeTooShort { asked_s, fastest_s: up(shortest_s) }
+    }
+}
+
 /// Returns the cruise speed of a plan, rad/s, or the fastest speed of one too short to reach it. A rotor that turns
 /// already may be faster.
 fn cruise_rad_s(plan: &Plan) -> f64 {

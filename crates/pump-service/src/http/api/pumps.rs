@@ -7,7 +7,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
 
-use super::super::bodies::{OptionsBody, ReadingBody, ReasonBody, VolumeBody, body};
+use super::super::bodies::{ClearBody, OptionsBody, ReadingBody, ReasonBody, VolumeBody, body};
 use super::super::failure::Failure;
 use super::super::shared::Shared;
 use crate::history::{Key, OrderState};
@@ -143,7 +143,7 @@ pub(in super::super) async fn stand(
 }
 
 /// Clears a pump that stands, for a reason on record.
-#[utoipa::path(post, path = "/api/v1/pumps/{name}/clear", tag = "orders", request_body = ReasonBody,
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/clear", tag = "orders", request_body = ClearBody,
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
     responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
 pub(in super::super) async fn clear(
@@ -152,8 +152,8 @@ pub(in super::super) async fn clear(
     headers: HeaderMap,
     bytes: Bytes,
 ) -> Result<Response, Failure> {
-    let ReasonBody { reason } = body(&bytes)?;
-    place(&shared, &name, Task::Clear { reason }, Options::new(), &headers).await
+    let ClearBody { reason, by } = body(&bytes)?;
+    place(&shared, &name, Task::Clear { reason, by }, Options::new(), &headers).await
 }
 
 /// Says that the receiving vessel was emptied.

@@ -27,12 +27,13 @@ pub(in super::super) struct How {
 /// The schedule that is in force, and the next time of each entry, with the doubt about it.
 #[utoipa::path(get, path = "/api/v1/schedule", tag = "schedule",
     responses((status = 200, description = "`schedule/1` as JSON; in `next` for each entry its name, `at` \
-        and `words` of its next time, its `zone`, and `doubt`: why its runs will be refused, or null; and the tag of \
-        the file, which the header `ETag` has too", body = Object)))]
+        and `words` of its next time, its `zone`, and `doubt`: why its runs will be refused, or null; `error`: why \
+        the file as it is now is not in force, or null; and the tag of the file, which the header `ETag` has too",
+        body = Object)))]
 pub(in super::super) async fn schedule(State(shared): State<Shared>) -> Response {
     match shared.schedule.as_ref() {
         Some(schedule) => tagged(StatusCode::OK, schedule.shown()),
-        None => Json(json!({"schedule": null, "next": [], "file": null})).into_response(),
+        None => Json(json!({"schedule": null, "next": [], "file": null, "error": null})).into_response(),
     }
 }
 

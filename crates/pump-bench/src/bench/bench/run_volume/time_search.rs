@@ -89,7 +89,7 @@ impl TimeSearch {
         if late_s.abs() <= asked_step_s.max(NEAR * asked_s) {
             return Ok(self.best);
         }
-        Err(PlanError::TimeTooShort { asked_s, fastest_s: self.best.plan.profile().duration_s() }.into())
+        Err(PlanError::too_short(asked_s, self.best.plan.profile().duration_s()).into())
     }
 
     /// Returns the volume of so many steps, in mL, unless the search is done or they were tried.
