@@ -285,11 +285,15 @@ node: node-pico
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
 	timeout 900 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
 
-# The guide, from docs/. It fails where a link leads nowhere.
+# The guide, from docs/, with the reference of the Python module and the gallery's notebooks, which are executed. It fails
+# where a link leads nowhere.
 BOOK := .venv-book
-docs: $(BOOK)/installed
+docs: $(BOOK)/installed $(VENV)/installed
 	cd book && $(CURDIR)/$(BOOK)/bin/python -m pytest -q -p no:cacheprovider
+	$(BOOK)/bin/python book/notebooks.py crates/pump-py/gallery \
+		$$($(BIN)/python -c "import sysconfig; print(sysconfig.get_path('platlib'))") target/notebooks
 	PATH="$(CURDIR)/$(BOOK)/bin:$$PATH" mdbook build book
+	mkdir -p target/guide/gallery && cp target/notebooks/*.ipynb target/guide/gallery
 	$(PYTHON) book/check.py target/guide docs
 
 $(BOOK)/installed: book/requirements.txt

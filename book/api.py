@@ -4,13 +4,11 @@ The pages come below docs/api.md. Nothing is imported: signatures and docstrings
 the compiled classes from their stubs, whose docstrings the tests hold to the compiled module's.
 """
 
-import json
-import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from api_sources import Definition, Sources
+from chapters import add_below, answered
 from docstrings import markdown
 
 PACKAGE = Path(__file__).parent.parent / "crates/pump-py/python/pumpmodel"
@@ -99,45 +97,5 @@ def pages_of(sources: Sources) -> dict[str, str]:
     return pages
 
 
-def chapter(title: str, text: str, parent: dict[str, Any]) -> dict[str, Any]:
-    """Return a chapter of mdBook below another."""
-    path = f"api_{title.lower().replace(' ', '_')}.md"
-    return {
-        "Chapter": {
-            "name": title,
-            "content": text,
-            "number": None,
-            "sub_items": [],
-            "path": path,
-            "source_path": path,
-            "parent_names": [*parent["parent_names"], parent["name"]],
-        }
-    }
-
-
-def add(items: list[Any], pages: dict[str, str]) -> bool:
-    """Add the pages below the chapter of docs/api.md. Return whether it was found."""
-    for item in items:
-        found = item.get("Chapter") if isinstance(item, dict) else None
-        if found and found["path"] == PARENT:
-            found["sub_items"] += [chapter(title, text, found) for title, text in pages.items()]
-            links = [f"- [{each['Chapter']['name']}]({each['Chapter']['path']})" for each in found["sub_items"]]
-            found["content"] += "\n" + "\n".join(links) + "\n"
-            return True
-        if found and add(found["sub_items"], pages):
-            return True
-    return False
-
-
-def main() -> None:
-    """Answer as mdBook asks: `supports RENDERER`, or the book on standard input."""
-    if sys.argv[1:2] == ["supports"]:
-        sys.exit(0 if sys.argv[2] == "html" else 1)
-    _, book = json.load(sys.stdin)
-    if not add(book["items"], pages_of(Sources(PACKAGE))):
-        sys.exit(f"the guide has no page {PARENT}, below which the reference comes")
-    json.dump(book, sys.stdout)
-
-
 if __name__ == "__main__":
-    main()
+    answered(lambda book: add_below(book["items"], PARENT, "api", pages_of(Sources(PACKAGE))))

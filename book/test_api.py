@@ -4,8 +4,9 @@ import re
 from pathlib import Path
 
 import pytest
-from api import LAST, PACKAGE, PAGES, add, pages_of
+from api import LAST, PACKAGE, PAGES, pages_of
 from api_sources import Sources
+from chapters import add_below
 from docstrings import markdown
 
 PAGES_OF_GUIDE = pages_of(Sources(PACKAGE))
@@ -82,12 +83,13 @@ def test_a_docstring_becomes_lists_and_code() -> None:
     )
 
 
-def test_the_pages_come_below_the_page_of_the_reference() -> None:
+def test_pages_come_below_the_page_of_docs_with_links_to_them() -> None:
     parent = {"name": "Reference", "path": "api.md", "sub_items": [], "parent_names": [], "content": ""}
-    assert add(["Separator", {"Chapter": parent}], {"Pumps and lines": "text"})
+    add_below(["Separator", {"Chapter": parent}], "api.md", "api", {"Pumps and lines": "text"})
     assert parent["sub_items"][0]["Chapter"]["path"] == "api_pumps_and_lines.md"
     assert "[Pumps and lines](api_pumps_and_lines.md)" in str(parent["content"])
-    assert not add([], {})
+    with pytest.raises(SystemExit, match=r"no page gallery\.md"):
+        add_below([{"Chapter": parent}], "gallery.md", "gallery", {})
 
 
 @pytest.mark.parametrize("page", list(PAGES_OF_GUIDE))
