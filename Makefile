@@ -104,7 +104,8 @@ fuzz:
 		$(FUZZ) run --target-dir target/fuzz-build $$target target/fuzz/$$target fuzz/corpus/$$target -- -max_total_time=$(FUZZ_SECONDS) || exit 1; \
 	done
 
-# Without the peers of `make bench`, which take minutes to compile and are checked there.
+# Without the peers of `make bench`, which take minutes to compile and are checked there. Node.js runs pyright, which checks
+# a script as a user writes it, strictly, as mypy does.
 lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
@@ -119,6 +120,8 @@ lint: $(VENV)/installed
 	$(BIN)/ruff format --config tests/browser/pyproject.toml --check demo packaging
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
+	command -v node || (apt-get update && apt-get install -y --no-install-recommends nodejs)
+	$(BIN)/pyright --project crates/pump-py/tests/docs --pythonpath $(BIN)/python
 
 # Each feature alone, none and all: no file may count on a feature that it did not ask for, and the tests that need none
 # pass with none. Tests are checked with none and with all, and `make test` runs them with all.
