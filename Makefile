@@ -213,6 +213,7 @@ bench: $(VENV)/installed
 	cargo bench --locked --features serve --bench serve
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
+	$(BIN)/python crates/pump-py/benches/before_after.py
 
 # Writes docs/validation.md and its pictures; fails where a deviation exceeds its bound. `cargo run --example validate -- PT1`
 # repeats one of the paper's tests.
