@@ -46,7 +46,7 @@ def plot_steady(steady: SteadyState[Any], *, ax: Axes | Sequence[Axes] | None = 
     columns = {name: values[order] for name, values in columns.items()}
     rpm = columns["speed_rpm"]
     # A single speed is a point with its range; a line through it would not show.
-    style = {"marker": "o"} if len(rpm) == 1 else {}
+    marker = "o" if len(rpm) == 1 else None
     axes = panels_for(_PANELS, ax)
     for name, axis in zip(_PANELS, axes, strict=False):
         if name == "pressure":
@@ -57,10 +57,12 @@ def plot_steady(steady: SteadyState[Any], *, ax: Axes | Sequence[Axes] | None = 
                 else:
                     axis.fill_between(rpm, least, most, color=colour, alpha=0.25, linewidth=0)
                 mean = columns[f"{port}_mean_kpa"]
-                axis.plot(rpm, mean, color=colour, label=f"{port}, mean\nand range", linewidth=1.2, **style)  # type: ignore[arg-type]
+                axis.plot(
+                    rpm, mean, color=colour, label=f"{port}, mean\nand range", linewidth=1.2, marker=marker
+                )
             axis.set_ylabel("pressure\n(kPa absolute)")
         elif name == "flow":
-            axis.plot(rpm, columns["mean_flow_ml_s"], color=GREEN, linewidth=1.2, **style)  # type: ignore[arg-type]
+            axis.plot(rpm, columns["mean_flow_ml_s"], color=GREEN, linewidth=1.2, marker=marker)
             axis.set_ylabel("mean flow\n(mL/s)")
         else:
             for column, label, line in (
@@ -68,7 +70,7 @@ def plot_steady(steady: SteadyState[Any], *, ax: Axes | Sequence[Axes] | None = 
                 ("ripple_rms", "root mean square", "--"),
             ):
                 percent = 100 * columns[column]
-                axis.plot(rpm, percent, line, color=VERMILION, linewidth=1.2, label=label, **style)  # type: ignore[arg-type]
+                axis.plot(rpm, percent, line, color=VERMILION, linewidth=1.2, label=label, marker=marker)
             axis.set_ylim(bottom=0)
             axis.set_ylabel("ripple at the\noutlet rollers (%)")
         finish(axis, legend=name != "flow")
