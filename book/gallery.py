@@ -39,6 +39,10 @@ def _output(output: dict[str, Any], title: str) -> str:
         width = output.get("metadata", {}).get("image/png", {}).get("width")
         sized = f' width="{width}"' if width else ""
         return f'<img alt="{title}"{sized} src="data:image/png;base64,{"".join(_text(picture).split())}">\n'
+    # Tables of results are one line of HTML. A page of scripts, as an animation is, has no place in the guide.
+    html = _text(data.get("text/html", ""))
+    if html.startswith("<div>") and "\n" not in html and "<script" not in html:
+        return f"{html}\n"
     if "text/plain" in data:
         return f"```text\n{_text(data['text/plain'])}\n```\n"
     sys.exit(f"an output of {title} is {output['output_type']}; allowed: text and pictures")

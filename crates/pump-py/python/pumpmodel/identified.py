@@ -159,20 +159,7 @@ class Identified:
     def plot(self, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
         """Draw measurement and fit, and the residuals below them.
 
-        Parameters
-        ----------
-        ax : Axes or sequence of Axes, optional
-            Axes for the fit and for the residuals, or axes for the fit alone. By default a new figure.
-
-        Returns
-        -------
-        list of Axes
-            Axes of the fit and of the residuals.
-
-        Raises
-        ------
-        ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        `ax` takes axes for both, or axes for the fit alone; by default both are in a new figure. Needs matplotlib.
         """
         from pumpmodel.plotting.fits import plot_identified
 
