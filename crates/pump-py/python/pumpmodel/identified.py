@@ -159,7 +159,7 @@ class Identified:
     def plot(self, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
         """Draw measurement and fit, and the residuals below them.
 
-        `ax` takes axes for both, or axes for the fit alone; by default both are in a new figure. Needs matplotlib.
+        `ax` takes axes for both, or for the fit alone. The default is a new figure. Needs matplotlib.
         """
         from pumpmodel.plotting.fits import plot_identified
 
