@@ -104,7 +104,8 @@ fuzz:
 		$(FUZZ) run --target-dir target/fuzz-build $$target target/fuzz/$$target fuzz/corpus/$$target -- -max_total_time=$(FUZZ_SECONDS) || exit 1; \
 	done
 
-# Without the peers of `make bench`, which take minutes to compile and are checked there.
+# Without the peers of `make bench`, which take minutes to compile and are checked there. Node.js runs pyright, which checks
+# a script as a user writes it, strictly, as mypy does.
 lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
@@ -119,6 +120,8 @@ lint: $(VENV)/installed
 	$(BIN)/ruff format --config tests/browser/pyproject.toml --check demo packaging
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
+	command -v node || (apt-get update && apt-get install -y --no-install-recommends nodejs)
+	$(BIN)/pyright --project crates/pump-py/tests/docs --pythonpath $(BIN)/python
 
 # Each feature alone, none and all: no file may count on a feature that it did not ask for, and the tests that need none
 # pass with none. Tests are checked with none and with all, and `make test` runs them with all.
@@ -210,6 +213,7 @@ bench: $(VENV)/installed
 	cargo bench --locked --features serve --bench serve
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
+	$(BIN)/python crates/pump-py/benches/before_after.py
 
 # Writes docs/validation.md and its pictures; fails where a deviation exceeds its bound. `cargo run --example validate -- PT1`
 # repeats one of the paper's tests.
@@ -285,11 +289,15 @@ node: node-pico
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
 	timeout 900 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
 
-# The guide, from docs/. It fails where a link leads nowhere.
+# The guide, from docs/, with the reference of the Python module and the gallery's notebooks, which are executed. It fails
+# where a link leads nowhere.
 BOOK := .venv-book
-docs: $(BOOK)/installed
+docs: $(BOOK)/installed $(VENV)/installed
 	cd book && $(CURDIR)/$(BOOK)/bin/python -m pytest -q -p no:cacheprovider
+	$(BOOK)/bin/python book/notebooks.py crates/pump-py/gallery \
+		$$($(BIN)/python -c "import sysconfig; print(sysconfig.get_path('platlib'))") target/notebooks
 	PATH="$(CURDIR)/$(BOOK)/bin:$$PATH" mdbook build book
+	mkdir -p target/guide/gallery && cp target/notebooks/*.ipynb target/guide/gallery
 	$(PYTHON) book/check.py target/guide docs
 
 $(BOOK)/installed: book/requirements.txt

@@ -6,6 +6,7 @@ angle changes neither: it decides how many rollers seal at every angle. All head
 and have the lines of McIntyre et al.
 """
 
+# %%
 import math
 import sys
 from pathlib import Path
@@ -22,6 +23,11 @@ ROLLERS = np.arange(2, 9)
 ANGLES_DEG = np.arange(0.0, 61.0, 5.0)
 
 
+# %% [markdown]
+# The heads differ in the number of rollers and in the contact angle alone.
+
+
+# %%
 class Choice(NamedTuple):
     """The chosen head, the swing by rollers, and the sealing rollers by rollers and contact angle."""
 
@@ -57,6 +63,11 @@ def sealing_rollers(rollers: int, contact_angle_deg: float) -> int:
     return int(sealed_rad / pump.pitch_rad)
 
 
+# %% [markdown]
+# The choice is the fewest rollers that keep to the target, at the smallest angle at which enough seal.
+
+
+# %%
 def main(folder: Path) -> Choice:
     """Choose, draw, and return the choice."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -106,10 +117,11 @@ def main(folder: Path) -> Choice:
     whole_map.set_title(f"all speeds; dots: {FLOW_ML_S:g} mL/s", fontsize="medium")
     pm.plot_pump(chosen, ax=section)
     section.set_title(f"the choice: {chosen.rollers} rollers, β {angle:g}°", fontsize="medium")
-    figure.savefig(folder / "choose_rollers.png", dpi=80)
+    figure.savefig(folder / "choose_rollers.png", dpi=160)
     return Choice(chosen, swing_kpa, sealing)
 
 
+# %%
 if __name__ == "__main__":
     choice = main(Path(sys.argv[1]))
     for rollers, swing in zip(ROLLERS, choice.swing_kpa, strict=True):

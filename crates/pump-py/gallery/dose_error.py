@@ -1,5 +1,6 @@
 """Errors of a dose over all start angles: planned without the rollers' angle, and planned from it."""
 
+# %%
 import math
 import sys
 from pathlib import Path
@@ -14,6 +15,11 @@ VOLUMES_ML = (1, 5, 25)
 COLOURS = ("#D55E00", "#E69F00", "#0072B2")
 
 
+# %% [markdown]
+# Two ways to dose: by one constant, and by a plan from the angle of the rollers.
+
+
+# %%
 def naive_error_percent(
     pump: pm.Pump, volume_ml: float, start_rad: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -30,6 +36,7 @@ def planned_error_ul(pump: pm.Pump, volume_ml: float, start_rad: NDArray[np.floa
     return 1000 * np.array([plan.planned_ml - volume_ml for plan in plans])
 
 
+# %%
 def main(folder: Path) -> dict[int, tuple[float, float]]:
     """Draw the figure; return the largest errors, in % without the angle and in uL with it, by volume."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -56,10 +63,11 @@ def main(folder: Path) -> dict[int, tuple[float, float]]:
     for axis in (naive, ours):
         axis.grid(alpha=0.25)
         axis.margins(x=0)
-    figure.savefig(folder / "dose_error.png", dpi=80)
+    figure.savefig(folder / "dose_error.png", dpi=160)
     return largest
 
 
+# %%
 if __name__ == "__main__":
     for volume_ml, (percent, microlitres) in main(Path(sys.argv[1])).items():
         print(f"{volume_ml} mL: {percent:.1f} % without the angle, {microlitres:.2f} uL with it")

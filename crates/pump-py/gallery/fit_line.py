@@ -4,6 +4,7 @@ The measurement is simulated: the model at 100 r/min from rest, read every 2 ms,
 The fit starts a factor of two away. Replace `measure` to fit a waveform of your own.
 """
 
+# %%
 import sys
 from pathlib import Path
 
@@ -17,6 +18,11 @@ SPEED_RPM, DURATION_S, DT_S, NOISE_KPA = 100.0, 1.5, 2e-3, 0.3
 NAMES = ("resistance_kpa_s_ml", "compliance_ml_kpa", "inertance_kpa_s2_ml")
 
 
+# %% [markdown]
+# A measurement, and the fit to it. `scaled` makes a first guess that is wrong by a factor.
+
+
+# %%
 def outlet(pump: pm.Pump) -> pm.Run:
     """Run the pump from rest at once."""
     return pump.simulate(speed_rpm=SPEED_RPM, duration_s=DURATION_S, dt_s=DT_S)
@@ -47,6 +53,7 @@ def scaled(pump: pm.Pump, factor: float) -> pm.Pump:
     return pump.replace(outlet=pump.outlet.replace(**values))
 
 
+# %%
 def main(folder: Path) -> pm.Identified:
     """Measure, fit and draw; return the identified line."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -75,9 +82,10 @@ def main(folder: Path) -> pm.Identified:
     for axis in (top, bottom):
         axis.grid(alpha=0.25)
         axis.margins(x=0)
-    figure.savefig(folder / "fit_line.png", dpi=80)
+    figure.savefig(folder / "fit_line.png", dpi=160)
     return found
 
 
+# %%
 if __name__ == "__main__":
     print(main(Path(sys.argv[1])))

@@ -3,6 +3,7 @@
 The paper's raw curves were not published; this is our model of its pump, not a copy of its plots.
 """
 
+# %%
 import math
 import sys
 from pathlib import Path
@@ -16,6 +17,11 @@ PUMPS = (pm.Pump.three_roller(), pm.Pump.two_roller())
 BLUE, VERMILION = "#0072B2", "#D55E00"
 
 
+# %% [markdown]
+# Both figures are of both pumps: with three rollers and with two.
+
+
+# %%
 def main(folder: Path) -> list[tuple[float, float]]:
     """Draw both figures; return peak (mL/s) and duration (s) of each pump's pulse at 60 r/min."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -44,7 +50,7 @@ def draw_flow(file: Path) -> list[tuple[float, float]]:
         pulses.append((float(taken.max()), pump.engagement_rad / math.tau))
     axes[0].set_ylabel("flow taken by a roller\n(mL/s)")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
-    figure.savefig(file, dpi=80)
+    figure.savefig(file, dpi=160)
     return pulses
 
 
@@ -65,9 +71,10 @@ def draw_pressures(file: Path) -> None:
     for axis in axes[-1]:
         axis.set_xlabel("time (s)")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
-    figure.savefig(file, dpi=80)
+    figure.savefig(file, dpi=160)
 
 
+# %%
 if __name__ == "__main__":
     for pump, (peak, duration) in zip(PUMPS, main(Path(sys.argv[1])), strict=True):
         print(f"{pump.rollers} rollers: a pulse of {peak:.3f} mL/s at most, {duration:.5f} s long")

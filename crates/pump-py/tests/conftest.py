@@ -1,9 +1,20 @@
 """Fixtures of every test."""
 
 import signal
+import sys
 from collections.abc import Iterator
 
+import matplotlib as mpl
 import pytest
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def _close_figures() -> Iterator[None]:
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 @pytest.fixture

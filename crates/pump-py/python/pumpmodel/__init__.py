@@ -32,6 +32,7 @@ from pumpmodel._pumpmodel import (
     pearson,
     rmse,
 )
+from pumpmodel._results import methods as _methods
 from pumpmodel._results.harmonics import Harmonics
 from pumpmodel._results.states import LineStates
 from pumpmodel.bench import AsyncBench, Bench
@@ -56,7 +57,15 @@ from pumpmodel.identified import (
     identify_line,
     identify_resistance,
 )
-from pumpmodel.plotting import plot, plot_map, plot_pump
+from pumpmodel.plotting import (
+    animate,
+    plot,
+    plot_budget,
+    plot_dose_error,
+    plot_map,
+    plot_pitch,
+    plot_pump,
+)
 from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
 from pumpmodel.sweeps import Sweep, sweep
@@ -108,6 +117,7 @@ __all__ = [
     "VolumeFit",
     "WeighedRun",
     "__version__",
+    "animate",
     "choices",
     "heads",
     "identify_compliance",
@@ -116,8 +126,13 @@ __all__ = [
     "nrmse",
     "pearson",
     "plot",
+    "plot_budget",
+    "plot_dose_error",
     "plot_map",
+    "plot_pitch",
     "plot_pump",
     "rmse",
     "sweep",
 ]
+
+_methods.attach()

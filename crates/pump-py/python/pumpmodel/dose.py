@@ -1,7 +1,9 @@
 """The reports of a bench: a dose, the status of the record, and a verification."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pumpmodel._results.record import Record
 from pumpmodel.choices import (
@@ -15,6 +17,9 @@ from pumpmodel.choices import (
     UncheckedLimit,
     VolumeBasis,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -272,6 +277,33 @@ class Dose(Record):
                 del data[key]
         return data
 
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the uncertainty budget, as `pumpmodel.plot_budget` does.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Axes to draw in. By default a new figure.
+
+        Returns
+        -------
+        Axes
+            Axes with a bar for each source of uncertainty.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+        from pumpmodel.plotting.doses import plot_budget
+
+        return plot_budget(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import dose_html
+
+        return dose_html(self)
+
     def __repr__(self) -> str:
         """Tell the requested and the delivered volume, from an unknown angle the range of it."""
         made = "planned" if self.delivered_ml is None else f"delivered_ml {self.delivered_ml:.6f}"
@@ -493,3 +525,30 @@ class Verification(Record):
     random_percent: float
     tolerance: Tolerance
     passed: bool
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the doses in their order, with the nominal volume and the errors allowed.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Axes to draw in. By default a new figure.
+
+        Returns
+        -------
+        Axes
+            Axes over the number of the dose.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+        from pumpmodel.plotting.doses import plot_verification
+
+        return plot_verification(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import verification_html
+
+        return verification_html(self)

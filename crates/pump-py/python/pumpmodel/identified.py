@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,9 @@ from pumpmodel._pumpmodel import Line, Pump
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
 from pumpmodel.choices import Begin, Identification, LineParameter, Port
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _Array: TypeAlias = NDArray[np.float64]
 
@@ -152,6 +155,20 @@ class Identified:
         """
         data: dict[str, Any] = json.loads(self._json)
         return data
+
+    def plot(self, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
+        """Draw measurement and fit, and the residuals below them.
+
+        `ax` takes axes for both, or for the fit alone. The default is a new figure. Needs matplotlib.
+        """
+        from pumpmodel.plotting.fits import plot_identified
+
+        return plot_identified(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import identified_html
+
+        return identified_html(self)
 
     def __str__(self) -> str:
         """Return the report of the command."""

@@ -20,6 +20,7 @@ from pumpmodel.choices import SteadyQuantity
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 _Array: TypeAlias = NDArray[np.float64]
 _Progress: TypeAlias = Callable[[int, int], object]
@@ -154,6 +155,25 @@ class Sweep:
             },
         )
         return dataset
+
+    def plot(
+        self,
+        quantity: SteadyQuantity | ArrayLike = "outlet_max_kpa",
+        *,
+        label: str | None = None,
+        y: ArrayLike | None = None,
+        y_label: str | None = None,
+        ax: Axes | None = None,
+    ) -> Axes:
+        """Draw a result as a map over speed and pump, as `pumpmodel.plot_map` does."""
+        from pumpmodel.plotting import plot_map
+
+        return plot_map(self, quantity, label=label, y=y, y_label=y_label, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import sweep_html
+
+        return sweep_html(self)
 
 
 def sweep(

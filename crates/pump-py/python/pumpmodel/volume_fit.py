@@ -1,9 +1,11 @@
 """The volume of a roller from measured points."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +14,9 @@ from pumpmodel import _pumpmodel as core
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
 from pumpmodel.choices import VolumeMethod
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class Fall(NamedTuple):
@@ -201,6 +206,33 @@ class VolumeFit(Record):
         """Return the volume, by the deprecated name of `displaced_ml`."""
         renamed("VolumeFit.volume", "VolumeFit.displaced_ml")
         return self.displaced_ml(angle_rad)
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the measured points, and the fitted curve through them.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Axes to draw in. By default a new figure.
+
+        Returns
+        -------
+        Axes
+            Axes over the angle since the first contact, deg.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+        from pumpmodel.plotting.fits import plot_volume
+
+        return plot_volume(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import volume_html
+
+        return volume_html(self)
 
     @property
     def _fit(self) -> tuple[VolumeMethod, list[tuple[float, float]]]:

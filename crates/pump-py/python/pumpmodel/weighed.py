@@ -158,3 +158,8 @@ class PhaseFit:
     engagement_standard_rad: float
     zero_rad: float
     zero_standard_rad: float
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import phase_html
+
+        return phase_html(self)

@@ -78,3 +78,9 @@ def test_the_rollers_that_are_chosen_keep_to_the_target(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="at some angles no roller seals"):
         names["head"](2, 0)
     assert list(choice.sealing[0][:5]) == [0, 0, 0, 0, 1]
+
+
+def test_results_are_drawn_as_a_notebook_shows_them() -> None:
+    names = runpy.run_path(str(GALLERY / "results.py"))
+    assert len(plt.get_fignums()) == 6
+    assert all("<svg" in names[shown]._repr_html_() for shown in ("pump", "plan", "steady", "calibration"))

@@ -14,7 +14,7 @@ BLOCK = re.compile(r"```python\n(?P<code>.*?)```\n(?:\n```text\n(?P<expected>.*?
 mpl.use("Agg")
 
 
-@pytest.mark.parametrize(("page", "blocks"), [("README.md", 1), ("docs/python.md", 11)])
+@pytest.mark.parametrize(("page", "blocks"), [("README.md", 1), ("docs/python.md", 12)])
 def test_a_pages_examples_print_and_draw_what_it_shows(
     page: str, blocks: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -28,8 +28,8 @@ def test_a_pages_examples_print_and_draw_what_it_shows(
             exec(compile(block["code"], page, "exec"), {})
         assert printed.getvalue() == (block["expected"] or "")
     plt.close("all")
-    drawn = sorted(tmp_path.glob("*.png"))
-    shown = re.findall(r"\bpython/(\w+\.png)", (ROOT / page).read_text(encoding="utf-8"))
+    drawn = sorted([*tmp_path.glob("*.png"), *tmp_path.glob("*.gif")])
+    shown = re.findall(r"\bpython/(\w+\.(?:png|gif))", (ROOT / page).read_text(encoding="utf-8"))
     assert [picture.name for picture in drawn] == sorted(shown)
     for picture in drawn:
         assert plt.imread(picture).shape == plt.imread(PICTURES / picture.name).shape

@@ -4,6 +4,8 @@ import asyncio
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 import pumpmodel as pm
 
@@ -17,6 +19,23 @@ def speeds(table: pd.DataFrame, fastest_rpm: float | None) -> None:
     plan = pm.Doser(pump, limits).plan("25mL", start_angle_rad=np.float32(0.1))
     settle_s: float | None = plan.settle_s
     print(settle_s, plan.to_dataframe()["time_s"].max())
+
+
+def pictures(pump: pm.Pump, calibration: pm.Calibration, dose: pm.Dose) -> list[str]:
+    run = pump.simulate(speed_rpm=100, duration_s=1)
+    pressure: Axes = run.plot(panels="pressure")
+    over_time: list[Axes] = pm.Doser(pump).plan("5mL").plot()
+    over_speed: list[Axes] = pump.steady_state(speed_rpm=np.arange(10.0, 100.0)).plot(ax=over_time[:3])
+    axes = [pressure, *over_speed, pump.plot(angle_rad=0.5, ax=None), pm.plot_pitch(pump, ax=pressure)]
+    axes += [calibration.plot(pump=pump), dose.plot(), pm.plot_dose_error(pump, [1.0, 5.0])]
+    axes.append(pm.sweep([pump], speed_rpm=[50, 100]).plot("inlet_min_kpa"))
+    harmonics = pump.harmonics(5, speed_rpm=100)
+    amplitudes: NDArray[np.float64] = np.abs(harmonics.pressure_kpa)
+    print(amplitudes.max(), len(harmonics.plot()))
+    found = pm.identify_resistance([10, 20, 40, 60], drop_kpa=[1.11, 2.21, 4.44, 6.64])
+    estimate: pm.Estimate = found.parameters["resistance_kpa_s_ml"]
+    print(estimate.value, len(found.plot()), len(pump.animate(run, slower=2).to_jshtml()))
+    return [axis.get_xlabel() for axis in axes]
 
 
 async def dose(bench: pm.AsyncBench) -> float | None:

@@ -11,15 +11,7 @@ from numpy.typing import NDArray
 
 import pumpmodel as pm
 
-mpl.use("Agg")
-
 Array = NDArray[np.float64]
-
-
-@pytest.fixture(autouse=True)
-def _close_figures() -> object:
-    yield
-    plt.close("all")
 
 
 def curve(axis: Axes, label: str) -> tuple[Array, Array]:
@@ -59,12 +51,16 @@ def test_a_plan_is_drawn_with_its_end_and_what_was_asked_for() -> None:
     assert axes[0].get_title() == "McIntyre et al., 3 rollers: 25.50 mL at 10 mL/s"
 
 
-def test_a_plan_of_hours_is_drawn_from_fewer_samples() -> None:
+def test_a_plan_of_hours_is_drawn_by_its_extremes() -> None:
     plan = pm.Doser(pm.Pump.three_roller()).plan("20L")
     assert plan.motion_s > 3600
-    x, y = curve(pm.plot(plan, panels="delivered"), "vessel")
-    assert len(x) < 100_010
+    delivered, pressure = pm.plot(plan, panels=["delivered", "pressure"])
+    x, y = curve(delivered, "vessel")
+    assert len(x) < 20_010
     assert y[-1] == pytest.approx(20_000, abs=0.01)
+    # The solution's own extremes: a hundred thousand samples miss them by 1 kPa.
+    assert curve(pressure, "outlet")[1].max() == pytest.approx(plan.outlet_max_kpa, abs=0.01)
+    assert curve(pressure, "inlet")[1].min() == pytest.approx(plan.inlet_min_kpa, abs=0.01)
 
 
 def test_panels_are_chosen_and_drawn_where_told() -> None:
@@ -201,6 +197,7 @@ def test_angles_are_marked_with_their_size() -> None:
         ("beta", math.radians(30), 73),
         ("phi, leaving", math.radians(50.53), 49),
         ("phi, engaging", math.radians(50.53), 49),
+        ("psi", math.radians(69.47), 54),
         ("pitch", math.radians(120), 12),
         ("theta", 0.5, 22),
     ):
@@ -209,9 +206,17 @@ def test_angles_are_marked_with_their_size() -> None:
         turned = np.unwrap(np.arctan2(y, x))
         assert turned[-1] - turned[0] == pytest.approx(size), name
     written = {text.get_text() for text in axis.texts}
-    assert {"β 30°", "φ 50.53°", "pitch 120°", "θ 28.65°", "inlet", "outlet"} <= written
-    # By the names of the options of `dose pumps new`.
-    assert {"tube 10 x 14 mm", "backplate 63 mm", "roller 20 mm", "offset 40 mm"} <= written
+    assert {"β 30°", "φ 50.53°", "ψ 69.47°", "pitch 120°", "θ 28.65°", "inlet", "outlet"} <= written
+    # By the names of the options of `dose pumps new`, and by their symbols.
+    assert {
+        r"tube 10 x 14 mm, $r_\mathrm{o}$ 7 mm",
+        r"backplate $r_\mathrm{b}$ 63 mm",
+        r"roller $r_\mathrm{roller}$ 20 mm",
+        r"offset $r_\mathrm{offset}$ 40 mm",
+    } <= written
+    # The inlet phase leads from where a roller begins to leave to where it begins to engage.
+    psi, engaging = (np.arctan2(*curve(axis, name)[::-1]) for name in ("psi", "phi, engaging"))
+    assert (psi[0], psi[-1]) == (pytest.approx(math.radians(30)), pytest.approx(engaging[0]))
     _, axes = plt.subplots()
     assert pm.plot_pump(pump, ax=axes) is axes
     assert "θ" not in " ".join(text.get_text() for text in axes.texts)

@@ -3,6 +3,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias, final, overload
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 from pandas import Series
 
@@ -265,6 +266,30 @@ class Calibration:
         """\
         Engagement angle phi that short doses found and its standard uncertainty, rad; None if the pump's own holds.
         """
+    def plot(self, *, pump: Pump | None = None, ax: Axes | None = None) -> Axes:
+        """Draw the displacement factor over the speed, with the band that covers 95 %.
+
+        Parameters
+        ----------
+        pump : Pump, optional
+            Pump of the calibration. With it the weighed runs are drawn as points; a fitted speed law needs it.
+        ax : Axes, optional
+            Axes to draw in. By default a new figure.
+
+        Returns
+        -------
+        Axes
+            Axes over the speed.
+
+        Raises
+        ------
+        ValueError
+            If a speed law was fitted and no pump is given, or the calibration has no runs.
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...

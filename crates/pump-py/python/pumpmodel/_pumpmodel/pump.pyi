@@ -3,6 +3,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
+from matplotlib.animation import FuncAnimation
+from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 from pandas import Series
 from typing_extensions import deprecated
@@ -1123,6 +1125,12 @@ class Pump:
     def steady_state(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> SteadyState[_Array]: ...
     @overload
     def steady_state(self, *, speed_rpm: None = None, speed_rad_s: _Numbers) -> SteadyState[_Array]: ...
+    def plot(self, angle_rad: float = 0.0, *, ax: Axes | None = None) -> Axes:
+        """Draw the section through the head, as `pumpmodel.plot_pump` does."""
+    def animate(self, run: Run, *, slower: float = 1.0, frames_per_s: float = 25.0) -> FuncAnimation:
+        """Return an animation of the head over a run, as `pumpmodel.animate` makes it."""
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...

@@ -1,14 +1,17 @@
+from collections.abc import Sequence
 from types import GenericAlias
-from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, final
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, final, overload
 
 import numpy as np
+from matplotlib.animation import FuncAnimation
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 from pandas import DataFrame
 from typing_extensions import deprecated
 from xarray import Dataset
 
 from pumpmodel._results.states import LineStates
-from pumpmodel.choices import LimitedBy
+from pumpmodel.choices import LimitedBy, Panel
 
 from .pump import Pump
 
@@ -119,6 +122,15 @@ class Run:
         ImportError
             If xarray is not installed: `pip install "pumpmodel[xarray]"`.
         """
+    @overload
+    def plot(self, *, panels: Panel, ax: Axes | None = None) -> Axes:
+        """Draw the columns over time, as `pumpmodel.plot` does."""
+    @overload
+    def plot(
+        self, *, panels: list[Panel] | tuple[Panel, ...] | None = None, ax: Sequence[Axes] | None = None
+    ) -> list[Axes]: ...
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
@@ -169,6 +181,28 @@ class SteadyState(Generic[_Values]):
         ImportError
             If xarray is not installed: `pip install "pumpmodel[xarray]"`.
         """
+    def plot(self, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
+        """Draw pressures with their range, mean flow and ripple over the speed.
+
+        Parameters
+        ----------
+        ax : Axes or sequence of Axes, optional
+            Axes for pressures, flow and ripple, or axes for the pressures alone. By default a new figure.
+
+        Returns
+        -------
+        list of Axes
+            Axes of the panels.
+
+        Raises
+        ------
+        ValueError
+            If there is no speed, or the number of axes is neither 1 nor 3.
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
     @property
     def speed_rpm(self) -> _Values:
         """Speed of the pump head, r/min; negative in reverse."""
@@ -395,6 +429,17 @@ class Plan:
         dict
             Numbers, texts, lists and dicts only. Angles are in deg, and `delivered_ml` is None.
         """
+    @overload
+    def plot(self, *, panels: Panel, ax: Axes | None = None) -> Axes:
+        """Draw the columns over time, as `pumpmodel.plot` does."""
+    @overload
+    def plot(
+        self, *, panels: list[Panel] | tuple[Panel, ...] | None = None, ax: Sequence[Axes] | None = None
+    ) -> list[Axes]: ...
+    def animate(self, *, slower: float = 1.0, frames_per_s: float = 25.0) -> FuncAnimation:
+        """Return an animation of the head over the dose, as `pumpmodel.animate` makes it."""
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...

@@ -1,9 +1,15 @@
 """The sines into which a pulsation divides."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class Harmonics(NamedTuple):
@@ -22,3 +28,32 @@ class Harmonics(NamedTuple):
     mean_flow_ml_s: float
     #: Mean pressure, kPa absolute.
     mean_kpa: float
+
+    def plot(self, *, ax: Sequence[Axes] | None = None) -> list[Axes]:
+        """Draw the amplitudes of flow and pressure over the frequency.
+
+        Parameters
+        ----------
+        ax : sequence of Axes, optional
+            Axes for flow and pressure. By default a new figure.
+
+        Returns
+        -------
+        list of Axes
+            Axes of the flow at the rollers and of the pressure.
+
+        Raises
+        ------
+        ValueError
+            If the number of axes is not 2.
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+        from pumpmodel.plotting.spectrum import plot_spectrum
+
+        return plot_spectrum(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.shown import harmonics_html
+
+        return harmonics_html(self)

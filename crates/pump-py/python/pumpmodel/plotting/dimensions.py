@@ -6,13 +6,10 @@ import math
 from typing import TYPE_CHECKING
 
 from pumpmodel._pumpmodel import Pump
-from pumpmodel.plotting.axes import BLUE, VERMILION
+from pumpmodel.plotting.axes import BLUE, GREEN, VERMILION, ink, paper
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_GREEN = "#009e73"
-_GREY = "0.5"
 
 
 def draw_dimensions(axis: Axes, pump: Pump, roller_rad: float, reach_mm: float) -> None:
@@ -30,6 +27,7 @@ def draw_dimensions(axis: Axes, pump: Pump, roller_rad: float, reach_mm: float) 
     depth = pump.backplate_radius_mm - pump.tube_outer_radius_mm
     aside = between + 0.12 * pump.pitch_rad
     tube = (depth * math.cos(aside), depth * math.sin(aside))
+    outer = (pump.backplate_radius_mm * math.cos(aside), pump.backplate_radius_mm * math.sin(aside))
 
     def arrow(start: tuple[float, float], end: tuple[float, float], colour: str, style: str = "-|>") -> None:
         props = {"arrowstyle": style, "color": colour, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.4}
@@ -37,15 +35,24 @@ def draw_dimensions(axis: Axes, pump: Pump, roller_rad: float, reach_mm: float) 
 
     arrow((0.0, 0.0), centre, BLUE, "<|-|>")
     arrow(centre, rim, VERMILION)
-    arrow((0.0, 0.0), plate, _GREEN)
-    side, low = 1.36 * reach_mm, -reach_mm
+    arrow((0.0, 0.0), plate, GREEN)
+    # From the middle of the bore to the tube's outside, which lies on the backplate.
+    arrow(tube, outer, VERMILION)
+    side, low = 1.36 * reach_mm, -1.07 * reach_mm
     half = (centre[0] / 2, centre[1] / 2)
     labels = [
-        (f"offset {offset:.4g} mm", half, -side, low + 0.16 * reach_mm, "left"),
-        (f"roller {roller:.4g} mm", rim, -side, low, "left"),
-        (f"backplate {pump.backplate_radius_mm:.4g} mm", plate, side, low + 0.16 * reach_mm, "right"),
+        (rf"offset $r_\mathrm{{offset}}$ {offset:.4g} mm", half, -side, low + 0.16 * reach_mm, "left"),
+        (rf"roller $r_\mathrm{{roller}}$ {roller:.4g} mm", rim, -side, low, "left"),
         (
-            f"tube {2 * pump.bore_radius_mm:.4g} x {2 * pump.tube_outer_radius_mm:.4g} mm",
+            rf"backplate $r_\mathrm{{b}}$ {pump.backplate_radius_mm:.4g} mm",
+            plate,
+            side,
+            low + 0.16 * reach_mm,
+            "right",
+        ),
+        (
+            rf"tube {2 * pump.bore_radius_mm:.4g} x {2 * pump.tube_outer_radius_mm:.4g} mm, "
+            rf"$r_\mathrm{{o}}$ {pump.tube_outer_radius_mm:.4g} mm",
             tube,
             side,
             low,
@@ -53,8 +60,8 @@ def draw_dimensions(axis: Axes, pump: Pump, roller_rad: float, reach_mm: float) 
         ),
     ]
     for words, to, x, y, align in labels:
-        props = {"arrowstyle": "-", "color": _GREY, "linewidth": 0.7, "shrinkA": 2, "shrinkB": 0}
+        props = {"arrowstyle": "-", "color": ink(axis, 0.55), "linewidth": 0.7, "shrinkA": 2, "shrinkB": 0}
         axis.annotate("", to, (x, y), arrowprops=props, zorder=8)
         # The label hides the lines that pass behind it.
-        box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "linewidth": 0}
-        axis.text(x, y, words, ha=align, va="center", fontsize="small", bbox=box, zorder=9)
+        box = {"boxstyle": "round,pad=0.15", "facecolor": paper(axis), "linewidth": 0}
+        axis.text(x, y, words, ha=align, va="center", fontsize="small", color=ink(axis), bbox=box, zorder=9)

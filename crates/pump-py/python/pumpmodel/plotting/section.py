@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Pump
-from pumpmodel.plotting.axes import BLUE, VERMILION, axes_for
+from pumpmodel.plotting.axes import BLUE, GREEN, VERMILION, axes_for, ink, paper
 from pumpmodel.plotting.dimensions import draw_dimensions
 
 if TYPE_CHECKING:
@@ -40,8 +40,11 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     The backplate is an arc of pi + 2 beta that continues as straights. The tube lies against it, and the
     rollers squeeze it. Liquid flows from the inlet (left) to the outlet (right) while the rotor turns
     counterclockwise. Marks show the contact angle beta, the engagement angle phi over which a roller engages
-    (blue) and leaves (red), the pitch between rollers, and the rotor's angle theta. Arrows show tube,
-    backplate, roller and offset, by the names that `dose pumps new` gives them.
+    (blue) and leaves (red), the inlet phase psi (green) from the place where a roller begins to leave to the
+    place where it begins to engage, the pitch between rollers, and the rotor's angle theta. Arrows show tube,
+    backplate, roller and offset, by the names that `dose pumps new` gives them and by their symbols.
+
+    Letters and marks have the colours of the axes, as of `matplotlib.style.context("dark_background")`.
 
     Parameters
     ----------
@@ -74,21 +77,26 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     (axis,) = axes_for(["section"], ax)
     if own_figure:
         axis.figure.set_size_inches(6.6, 6.4)  # type: ignore[union-attr]
-    rollers = _rollers_rad(pump, angle_rad)
-    _draw_tube(axis, pump, rollers)
-    _draw_rotor(axis, pump, rollers)
+    draw_head(axis, pump, angle_rad)
     _mark_angles(axis, pump, angle_rad)
     # The roller at the bottom carries the dimensions: there its place is the freest.
-    lowest = min(rollers, key=math.sin)
+    lowest = min(_rollers_rad(pump, angle_rad), key=math.sin)
     draw_dimensions(axis, pump, float(lowest), pump.backplate_radius_mm + _PLATE_MM)
-    axis.set_aspect("equal")
     axis.set_xlabel("mm")
     axis.set_ylabel("mm")
     axis.set_title(pump.name, fontsize="medium")
+    return axis
+
+
+def draw_head(axis: Axes, pump: Pump, angle_rad: float) -> None:
+    """Draw backplate, tube and rotor to scale, without marks."""
+    rollers = _rollers_rad(pump, angle_rad)
+    _draw_tube(axis, pump, rollers)
+    _draw_rotor(axis, pump, rollers)
+    axis.set_aspect("equal")
     reach = pump.backplate_radius_mm + _PLATE_MM
     axis.set_xlim(-1.4 * reach, 1.4 * reach)
-    axis.set_ylim(-1.08 * reach, 1.3 * reach)
-    return axis
+    axis.set_ylim(-1.16 * reach, 1.3 * reach)
 
 
 def _leaving_rad(pump: Pump) -> float:
@@ -132,6 +140,8 @@ def _thickness_mm(pump: Pump, plate: _Backplate, rollers: NDArray[np.float64]) -
 
 
 def _draw_tube(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
+    from matplotlib.patches import Polygon
+
     plate = _backplate(pump)
     thickness = _thickness_mm(pump, plate, rollers)
     walls = 2 * (pump.tube_outer_radius_mm - pump.bore_radius_mm)
@@ -140,7 +150,9 @@ def _draw_tube(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
 
     def band(outer: NDArray[np.float64] | float, inner: NDArray[np.float64] | float, colour: str) -> None:
         (x0, y0), (x1, y1) = plate.at(outer), plate.at(inner)
-        axis.fill(np.append(x0, x1[::-1]), np.append(y0, y1[::-1]), color=colour, linewidth=0, zorder=1)
+        corners = np.column_stack((np.append(x0, x1[::-1]), np.append(y0, y1[::-1])))
+        # An artist, as `Axes.fill` would search each of the thousand edges for the limits that are known.
+        axis.add_artist(Polygon(corners, color=colour, linewidth=0, zorder=1))
 
     band(-_PLATE_MM, 0.0, "#9aa0a6")
     band(0.0, thickness, "#e8c9a0")
@@ -158,10 +170,15 @@ def _draw_tube(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
         outward = np.array([plate.normal_y[end], -plate.normal_x[end]]) * way
         tip = np.array([x[end], y[end]])
         head, tail = (tip + 10 * outward, tip + 2 * outward)[:: (1 if name == "outlet" else -1)]
-        axis.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": "0.2"})
+        axis.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": ink(axis, 0.8)})
         x_text, y_text = tip + 14 * outward
         axis.text(
-            x_text, max(y_text, 1.1 * (pump.backplate_radius_mm + _PLATE_MM)), name, ha="center", va="center"
+            x_text,
+            max(y_text, 1.1 * (pump.backplate_radius_mm + _PLATE_MM)),
+            name,
+            ha="center",
+            va="center",
+            color=ink(axis),
         )
 
 
@@ -193,32 +210,32 @@ def _mark_angles(axis: Axes, pump: Pump, angle_rad: float) -> None:
 
     def ray(polar: float, start: float, end: float) -> None:
         x, y = math.cos(polar), math.sin(polar)
-        axis.plot([start * x, end * x], [start * y, end * y], color="0.3", linewidth=0.7, zorder=6)
+        axis.plot([start * x, end * x], [start * y, end * y], color=ink(axis, 0.7), linewidth=0.7, zorder=6)
 
     def arc(
-        start: float, end: float, radius: float, label: str, colour: str = "0.3", width: float = 1.2
+        start: float, end: float, radius: float, label: str, colour: str | None = None, width: float = 1.2
     ) -> None:
         polar = np.linspace(start, end, 60)
         axis.plot(
             radius * np.cos(polar),
             radius * np.sin(polar),
-            color=colour,
+            color=colour or ink(axis, 0.7),
             linewidth=width,
             solid_capstyle="butt",
             label=label,
             zorder=6,
         )
 
-    def text(polar: float, radius: float, words: str, colour: str = "0.15") -> None:
+    def text(polar: float, radius: float, words: str, colour: str | None = None) -> None:
         axis.text(
             radius * math.cos(polar),
             radius * math.sin(polar),
             words,
-            color=colour,
+            color=colour or ink(axis),
             ha="center",
             va="center",
             fontsize="small",
-            bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
+            bbox={"boxstyle": "round,pad=0.15", "facecolor": paper(axis), "alpha": 0.85, "linewidth": 0},
             zorder=7,
         )
 
@@ -232,6 +249,9 @@ def _mark_angles(axis: Axes, pump: Pump, angle_rad: float) -> None:
     arc(engaging - phi, engaging, inside, "phi, engaging", BLUE, 3)
     for place, colour in ((leaving + 0.6 * phi, VERMILION), (engaging - 0.6 * phi, BLUE)):
         text(place, inside - 8, f"φ {math.degrees(phi):.4g}°", colour)
+    psi = pump.inlet_phase_rad
+    arc(leaving, leaving + psi, inside + 5, "psi", GREEN, 3)
+    text(leaving + 0.88 * psi, inside + 12, f"ψ {math.degrees(psi):.4g}°", GREEN)
     first = leaving + angle_rad
     if pump.rollers > 1:
         radius = 0.3 * pump.roller_offset_mm

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple, overload
 
 from pumpmodel._pumpmodel import Plan, Run
 from pumpmodel.choices import Panel
-from pumpmodel.plotting.axes import BLUE, VERMILION, axes_for
+from pumpmodel.plotting.axes import BLUE, VERMILION, WIDE, axes_for, finish, ink
+from pumpmodel.plotting.envelope import envelope
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Number of samples of a plan: far more than a picture has pixels, far fewer than hours have milliseconds.
-_SAMPLES = 100_000
+# Number of samples of a plan, from which its envelope is drawn: a tenth of them misses extremes of an hour.
+_SAMPLES = 1_000_000
 _RPM_PER_RAD_S = 60 / math.tau
 
 
@@ -23,16 +24,20 @@ class _Curve(NamedTuple):
     column: str
     colour: str
     factor: float = 1.0
+    width: float = 1.2
 
 
 _PANELS: dict[str, tuple[str, tuple[_Curve, ...]]] = {
     "flow": (
         "flow at the rollers\n(mL/s)",
-        (_Curve("inlet", "inlet_flow_ml_s", BLUE), _Curve("outlet", "outlet_flow_ml_s", VERMILION)),
+        (
+            _Curve("inlet", "inlet_flow_ml_s", BLUE, width=WIDE),
+            _Curve("outlet", "outlet_flow_ml_s", VERMILION),
+        ),
     ),
     "pressure": (
         "pressure\n(kPa absolute)",
-        (_Curve("inlet", "inlet_kpa", BLUE), _Curve("outlet", "outlet_kpa", VERMILION)),
+        (_Curve("inlet", "inlet_kpa", BLUE, width=WIDE), _Curve("outlet", "outlet_kpa", VERMILION)),
     ),
     "speed": ("speed\n(r/min)", (_Curve("pump head", "speed_rad_s", BLUE, _RPM_PER_RAD_S),)),
     "delivered": ("delivered\n(mL)", (_Curve("vessel", "delivered_ml", VERMILION),)),
@@ -55,6 +60,9 @@ def plot(
     ax: Axes | Sequence[Axes] | None = None,
 ) -> Axes | list[Axes]:
     """Draw a run or a plan over time.
+
+    A run of more than 20,000 samples is drawn as its envelope, which keeps the extremes of each column of
+    pixels.
 
     Parameters
     ----------
@@ -97,24 +105,35 @@ def plot(
     for name, axis in zip(names, axes, strict=True):
         label, curves = _PANELS[name]
         for curve in curves:
-            values = getattr(run, curve.column) * curve.factor
-            axis.plot(run.time_s, values, color=curve.colour, linewidth=1.2, label=curve.label)
+            time_s, values = envelope(run.time_s, getattr(run, curve.column))
+            # Envelopes of both ports may cover one another.
+            alpha = 0.6 if len(time_s) < len(run) else 1.0
+            axis.plot(
+                time_s,
+                values * curve.factor,
+                color=curve.colour,
+                linewidth=curve.width,
+                alpha=alpha,
+                label=curve.label,
+            )
         axis.set_ylabel(label)
-        axis.grid(alpha=0.25)
-        axis.margins(x=0)
         if isinstance(result, Plan):
-            axis.axvline(result.motion_s, color="0.45", linewidth=1, linestyle=":", label="last step")
+            axis.axvline(
+                result.motion_s, color=ink(axis, 0.55), linewidth=1, linestyle=":", label="last step"
+            )
             if name == "delivered":
                 asked = result.requested_ml + result.carry_in_ml
-                axis.axhline(asked, color="0.45", linewidth=1, linestyle="--", label="asked for")
+                axis.axhline(asked, color=ink(axis, 0.55), linewidth=1, linestyle="--", label="asked for")
             if result.retract_steps:
                 back_s = float(result.step_times_s[abs(result.steps)])
                 axis.axvspan(
-                    back_s, float(result.step_times_s[-1]), color="0.9", zorder=0, label="sucked back"
+                    back_s,
+                    float(result.step_times_s[-1]),
+                    color=ink(axis, 0.1),
+                    zorder=0,
+                    label="sucked back",
                 )
-    for name, axis in zip(names, axes, strict=True):
-        if len(_PANELS[name][1]) > 1 or (name == "delivered" and isinstance(result, Plan)):
-            axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False, fontsize="small")
+        finish(axis, legend=len(curves) > 1 or (name == "delivered" and isinstance(result, Plan)))
     if axes:
         axes[-1].set_xlabel("time (s)")
     if axes and ax is None and isinstance(result, Plan):
