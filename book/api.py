@@ -29,7 +29,8 @@ PAGES: dict[str, tuple[str, ...]] = {
         "SpeedLaw",
     ),
     "Simulation": ("Run", "SteadyState", "sweep", "Sweep", "Harmonics", "rmse", "nrmse", "pearson"),
-    "Plans and calibrations": ("Doser", "Limits", "Plan", "Calibration", "WeighedRun", "ShortDose", "PhaseFit"),
+    "Plans and calibrations": ("Doser", "Limits", "Plan", "monte_carlo", "VolumeTrials", "Calibration",
+        "WeighedRun", "ShortDose", "PhaseFit"),
     "Benches": ("Bench", "AsyncBench", "Balance", "Dose", "LoggedDose", "Status", "Verification"),
     "Racks": ("Rack", "RackReport", "RackPump", "RackDose", "RackTotal"),
     "Identification": (

@@ -57,6 +57,7 @@ from pumpmodel.identified import (
     identify_line,
     identify_resistance,
 )
+from pumpmodel.monte_carlo import VolumeTrials, monte_carlo
 from pumpmodel.plotting import (
     animate,
     plot,
@@ -115,6 +116,7 @@ __all__ = [
     "UnfinishedError",
     "Verification",
     "VolumeFit",
+    "VolumeTrials",
     "WeighedRun",
     "__version__",
     "animate",
@@ -123,6 +125,7 @@ __all__ = [
     "identify_compliance",
     "identify_line",
     "identify_resistance",
+    "monte_carlo",
     "nrmse",
     "pearson",
     "plot",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from pumpmodel.dose import Dose, Verification
+    from pumpmodel.monte_carlo import VolumeTrials
 
 # Below this standard uncertainty microlitres are easier to read, mL.
 _SMALL_ML = 0.1
@@ -121,4 +122,43 @@ def plot_verification(found: Verification, *, ax: Axes | None = None) -> Axes:
     )
     finish(axis)
     axis.margins(x=0.05)
+    return axis
+
+
+def plot_trials(drawn: VolumeTrials, *, ax: Axes | None = None) -> Axes:
+    """Draw how often each volume occurs in the trials of a dose, beside the budget's expanded uncertainty.
+
+    Parameters
+    ----------
+    drawn : VolumeTrials
+        Result of `monte_carlo`.
+    ax : Axes, optional
+        Axes to draw in. By default a new figure.
+
+    Returns
+    -------
+    Axes
+        Axes over the volume.
+
+    Raises
+    ------
+    ImportError
+        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+    """
+    (axis,) = axes_for(["trials"], ax)
+    axis.hist(drawn.volume_ml, bins="auto" if len(drawn.volume_ml) < 1000 else 80, density=True, color=GREEN)
+    axis.axvspan(*drawn.interval_ml(), color=ink(axis, 0.12), zorder=0, label="95.45 % of the trials")
+    for side in (-1, 1):
+        axis.axvline(
+            drawn.mean_ml + side * drawn.budget_expanded_ml,
+            color=VERMILION,
+            linewidth=1.2,
+            linestyle="--",
+            label="budget" if side > 0 else None,
+        )
+    axis.set_xlabel("volume (mL)")
+    axis.set_ylabel("probability density (1/mL)")
+    axis.ticklabel_format(axis="x", useOffset=False)
+    axis.set_title(f"{len(drawn.volume_ml)} trials of a dose", fontsize="medium")
+    finish(axis)
     return axis
