@@ -47,9 +47,28 @@ impl Stretch {
 
     /// Returns the flow as a polynomial in the time since the stretch's start, mL/s.
     pub(crate) fn flow(&self) -> Flow {
+        self.flow_of(&self.flow)
+    }
+
+    /// Returns the derivative of the flow by the angle of the motion as a polynomial in the time since the
+    /// stretch's start, mL/(s rad).
+    pub(crate) fn flow_by_angle(&self) -> Flow {
+        self.flow_of(&self.flow_slope)
+    }
+
+    /// Returns the derivative of the flow by the roller volume as a polynomial in the time since the stretch's
+    /// start, 1/s. Between pulses `nominal_ml_rad` flow, and the pulses of a roller take `roller_ml`.
+    pub(crate) fn flow_by_roller_volume(&self, nominal_ml_rad: f64, roller_ml: f64) -> Flow {
+        let pulses = self.flow.plus(&Polynomial::constant(-nominal_ml_rad));
+        self.flow_of(&pulses.scaled(1.0 / roller_ml))
+    }
+
+    /// Returns the flow that `per_rad`, a function of the angle since the piece's start, makes in this motion,
+    /// as a polynomial in the time since the stretch's start.
+    fn flow_of(&self, per_rad: &Polynomial) -> Flow {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
-        let q = self.flow.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
+        let q = per_rad.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
         if acceleration == 0.0 {
             let mut c = [0.0; DEGREE + 1];
             let mut power = speed;
