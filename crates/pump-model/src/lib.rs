@@ -92,7 +92,7 @@ pub use line::line_state::LineState;
 pub use line::propagator::LineStep;
 pub use line::sensitivity::parameter::SensitivityParameter;
 pub use line::sensitivity::run::SensitiveRun;
-pub use line::sensitivity::samples::SensitiveSamples;
+pub use line::sensitivity::samples::{SensitiveColumns, SensitiveSamples};
 pub use line::sensitivity::state::SensitiveState;
 pub use line::settling::SETTLED_ML;
 pub use line::vessel_run::{BackFlow, VesselRun};

@@ -8,8 +8,8 @@ mod complex;
 use complex::{Complex, Parameters, pressures_by_steps};
 use proptest::prelude::*;
 use pump_model::{
-    ExactRun, Geometry, Leg, Line, LineState, Port, Pump, RollerVolume, SensitiveRun, SensitiveState,
-    SensitivityParameter, Variant,
+    ExactRun, Geometry, Leg, Line, LineState, Port, Pump, RollerVolume, SensitiveColumns, SensitiveRun,
+    SensitiveState, SensitivityParameter, Variant,
 };
 
 const PORTS: [Port; 2] = [Port::Inlet, Port::Outlet];
@@ -270,7 +270,7 @@ fn samples_at_equal_intervals_are_those_asked_one_by_one() {
             for legs in motions(0.0, 10.471_975_511_965_978) {
                 let start = SensitiveState::fixed(LineState { above_reservoir_kpa: 1.0, flow_ml_s: 0.5 });
                 let run = || SensitiveRun::new(&pump, port, legs.clone(), start);
-                let mut columns = [[0.0; 1201]; 6];
+                let (mut columns, mut flow) = ([[0.0; 1201]; 6], [0.0; 1201]);
                 let [kpa, by_0, by_1, by_2, by_3, by_4] = &mut columns;
                 let mut samples = run().every(1e-3);
                 // Parts of any length make one row.
@@ -278,7 +278,11 @@ fn samples_at_equal_intervals_are_those_asked_one_by_one() {
                 for part in [1, 2, 7, 64, 331, 796] {
                     let place = done..done + part;
                     let by = [&mut *by_0, by_1, by_2, by_3, by_4];
-                    samples.fill(&mut kpa[place.clone()], by.map(|column| &mut column[place.clone()]));
+                    samples.fill(SensitiveColumns {
+                        kpa: &mut kpa[place.clone()],
+                        kpa_by: by.map(|column| &mut column[place.clone()]),
+                        flow_ml_rad: &mut flow[place],
+                    });
                     done += part;
                 }
                 let mut single = run();
@@ -286,6 +290,8 @@ fn samples_at_equal_intervals_are_those_asked_one_by_one() {
                 let mut worst = [0.0_f64; 6];
                 for (n, next) in run().every(1e-3).take(1201).enumerate() {
                     let state = single.at(n as f64 * 1e-3);
+                    let missed_ml_rad = (flow[n] - single.flow_ml_rad()).abs();
+                    assert!(!(1e-11..=0.01).contains(&missed_ml_rad), "{n}: {missed_ml_rad}");
                     for (k, column) in columns.iter().enumerate() {
                         let value = |state: &SensitiveState| match k {
                             0 => state.state.above_reservoir_kpa,

@@ -117,7 +117,7 @@ impl LineFit {
         let flags = sought.checked(recording)?;
         let line = pump.line(recording.port);
         line.validate()?;
-        let waveform = WaveformResiduals { recording, curve: pump.curve(recording.port), flags, watch };
+        let waveform = WaveformResiduals { recording, pump, flags, watch };
         let found = waveform.best(line)?;
         let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
         let spread_kpa = recording.spread_kpa();

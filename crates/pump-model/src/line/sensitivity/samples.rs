@@ -24,6 +24,18 @@ pub struct SensitiveSamples<'a, M> {
     number: u64,
 }
 
+/// Columns for the samples of a port. They should be of one length; the excess of a longer one is left as it is.
+#[derive(Debug)]
+pub struct SensitiveColumns<'a> {
+    /// Pressures above the reservoir, kPa.
+    pub kpa: &'a mut [f64],
+    /// Derivatives of the pressure, kPa over the unit of each parameter, in the order of
+    /// [`SensitivityParameter::ALL`].
+    pub kpa_by: [&'a mut [f64]; SensitivityParameter::COUNT],
+    /// Flow at the rollers per radian, mL/rad, on the side of an edge on which the derivatives are.
+    pub flow_ml_rad: &'a mut [f64],
+}
+
 impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
     /// Returns the states at n `dt_s` from the time reached on, n = 0, 1, 2 ... without end. `dt_s` must be
     /// positive.
@@ -42,28 +54,30 @@ impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
 }
 
 impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
-    /// Writes the pressures of the next samples above the reservoir, kPa, and their derivatives by each parameter,
-    /// for less than asking for them one by one. The slices should be of one length; the excess of a longer slice is
-    /// left as it is.
-    pub fn fill(&mut self, kpa: &mut [f64], kpa_by: [&mut [f64]; SensitivityParameter::COUNT]) {
-        let count = kpa_by.iter().map(|column| column.len()).fold(kpa.len(), usize::min);
+    /// Writes the pressures of the next samples and their derivatives, for less than asking for them one by one.
+    pub fn fill(&mut self, columns: SensitiveColumns<'_>) {
+        let SensitiveColumns { kpa, kpa_by, flow_ml_rad } = columns;
+        let count =
+            kpa_by.iter().map(|column| column.len()).fold(kpa.len().min(flow_ml_rad.len()), usize::min);
         let [by_0, by_1, by_2, by_3, by_4] = kpa_by.map(|column| column.iter_mut());
         let units = self.units;
-        let mut places = kpa.iter_mut().zip(by_0).zip(by_1).zip(by_2).zip(by_3).zip(by_4);
-        self.go(count, |x| {
-            if let Some((((((kpa, by_0), by_1), by_2), by_3), by_4)) = places.next() {
+        let mut places = kpa.iter_mut().zip(flow_ml_rad).zip(by_0).zip(by_1).zip(by_2).zip(by_3).zip(by_4);
+        self.go(count, |x, flow| {
+            if let Some(((((((kpa, flow_ml_rad), by_0), by_1), by_2), by_3), by_4)) = places.next() {
                 *kpa = x[0];
                 *by_0 = units[1] * x[1];
                 *by_1 = units[2] * x[2];
                 *by_2 = units[3] * x[3];
                 *by_3 = units[4] * x[4];
                 *by_4 = units[5] * x[5];
+                *flow_ml_rad = flow;
             }
         });
     }
 
-    /// Goes over the next `count` samples, and reports the pressures of the augmented state at each.
-    fn go(&mut self, count: usize, mut note: impl FnMut(&[f64; STATES])) {
+    /// Goes over the next `count` samples, and reports the pressures of the augmented state and the flow per radian
+    /// at each.
+    fn go(&mut self, count: usize, mut note: impl FnMut(&[f64; STATES], f64)) {
         let mut left = count;
         while left > 0 {
             left -= match (self.ready, self.interval.is_even()) {
@@ -76,7 +90,7 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
                 self.run.go_to(self.next_s());
                 self.number += 1;
                 left -= 1;
-                note(&self.run.state.map(|[x, _]| x));
+                note(&self.run.state.map(|[x, _]| x), self.run.flow_ml_rad());
                 self.ready = self.interval.take(&self.run.flows);
             }
         }
@@ -84,11 +98,16 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
 
     /// Goes over the next samples, `most` at most, that lie inside the stretch under way. Returns their number.
     #[inline]
-    fn go_inside<const EVEN: bool>(&mut self, most: usize, note: &mut impl FnMut(&[f64; STATES])) -> usize {
+    fn go_inside<const EVEN: bool>(
+        &mut self,
+        most: usize,
+        note: &mut impl FnMut(&[f64; STATES], f64),
+    ) -> usize {
         let (stretch_s, length_s) =
             (self.run.stretch.start_s, self.run.stretch.end_s - self.run.stretch.start_s);
         let (mut x, mut y) = (self.run.state.map(|[x, _]| x), self.run.state.map(|[_, y]| y));
         let mut reached_s = self.run.reached_s;
+        let even_ml_rad = self.run.flow_ml_rad();
         let mut count = 0;
         while count < most {
             let next_s = self.next_s() - stretch_s;
@@ -96,7 +115,9 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
                 break;
             }
             (x, y) = self.interval.after::<EVEN>(&x, &y, reached_s);
-            note(&x);
+            let flow_ml_rad =
+                if EVEN { even_ml_rad } else { self.run.stretch.flow_ml_rad(stretch_s + next_s) };
+            note(&x, flow_ml_rad);
             reached_s = next_s;
             self.number += 1;
             count += 1;
@@ -118,7 +139,7 @@ impl<M: Iterator<Item = Leg>> Iterator for SensitiveSamples<'_, M> {
     type Item = SensitiveState;
 
     fn next(&mut self) -> Option<SensitiveState> {
-        self.go(1, |_| ());
+        self.go(1, |_, _| ());
         Some(physical(self.run.line, &self.run.oscillator, &self.run.state))
     }
 }
