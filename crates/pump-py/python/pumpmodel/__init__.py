@@ -33,6 +33,7 @@ from pumpmodel._pumpmodel import (
     rmse,
 )
 from pumpmodel._results.harmonics import Harmonics
+from pumpmodel._results.sensitivity import Sensitivity
 from pumpmodel._results.states import LineStates
 from pumpmodel.bench import AsyncBench, Bench
 from pumpmodel.dose import Dose, LoggedDose, Status, Verification
@@ -46,6 +47,7 @@ from pumpmodel.errors import (
     StoppedError,
     UnfinishedError,
 )
+from pumpmodel.experiment import ExpectedFit, Experiment, next_experiment
 from pumpmodel.fluid import Fluid
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
@@ -73,6 +75,8 @@ __all__ = [
     "Doser",
     "DriveError",
     "Estimate",
+    "ExpectedFit",
+    "Experiment",
     "Fluid",
     "Harmonics",
     "Head",
@@ -97,6 +101,7 @@ __all__ = [
     "RackTotal",
     "Run",
     "SafetyError",
+    "Sensitivity",
     "ShortDose",
     "SpeedLaw",
     "Status",
@@ -113,6 +118,7 @@ __all__ = [
     "identify_compliance",
     "identify_line",
     "identify_resistance",
+    "next_experiment",
     "nrmse",
     "pearson",
     "plot",

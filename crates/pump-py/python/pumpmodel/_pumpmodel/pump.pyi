@@ -872,6 +872,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run:
         """\
         Run the model over time. Other Python threads run meanwhile, except while a speed that is a function is asked.
@@ -921,6 +922,10 @@ class Pump:
         closure_rad : float, optional
             Roller-centric: angle after first contact at which a roller has closed the tube, rad; by default the angle
             that follows from the pump's dimensions.
+        sensitivity : bool
+            True for the derivatives of pressures and delivered volume by R, C and L of the lines, the start angle and
+            the roller volume too, as `run.sensitivity`. They are exact, so `method` must not be the integrator. States
+            that are given depend on none of these; those of "steady" do.
 
         Returns
         -------
@@ -967,6 +972,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -987,6 +993,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -1007,6 +1014,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -1027,6 +1035,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -1047,6 +1056,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def harmonics(
