@@ -52,6 +52,7 @@ mod math;
 mod motion;
 mod port;
 mod pump;
+mod sensitivity;
 pub mod units;
 
 #[cfg(feature = "integrator")]
@@ -90,10 +91,6 @@ pub use line::friction::Friction;
 pub use line::line::Line;
 pub use line::line_state::LineState;
 pub use line::propagator::LineStep;
-pub use line::sensitivity::parameter::SensitivityParameter;
-pub use line::sensitivity::run::SensitiveRun;
-pub use line::sensitivity::samples::{SensitiveColumns, SensitiveSamples};
-pub use line::sensitivity::state::SensitiveState;
 pub use line::settling::SETTLED_ML;
 pub use line::vessel_run::{BackFlow, VesselRun};
 pub use math::{metrics, polynomial};
@@ -104,3 +101,7 @@ pub use port::Port;
 pub use pump::presets::Variant;
 pub use pump::pump::Pump;
 pub use pump::steady_state::SteadyState;
+pub use sensitivity::parameter::SensitivityParameter;
+pub use sensitivity::run::SensitiveRun;
+pub use sensitivity::samples::{SensitiveColumns, SensitiveSamples};
+pub use sensitivity::state::SensitiveState;

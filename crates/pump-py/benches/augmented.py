@@ -1,6 +1,6 @@
 """Derivatives of both pressures by five parameters, by three methods in one run.
 
-The exact solution with its derivatives stands beside central differences of the exact solution and beside SciPy
+The exact solution with its derivatives stands beside central differences of that solution and beside SciPy
 on the system augmented by the sensitivity equations.
 """
 

@@ -8,11 +8,11 @@ use crate::line::exact_run::ExactRun;
 use crate::line::line::Line;
 use crate::line::line_state::LineState;
 use crate::line::periodic_state::periodic_state;
-use crate::line::sensitivity::run::SensitiveRun;
-use crate::line::sensitivity::state::SensitiveState;
 use crate::motion::leg::Leg;
 use crate::port::Port;
 use crate::pump::pump::Pump;
+use crate::sensitivity::run::SensitiveRun;
+use crate::sensitivity::state::SensitiveState;
 use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};

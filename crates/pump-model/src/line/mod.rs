@@ -11,7 +11,6 @@ pub(crate) mod outflow_ripple;
 pub(crate) mod periodic_state;
 pub(crate) mod propagator;
 mod ringing;
-pub(crate) mod sensitivity;
 pub(crate) mod settling;
 mod turns;
 pub(crate) mod vessel_run;

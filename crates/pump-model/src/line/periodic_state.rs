@@ -38,7 +38,7 @@ pub(super) fn repeated_state(oscillator: &Oscillator, period_s: f64, after: Line
 
 /// Returns the states that repeat themselves every `period_s`, each under an input that takes it from 0 to that of
 /// `after` in that time. There are none at an undamped resonance.
-pub(super) fn repeated<const K: usize>(
+pub(crate) fn repeated<const K: usize>(
     oscillator: &Oscillator,
     period_s: f64,
     after: [Balanced; K],

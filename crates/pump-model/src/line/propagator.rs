@@ -14,7 +14,7 @@ use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator, SHORT};
 
 /// Number of terms of the series: 0.5^17/17! is below rounding.
-pub(super) const TERMS: usize = 17;
+pub(crate) const TERMS: usize = 17;
 
 impl Oscillator {
     /// Returns the state `h` after `state`. `flow` counts time from there.
@@ -28,7 +28,7 @@ impl Oscillator {
 
     /// Returns `h` halved until it is short, and how often it was halved. A step 2^1100 times shorter than any
     /// finite step is short.
-    pub(super) fn halved(&self, h: f64) -> (f64, u32) {
+    pub(crate) fn halved(&self, h: f64) -> (f64, u32) {
         let (mut short, mut halvings) = (h, 0);
         while self.norm() * short > SHORT && halvings < 1100 {
             short *= 0.5;
@@ -63,7 +63,7 @@ impl Oscillator {
 }
 
 /// Table of 1/n.
-pub(super) const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
+pub(crate) const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
     let mut table = [0.0; TERMS + DEGREE + 2];
     let mut n = 1;
     while n < table.len() {
@@ -76,11 +76,11 @@ pub(super) const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
 /// Effect of a time step of fixed length on the state of an [`Oscillator`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Propagator {
-    pub(super) step_s: f64,
+    pub(crate) step_s: f64,
     /// The matrix e^(A h) - I by columns. The difference keeps slow modes exact beside fast ones.
-    pub(super) change: [Balanced; 2],
+    pub(crate) change: [Balanced; 2],
     /// Responses gamma_k to flows of (t/h)^k.
-    pub(super) response: [Balanced; DEGREE + 1],
+    pub(crate) response: [Balanced; DEGREE + 1],
     degree: usize,
 }
 
@@ -99,7 +99,7 @@ impl Propagator {
 
     /// Builds the propagator of a short step by Taylor series: e^(A h) - I = sum A^n h^n / n!, gamma_k = sum
     /// A^n b h^(n+1) k!/(n+k+1)!.
-    pub(super) fn short(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
+    pub(crate) fn short(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
         let mut change = [[0.0; 2]; 2];
         let mut columns = [[1.0, 0.0], [0.0, 1.0]];
         let mut response = [[0.0; 2]; DEGREE + 1];
@@ -127,7 +127,7 @@ impl Propagator {
 
     /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) /
     /// 2^k.
-    pub(super) fn double(&mut self) {
+    pub(crate) fn double(&mut self) {
         let mut scale = 1.0;
         let mut doubled = self.response;
         for (k, doubled) in doubled.iter_mut().enumerate().take(self.degree + 1) {
@@ -151,7 +151,7 @@ impl Propagator {
     }
 
     /// Returns (e^(A h) - I) z.
-    pub(super) fn changed(&self, state: Balanced) -> Balanced {
+    pub(crate) fn changed(&self, state: Balanced) -> Balanced {
         product(&self.change, state)
     }
 
@@ -173,7 +173,7 @@ impl Propagator {
     }
 
     /// Returns the state a step after `state`, with a constant flow of `flow_ml_s`.
-    pub(super) fn constant(&self, state: Balanced, flow_ml_s: f64) -> Balanced {
+    pub(crate) fn constant(&self, state: Balanced, flow_ml_s: f64) -> Balanced {
         let [[x, y], ..] = self.response;
         let [moved_x, moved_y] = self.moved(state);
         [moved_x + flow_ml_s * x, moved_y + flow_ml_s * y]
@@ -203,7 +203,7 @@ impl Propagator {
 }
 
 /// Returns the product of a matrix, given by its columns, and a state.
-pub(super) fn product([first, second]: &[Balanced; 2], state: Balanced) -> Balanced {
+pub(crate) fn product([first, second]: &[Balanced; 2], state: Balanced) -> Balanced {
     [first[0] * state[0] + second[0] * state[1], first[1] * state[0] + second[1] * state[1]]
 }
 

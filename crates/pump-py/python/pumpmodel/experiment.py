@@ -22,9 +22,6 @@ _LINE = ("resistance_kpa_s_ml", "compliance_ml_kpa", "inertance_kpa_s2_ml")
 # Row of the derivative by the start angle.
 _ANGLE = 3
 
-#: Quantity of an experiment that has to be found beside the line.
-Unknown: TypeAlias = Literal["start_angle", "reservoir"]
-
 
 @dataclass(frozen=True)
 class Experiment(Record):
@@ -67,7 +64,7 @@ def next_experiment(
     *,
     standard_kpa: float,
     known: Identified | None = None,
-    unknown: Iterable[Unknown] = (),
+    unknown: Iterable[Literal["start_angle", "reservoir"]] = (),
 ) -> tuple[ExpectedFit, ...]:
     """Rank experiments by what their records are expected to tell of a line (D-optimal design).
 
@@ -157,7 +154,7 @@ def _before(line: Line, known: Identified | None) -> tuple[list[int], _Array]:
     return free, np.asarray(np.linalg.inv(covariance), dtype=np.float64)
 
 
-def _information(pump: Pump, experiment: Experiment, unknown: list[Unknown], standard_kpa: float) -> _Array:
+def _information(pump: Pump, experiment: Experiment, unknown: list[Literal["start_angle", "reservoir"]], standard_kpa: float) -> _Array:
     """Return the Fisher information of a record on R, C and L, beside the unknown quantities."""
     run = pump.simulate(
         speed_rpm=experiment.speed_rpm,

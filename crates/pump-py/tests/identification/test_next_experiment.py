@@ -1,12 +1,12 @@
 """The next experiment, against the uncertainties of fits that were made."""
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
 
 import pumpmodel as pm
-from pumpmodel.experiment import Unknown
 
 NOISE_KPA = 0.3
 
@@ -76,7 +76,7 @@ def test_what_is_known_already_is_told_only_once_more() -> None:
 def test_what_has_to_be_found_beside_the_line_costs_information() -> None:
     pump = pm.Pump.three_roller()
     experiment = pm.Experiment(speed_rpm=100, duration_s=1, port="inlet", initial="steady")
-    sets: list[list[Unknown]] = [[], ["reservoir"], ["reservoir", "start_angle"]]
+    sets: list[list[Literal["start_angle", "reservoir"]]] = [[], ["reservoir"], ["reservoir", "start_angle"]]
     gains = [
         pm.next_experiment(pump, [experiment], standard_kpa=NOISE_KPA, unknown=unknown)[0].gain_nats
         for unknown in sets
