@@ -154,7 +154,12 @@ def _before(line: Line, known: Identified | None) -> tuple[list[int], _Array]:
     return free, np.asarray(np.linalg.inv(covariance), dtype=np.float64)
 
 
-def _information(pump: Pump, experiment: Experiment, unknown: list[Literal["start_angle", "reservoir"]], standard_kpa: float) -> _Array:
+def _information(
+    pump: Pump,
+    experiment: Experiment,
+    unknown: list[Literal["start_angle", "reservoir"]],
+    standard_kpa: float,
+) -> _Array:
     """Return the Fisher information of a record on R, C and L, beside the unknown quantities."""
     run = pump.simulate(
         speed_rpm=experiment.speed_rpm,
