@@ -17,8 +17,8 @@ pub struct Stretch {
     /// Leg that contains the stretch.
     pub leg: Leg,
     /// Flow per radian, mL/rad, over the angle since the piece's start.
-    flow: Polynomial,
-    flow_slope: Polynomial,
+    pub(crate) flow: Polynomial,
+    pub(crate) flow_slope: Polynomial,
     /// Angle of the leg's start since the piece's start, rad.
     offset_rad: f64,
 }
@@ -50,22 +50,9 @@ impl Stretch {
         self.flow_of(&self.flow)
     }
 
-    /// Returns the derivative of the flow by the angle of the motion as a polynomial in the time since the
-    /// stretch's start, mL/(s rad).
-    pub(crate) fn flow_by_angle(&self) -> Flow {
-        self.flow_of(&self.flow_slope)
-    }
-
-    /// Returns the derivative of the flow by the roller volume as a polynomial in the time since the stretch's
-    /// start, 1/s. Between pulses `nominal_ml_rad` flow, and the pulses of a roller take `roller_ml`.
-    pub(crate) fn flow_by_roller_volume(&self, nominal_ml_rad: f64, roller_ml: f64) -> Flow {
-        let pulses = self.flow.plus(&Polynomial::constant(-nominal_ml_rad));
-        self.flow_of(&pulses.scaled(1.0 / roller_ml))
-    }
-
     /// Returns the flow that `per_rad`, a function of the angle since the piece's start, makes in this motion,
     /// as a polynomial in the time since the stretch's start.
-    fn flow_of(&self, per_rad: &Polynomial) -> Flow {
+    pub(crate) fn flow_of(&self, per_rad: &Polynomial) -> Flow {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
         let q = per_rad.shifted(self.offset_rad + self.leg.turned(elapsed)).c;

@@ -6,6 +6,7 @@
 use crate::line::line::Line;
 use crate::line::line_state::LineState;
 use crate::line::oscillator::{Balanced, Oscillator};
+use crate::math::polynomial::Polynomial;
 use crate::motion::flow::Flow;
 use crate::motion::stretches::Stretch;
 
@@ -43,10 +44,11 @@ pub(super) struct Flows {
 impl Flows {
     /// Returns the flows of a stretch. Between pulses `nominal_ml_rad` flow, and a roller displaces `roller_ml`.
     pub(super) fn of(stretch: &Stretch, nominal_ml_rad: f64, roller_ml: f64) -> Self {
+        let pulses = stretch.flow.plus(&Polynomial::constant(-nominal_ml_rad)).scaled(1.0 / roller_ml);
         Self {
             line: stretch.flow(),
-            by_angle: stretch.flow_by_angle(),
-            by_roller: stretch.flow_by_roller_volume(nominal_ml_rad, roller_ml),
+            by_angle: stretch.flow_of(&stretch.flow_slope),
+            by_roller: stretch.flow_of(&pulses),
         }
     }
 
