@@ -175,17 +175,7 @@ impl Pump {
             (None, None) => *self.by_speed.base(),
         };
         let states = states(py, initial, &method, &model, (motion.first_rad_s(), start_angle_rad))?;
-        let legs = motion.legs.iter().copied();
-        let run = match &motion.times {
-            Times::Every { dt_s, intervals } => {
-                let samples = Waveform::every(&model, legs, method, (*dt_s, *intervals), states);
-                Run::collect(py, intervals + 1, samples.map_err(errors::model)?)?
-            }
-            Times::At(times_s) => {
-                let samples = Waveform::starting(&model, legs, method, times_s.iter().copied(), states);
-                Run::collect(py, times_s.len() as u64, samples.map_err(errors::model)?)?
-            }
-        };
+        let run = computed(py, &model, method, &motion, states)?;
         if !sensitivity {
             return Ok(run);
         }
@@ -195,6 +185,27 @@ impl Pump {
         let starts = py.detach(|| starts(&model, &motion, states, is_steady))?;
         let found = derivatives(py, &model, &motion, starts, &run)?;
         Ok(run.with_sensitivity(found.unbind()))
+    }
+}
+
+/// Computes the samples of a motion.
+fn computed(
+    py: Python<'_>,
+    model: &Model,
+    method: Method,
+    motion: &Motion,
+    states: [LineState; 2],
+) -> PyResult<Run> {
+    let legs = motion.legs.iter().copied();
+    match &motion.times {
+        Times::Every { dt_s, intervals } => {
+            let samples = Waveform::every(model, legs, method, (*dt_s, *intervals), states);
+            Run::collect(py, intervals + 1, samples.map_err(errors::model)?)
+        }
+        Times::At(times_s) => {
+            let samples = Waveform::starting(model, legs, method, times_s.iter().copied(), states);
+            Run::collect(py, times_s.len() as u64, samples.map_err(errors::model)?)
+        }
     }
 }
 
