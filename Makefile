@@ -6,7 +6,7 @@ TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
 NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
-MODEL_FEATURES := integrator construction identification experimental serde defmt
+MODEL_FEATURES := integrator construction sensitivity identification experimental serde defmt
 
 .PHONY: test test-rust test-python clock demo browser mqtt faults long fuzz lint features oldest packages packaging other-systems wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
 

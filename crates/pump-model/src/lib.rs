@@ -15,7 +15,8 @@
 //!
 //! - `integrator`: the implicit integrator for nonlinear models, the runs made with it, and lines of one's own.
 //! - `construction`: roller volumes from a drawing or from measured points, lines from hoses and fluids.
-//! - `identification`: lines from measurements.
+//! - `sensitivity`: runs with their exact derivatives.
+//! - `identification`: lines from measurements. It brings the derivatives.
 //! - `experimental`: the roller-centric model and the speed law. It brings the first two.
 //! - `serde` and `defmt`: those crates' traits, without an allocator.
 //!
@@ -52,6 +53,8 @@ mod math;
 mod motion;
 mod port;
 mod pump;
+#[cfg(feature = "sensitivity")]
+mod sensitivity;
 pub mod units;
 
 #[cfg(feature = "integrator")]
@@ -100,3 +103,11 @@ pub use port::Port;
 pub use pump::presets::Variant;
 pub use pump::pump::Pump;
 pub use pump::steady_state::SteadyState;
+#[cfg(feature = "sensitivity")]
+pub use sensitivity::parameter::SensitivityParameter;
+#[cfg(feature = "sensitivity")]
+pub use sensitivity::run::SensitiveRun;
+#[cfg(feature = "sensitivity")]
+pub use sensitivity::samples::{SensitiveColumns, SensitiveSamples};
+#[cfg(feature = "sensitivity")]
+pub use sensitivity::state::SensitiveState;

@@ -4,7 +4,8 @@ Three rollers at 100 r/min from rest, both pressures every millisecond for 10 s.
 can be: both ports as one system, stopped at the edges of the flow, with the flow's own polynomial between
 them, the exact Jacobian, and the loosest tolerance that reaches the goal.
 
-Then the likelihood of R, C and L for 1,000 samples of a port, by the best of these solvers in the same way.
+Then the likelihood of R, C and L for 1,000 samples of a port, by the best of these solvers in the same way,
+and the derivatives of all pressures by five parameters.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+import augmented
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
@@ -249,6 +251,7 @@ def main() -> None:
     met = "met" if ratios[best] >= TARGET else "missed"
     print(f"\nSciPy's best, {best} / exact: {ratios[best]:.0f} (target: at least {TARGET}; {met})")
     likelihoods(pump, pieces, best, tolerances[best], rounds)
+    augmented.compare(pump, pieces, SPEED_RAD_S, SAMPLES, DT_S, rounds, seconds)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 mod fastest;
 mod reached;
 mod sample;
+mod sensitivity;
 mod simulation;
 mod start;
 mod times;
@@ -12,6 +13,7 @@ pub use fastest::{FastestRun, fastest_run};
 pub(crate) use reached::Reached;
 pub(crate) use sample::Columns;
 pub use sample::{COLUMNS, Sample};
+pub use sensitivity::{Derivatives, SensitiveWaveform, steady_sensitivities};
 pub use simulation::{AskedMethod, MethodError, ModelName, Simulation, SteadyReport, choose_method};
 pub use times::{EqualTimes, times};
 pub use waveform::{Integration, Method, Waveform};

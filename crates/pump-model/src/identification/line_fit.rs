@@ -23,6 +23,9 @@ use super::waveform::{WaveformResiduals, line_of};
 /// comes by chance once in twenty times.
 const LEAST_EXPLAINED: f64 = 0.1;
 
+/// Residuals that are a smaller part of the largest pressure are those of rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Line that was fitted to a waveform. A parameter that was not sought has the value it was held at and no
 /// uncertainty.
 ///
@@ -117,7 +120,7 @@ impl LineFit {
         let flags = sought.checked(recording)?;
         let line = pump.line(recording.port);
         line.validate()?;
-        let waveform = WaveformResiduals { recording, curve: pump.curve(recording.port), flags, watch };
+        let waveform = WaveformResiduals { recording, pump, flags, watch };
         let found = waveform.best(line)?;
         let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
         let spread_kpa = recording.spread_kpa();
@@ -224,8 +227,17 @@ impl Uncertainty {
         const NO_EFFECT: &str = "it has no effect on them that others do not have; seek fewer parameters";
         let covariances =
             found.rows.covariances().ok_or(undetermined(found.rows.singular().unwrap_or(0), NO_EFFECT))?;
-        let correlated = correlated_samples(waveform.residuals(&line_of(&found.at), &found.at)?)
-            .ok_or(IdentificationError::Alike { samples: LAGS })?;
+        let recording = waveform.recording;
+        let largest_kpa =
+            recording.samples.iter().fold(0.0, |most: f64, sample| most.max(sample.pressure_kpa.abs()));
+        let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
+        // Rounding may repeat itself as the pressure does, but it says nothing of noise.
+        let correlated = if rms_kpa <= ROUNDING * largest_kpa {
+            1.0
+        } else {
+            correlated_samples(waveform.residuals(&line_of(&found.at), &found.at)?)
+                .ok_or(IdentificationError::Alike { samples: LAGS })?
+        };
         let independent = waveform.recording.samples.len() as f64 / correlated;
         let free = independent - count(waveform.flags) as f64;
         if free < 1.0 {

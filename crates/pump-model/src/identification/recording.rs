@@ -11,6 +11,8 @@ use crate::line::periodic_state::periodic_state;
 use crate::motion::leg::Leg;
 use crate::port::Port;
 use crate::pump::pump::Pump;
+use crate::sensitivity::run::SensitiveRun;
+use crate::sensitivity::state::SensitiveState;
 use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
@@ -19,6 +21,9 @@ use super::watch::Watch;
 
 /// Number of samples that are computed at once.
 const BLOCK: usize = 64;
+
+/// Number of derivatives: by R, C, L, angle and start.
+pub(super) const SLOPES: usize = 5;
 
 /// Pressure at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +104,30 @@ impl<'a> Recording<'a> {
         sqrt(square / count)
     }
 
+    /// Returns the legs of a motion at angles that are `angle_rad` larger and `start_s` later. That of a steady record
+    /// begins where the angle was last a whole number of pitches, whose state is known, before the first sample.
+    fn legs(&self, pitch_rad: f64, angle_rad: f64, start_s: f64) -> impl Iterator<Item = Leg> + use<'a> {
+        let (legs, steady) = match self.motion {
+            RotorMotion::FromRest(legs) => (legs, None),
+            RotorMotion::Steady { angle_rad: at_0_rad, speed_rad_s } => {
+                let first_s = self.samples.first().map_or(0.0, |sample| sample.time_s);
+                let first_rad = at_0_rad + angle_rad + speed_rad_s * (first_s - start_s);
+                let turned_rad = wrap(first_rad * speed_rad_s.signum(), pitch_rad);
+                let leg = Leg {
+                    start_s: first_s - turned_rad / speed_rad_s.abs(),
+                    ..Leg::constant_speed(0.0, speed_rad_s)
+                };
+                (&[][..], Some(leg))
+            }
+        };
+        let shifted = move |leg: &Leg| Leg {
+            start_s: leg.start_s + start_s,
+            angle_rad: leg.angle_rad + angle_rad,
+            ..*leg
+        };
+        steady.into_iter().chain(legs.iter().map(shifted))
+    }
+
     /// Returns the run of a line, which need not be the pump's, up to the first sample or before it. The motion is
     /// taken at angles that are `angle_rad` larger and `start_s` later.
     fn run(
@@ -109,27 +138,43 @@ impl<'a> Recording<'a> {
         start_s: f64,
     ) -> Result<ExactRun<'a, impl Iterator<Item = Leg> + use<'a>>, ModelError> {
         line.validate()?;
-        let (legs, steady, state) = match self.motion {
-            RotorMotion::FromRest(legs) => (legs, None, LineState::AT_REST),
-            RotorMotion::Steady { angle_rad: at_0_rad, speed_rad_s } => {
-                let first_s = self.samples.first().map_or(0.0, |sample| sample.time_s);
-                // The run starts where the angle was last a whole number of pitches, whose state is known.
-                let first_rad = at_0_rad + angle_rad + speed_rad_s * (first_s - start_s);
-                let turned_rad = wrap(first_rad * speed_rad_s.signum(), curve.pitch_rad());
-                let leg = Leg {
-                    start_s: first_s - turned_rad / speed_rad_s.abs(),
-                    ..Leg::constant_speed(0.0, speed_rad_s)
-                };
-                (&[][..], Some(leg), periodic_state(line, curve, self.port, speed_rad_s)?)
+        let state = match self.motion {
+            RotorMotion::FromRest(_) => LineState::AT_REST,
+            RotorMotion::Steady { speed_rad_s, .. } => periodic_state(line, curve, self.port, speed_rad_s)?,
+        };
+        let legs = self.legs(curve.pitch_rad(), angle_rad, start_s);
+        Ok(ExactRun::on(line, curve, self.port, legs, state))
+    }
+
+    /// Returns the model's pressures of [`Self::model_kpa`] with their exact derivatives by R, C, L, the angle and the
+    /// start, kPa over the unit of each.
+    pub(super) fn slopes_kpa<'b>(
+        &self,
+        pump: &'b Pump,
+        line: &'b Line,
+        (angle_rad, start_s): (f64, f64),
+        watch: &'b Watch<'b>,
+    ) -> Result<impl Iterator<Item = (f64, [f64; SLOPES])> + use<'a, 'b>, ModelError> {
+        line.validate()?;
+        let start = match self.motion {
+            RotorMotion::FromRest(_) => SensitiveState::AT_REST,
+            RotorMotion::Steady { speed_rad_s, .. } => {
+                SensitiveState::repeated(pump, line, self.port, speed_rad_s)?
             }
         };
-        let shifted = move |leg: &Leg| Leg {
-            start_s: leg.start_s + start_s,
-            angle_rad: leg.angle_rad + angle_rad,
-            ..*leg
+        let legs = self.legs(pump.pitch_rad(), angle_rad, start_s);
+        let mut run = SensitiveRun::on(pump, line, self.port, legs, start);
+        let begins_s = run.time_s();
+        let goes_on = move || watch.goes_on();
+        let state = move |sample: &PressureSample| {
+            let state = if goes_on() { run.at_while(sample.time_s, &goes_on)? } else { return None };
+            let [by_resistance, by_compliance, by_inertance, by_angle, ..] = state.pressure_by;
+            // A later start has at each time the pressure of a little earlier, once it has begun.
+            let by_start = if sample.time_s > begins_s { -run.pressure_rate_kpa_s() } else { 0.0 };
+            let slopes = [by_resistance, by_compliance, by_inertance, by_angle, by_start];
+            Some((state.state.above_reservoir_kpa, slopes))
         };
-        let legs = steady.into_iter().chain(legs.iter().map(shifted));
-        Ok(ExactRun::on(line, curve, self.port, legs, state))
+        Ok(self.samples.iter().map_while(state))
     }
 
     /// Returns the model's pressures above the reservoir at the times of the samples, kPa.

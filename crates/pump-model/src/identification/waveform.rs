@@ -4,17 +4,14 @@
 use libm::{exp, log};
 
 use crate::error::{Allowed, ModelError, Parameter, within};
-use crate::head::flow_curve::FlowCurve;
 use crate::line::line::Line;
+use crate::pump::pump::Pump;
 
 use super::error::IdentificationError;
 use super::least_squares::{Found, Residuals, Triangle, search};
 use super::recording::Recording;
 use super::sought::{ANGLE, N, PRESSURE, START};
 use super::watch::Watch;
-
-/// Change of each parameter by which its effect is measured. The effect of the pressure is known.
-const PROBES: [f64; PRESSURE] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-6];
 
 /// Number of angles over a pitch from which the search may start.
 ///
@@ -29,7 +26,8 @@ const FOLLOWED: usize = 3;
 /// Recording whose line is sought.
 pub(super) struct WaveformResiduals<'a> {
     pub(super) recording: &'a Recording<'a>,
-    pub(super) curve: &'a FlowCurve,
+    /// Pump whose rollers drive the line.
+    pub(super) pump: &'a Pump,
     /// Parameters that are sought.
     pub(super) flags: [bool; N],
     /// Question whether the search goes on.
@@ -53,7 +51,13 @@ impl WaveformResiduals<'_> {
         line: &'b Line,
         at: &[f64; N],
     ) -> Result<impl Iterator<Item = f64> + use<'b>, ModelError> {
-        let model = self.recording.model_kpa(self.curve, line, at[ANGLE], at[START], Some(self.watch))?;
+        let model = self.recording.model_kpa(
+            self.pump.curve(self.recording.port),
+            line,
+            at[ANGLE],
+            at[START],
+            Some(self.watch),
+        )?;
         let reservoir_kpa = line.reservoir_kpa;
         let pairs = self.recording.samples.iter().zip(model);
         Ok(pairs.map(move |(sample, kpa)| sample.pressure_kpa - reservoir_kpa - kpa))
@@ -85,7 +89,7 @@ impl WaveformResiduals<'_> {
             let shift = if both { 1.0 } else { 2.0 } * log(FREQUENCIES[frequency]);
             let lowered =
                 |n: usize, logarithm: f64| if self.flags[n] { logarithm - shift } else { logarithm };
-            let angle_rad = f64::from(angle) / f64::from(angles) * self.curve.pitch_rad();
+            let angle_rad = f64::from(angle) / f64::from(angles) * self.pump.pitch_rad();
             let mut at = [
                 resistance,
                 lowered(1, compliance),
@@ -137,35 +141,78 @@ impl Residuals<N> for WaveformResiduals<'_> {
     }
 
     fn rows(&self, at: &[f64; N]) -> Result<Triangle<N>, ModelError> {
-        // Probes lie on either side of each parameter but the pressure, all in step with the residuals.
-        let probes: [[f64; N]; 2 * PRESSURE] = core::array::from_fn(|k| {
-            let mut probe = *at;
-            probe[k / 2] += if k % 2 == 0 { PROBES[k / 2] } else { -PROBES[k / 2] };
-            probe
-        });
-        let lines = probes.map(|probe| line_of(&probe));
-        let mut sides = [const { None }; 2 * PRESSURE];
-        for (k, side) in sides.iter_mut().enumerate().filter(|(k, _)| self.flags[k / 2]) {
-            let (angle_rad, start_s) = (probes[k][ANGLE], probes[k][START]);
-            *side = Some(self.recording.model_kpa(
-                self.curve,
-                &lines[k],
-                angle_rad,
-                start_s,
-                Some(self.watch),
-            )?);
-        }
         let line = line_of(at);
+        let place = (at[ANGLE], at[START]);
+        let model = self.recording.slopes_kpa(self.pump, &line, place, self.watch)?;
+        // The search seeks the logarithms of R, C and L.
+        let units = [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, 1.0, 1.0];
         let mut triangle = Triangle::holding(self.flags);
-        for residual in self.residuals(&line, at)? {
-            let mut row = [0.0; N];
-            for n in (0..PRESSURE).filter(|n| self.flags[*n]) {
-                let [more, less] = [2 * n, 2 * n + 1].map(|k| sides[k].as_mut().and_then(Iterator::next));
-                row[n] = more.zip(less).map_or(0.0, |(more, less)| (more - less) / (2.0 * PROBES[n]));
-            }
-            row[PRESSURE] = if self.flags[PRESSURE] { 1.0 } else { 0.0 };
-            triangle.push(row, residual);
+        for (sample, (kpa, slopes)) in self.recording.samples.iter().zip(model) {
+            let [by_resistance, by_compliance, by_inertance, by_angle, by_start] =
+                core::array::from_fn(|n| units[n] * slopes[n]);
+            let all = [by_resistance, by_compliance, by_inertance, by_angle, by_start, 1.0];
+            let row = core::array::from_fn(|n| if self.flags[n] { all[n] } else { 0.0 });
+            triangle.push(row, sample.pressure_kpa - line.reservoir_kpa - kpa);
         }
         Ok(triangle)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::recording::{PressureSample, RotorMotion};
+    use crate::motion::leg::Leg;
+    use crate::port::Port;
+
+    #[test]
+    fn the_slopes_of_a_record_are_those_of_differences() {
+        let pump = Pump::three_roller();
+        let samples: [PressureSample; 40] =
+            core::array::from_fn(|n| PressureSample { time_s: 0.0171 * (n + 1) as f64, pressure_kpa: 90.0 });
+        let ramp = Leg { duration_s: 0.2, acceleration_rad_s2: 45.0, ..Leg::constant_speed(0.3, 0.0) };
+        let cruise = Leg { start_s: 0.2, ..Leg::constant_speed(ramp.end_angle_rad(), 9.0) };
+        let legs = [ramp, cruise];
+        let motions =
+            [RotorMotion::FromRest(&legs), RotorMotion::Steady { angle_rad: 0.4, speed_rad_s: -8.0 }];
+        for (port, motion) in [Port::Inlet, Port::Outlet].into_iter().zip(motions) {
+            let recording = Recording { port, samples: &samples, motion };
+            let goes_on = || true;
+            let watch = Watch::new(&goes_on);
+            let waveform =
+                WaveformResiduals { recording: &recording, pump: &pump, flags: [true; N], watch: &watch };
+            let at = [log(0.12), log(0.03), log(0.005), 0.15, 0.011, 88.0];
+            let line = line_of(&at);
+            let place = (at[ANGLE], at[START]);
+            let mut slopes = recording.slopes_kpa(&pump, &line, place, &watch).unwrap();
+            let mut exact = [[0.0; PRESSURE]; 40];
+            for (place, (_, by)) in exact.iter_mut().zip(&mut slopes) {
+                *place = by;
+            }
+            let units =
+                [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, 1.0, 1.0];
+            for (n, unit) in units.into_iter().enumerate() {
+                let side = |step: f64| {
+                    let mut beside = at;
+                    beside[n] += step;
+                    let line = line_of(&beside);
+                    let mut residuals = [0.0; 40];
+                    let found = waveform.residuals(&line, &beside).unwrap();
+                    for (place, residual) in residuals.iter_mut().zip(found) {
+                        *place = residual;
+                    }
+                    residuals
+                };
+                let (more, less) = (side(1e-5), side(-1e-5));
+                let mut worst = 0.0_f64;
+                let mut near_edges = 0;
+                for (k, exact) in exact.iter().enumerate() {
+                    let error = (unit * exact[n] - (less[k] - more[k]) / 2e-5).abs();
+                    // A sample that an edge passes meanwhile has no such difference.
+                    if error > 0.1 { near_edges += 1 } else { worst = worst.max(error) }
+                }
+                assert!(worst < 1e-4 && near_edges == 0, "{port} {n}: {worst:e} {near_edges}");
+            }
+        }
     }
 }

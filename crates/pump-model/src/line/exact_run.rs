@@ -170,7 +170,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 }
 
 /// Returns the next stretch. There always is one: the last is the rest that never ends.
-fn next_stretch<M: Iterator<Item = Leg>>(stretches: &mut Stretches<'_, M>) -> Stretch {
+pub(crate) fn next_stretch<M: Iterator<Item = Leg>>(stretches: &mut Stretches<'_, M>) -> Stretch {
     let after_s = stretches.time_s();
     stretches.next().unwrap_or_else(|| Stretch::rest(after_s))
 }

@@ -23,7 +23,7 @@ pub(crate) struct Oscillator {
     /// Decay rate R/L, 1/s.
     pub(crate) decay: f64,
     /// Impedance z, kPa s/mL.
-    pub(super) impedance: f64,
+    pub(crate) impedance: f64,
     /// Admittance 1/z, mL/(s kPa).
     admittance: f64,
 }
@@ -62,7 +62,7 @@ impl Oscillator {
     }
 
     /// Returns A z for a state z.
-    pub(super) fn times(&self, state: Balanced) -> Balanced {
+    pub(crate) fn times(&self, state: Balanced) -> Balanced {
         [-self.rate * state[1], self.rate * state[0] - self.decay * state[1]]
     }
 

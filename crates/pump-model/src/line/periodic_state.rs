@@ -8,7 +8,7 @@ use crate::port::Port;
 use super::exact_run::ExactRun;
 use super::line::Line;
 use super::line_state::LineState;
-use super::oscillator::Oscillator;
+use super::oscillator::{Balanced, Oscillator};
 use super::propagator::Propagator;
 
 /// Returns the state of `line` at angle 0 that repeats itself every pitch of `curve`, the flow curve of
@@ -32,7 +32,17 @@ pub(crate) fn periodic_state(
 /// Returns the state that repeats itself every `period_s` under a flow that takes the line from rest to
 /// `after` in that time. It is none at an undamped resonance.
 pub(super) fn repeated_state(oscillator: &Oscillator, period_s: f64, after: LineState) -> Option<LineState> {
-    let [bx, by] = oscillator.balanced(after.numbers());
+    let [state] = repeated(oscillator, period_s, [oscillator.balanced(after.numbers())])?;
+    Some(LineState::of(oscillator.physical(state)))
+}
+
+/// Returns the states that repeat themselves every `period_s`, each under an input that takes it from 0 to that of
+/// `after` in that time. There are none at an undamped resonance.
+pub(crate) fn repeated<const K: usize>(
+    oscillator: &Oscillator,
+    period_s: f64,
+    after: [Balanced; K],
+) -> Option<[Balanced; K]> {
     let [[a, c], [b, d]] = Propagator::new(oscillator, period_s, 0).change();
     let determinant = a * d - b * c;
     // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A
@@ -41,6 +51,5 @@ pub(super) fn repeated_state(oscillator: &Oscillator, period_s: f64, after: Line
     if determinant == 0.0 || determinant.abs() < rounding * rounding {
         return None;
     }
-    let state = [(b * by - d * bx) / determinant, (c * bx - a * by) / determinant];
-    Some(LineState::of(oscillator.physical(state)))
+    Some(after.map(|[bx, by]| [(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))
 }

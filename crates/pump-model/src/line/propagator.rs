@@ -14,7 +14,7 @@ use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator, SHORT};
 
 /// Number of terms of the series: 0.5^17/17! is below rounding.
-const TERMS: usize = 17;
+pub(crate) const TERMS: usize = 17;
 
 impl Oscillator {
     /// Returns the state `h` after `state`. `flow` counts time from there.
@@ -24,6 +24,17 @@ impl Oscillator {
         } else {
             Propagator::new(self, h, flow.degree).apply(state, flow)
         }
+    }
+
+    /// Returns `h` halved until it is short, and how often it was halved. A step 2^1100 times shorter than any
+    /// finite step is short.
+    pub(crate) fn halved(&self, h: f64) -> (f64, u32) {
+        let (mut short, mut halvings) = (h, 0);
+        while self.norm() * short > SHORT && halvings < 1100 {
+            short *= 0.5;
+            halvings += 1;
+        }
+        (short, halvings)
     }
 
     /// Returns the state by its series: z(h) = sum of Z_n with Z_(n+1) = h (A Z_n + b f_n h^n) / (n + 1).
@@ -52,7 +63,7 @@ impl Oscillator {
 }
 
 /// Table of 1/n.
-const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
+pub(crate) const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
     let mut table = [0.0; TERMS + DEGREE + 2];
     let mut n = 1;
     while n < table.len() {
@@ -65,24 +76,18 @@ const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
 /// Effect of a time step of fixed length on the state of an [`Oscillator`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Propagator {
-    step_s: f64,
+    pub(crate) step_s: f64,
     /// The matrix e^(A h) - I by columns. The difference keeps slow modes exact beside fast ones.
-    change: [Balanced; 2],
+    pub(crate) change: [Balanced; 2],
     /// Responses gamma_k to flows of (t/h)^k.
-    response: [Balanced; DEGREE + 1],
+    pub(crate) response: [Balanced; DEGREE + 1],
     degree: usize,
 }
 
 impl Propagator {
     /// Builds the propagator for steps of `h` and flows of `degree` at most.
     pub(crate) fn new(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
-        // A step 2^1100 times shorter than any finite step is short.
-        let mut doublings = 0;
-        let mut short = h;
-        while oscillator.norm() * short > SHORT && doublings < 1100 {
-            short *= 0.5;
-            doublings += 1;
-        }
+        let (short, doublings) = oscillator.halved(h);
         let mut propagator = Self::short(oscillator, short, degree);
         for _ in 0..doublings {
             propagator.double();
@@ -94,7 +99,7 @@ impl Propagator {
 
     /// Builds the propagator of a short step by Taylor series: e^(A h) - I = sum A^n h^n / n!, gamma_k = sum
     /// A^n b h^(n+1) k!/(n+k+1)!.
-    fn short(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
+    pub(crate) fn short(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
         let mut change = [[0.0; 2]; 2];
         let mut columns = [[1.0, 0.0], [0.0, 1.0]];
         let mut response = [[0.0; 2]; DEGREE + 1];
@@ -122,7 +127,7 @@ impl Propagator {
 
     /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) /
     /// 2^k.
-    fn double(&mut self) {
+    pub(crate) fn double(&mut self) {
         let mut scale = 1.0;
         let mut doubled = self.response;
         for (k, doubled) in doubled.iter_mut().enumerate().take(self.degree + 1) {
@@ -146,9 +151,8 @@ impl Propagator {
     }
 
     /// Returns (e^(A h) - I) z.
-    fn changed(&self, state: Balanced) -> Balanced {
-        let [first, second] = self.change;
-        [first[0] * state[0] + second[0] * state[1], first[1] * state[0] + second[1] * state[1]]
+    pub(crate) fn changed(&self, state: Balanced) -> Balanced {
+        product(&self.change, state)
     }
 
     /// Returns e^(A h) z.
@@ -169,7 +173,7 @@ impl Propagator {
     }
 
     /// Returns the state a step after `state`, with a constant flow of `flow_ml_s`.
-    pub(super) fn constant(&self, state: Balanced, flow_ml_s: f64) -> Balanced {
+    pub(crate) fn constant(&self, state: Balanced, flow_ml_s: f64) -> Balanced {
         let [[x, y], ..] = self.response;
         let [moved_x, moved_y] = self.moved(state);
         [moved_x + flow_ml_s * x, moved_y + flow_ml_s * y]
@@ -196,6 +200,11 @@ impl Propagator {
         }
         inputs
     }
+}
+
+/// Returns the product of a matrix, given by its columns, and a state.
+pub(crate) fn product([first, second]: &[Balanced; 2], state: Balanced) -> Balanced {
+    [first[0] * state[0] + second[0] * state[1], first[1] * state[0] + second[1] * state[1]]
 }
 
 /// The change of an outlet line's state over a time step with a constant flow at the rollers.

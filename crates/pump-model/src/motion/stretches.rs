@@ -17,8 +17,8 @@ pub struct Stretch {
     /// Leg that contains the stretch.
     pub leg: Leg,
     /// Flow per radian, mL/rad, over the angle since the piece's start.
-    flow: Polynomial,
-    flow_slope: Polynomial,
+    pub(crate) flow: Polynomial,
+    pub(crate) flow_slope: Polynomial,
     /// Angle of the leg's start since the piece's start, rad.
     offset_rad: f64,
 }
@@ -47,9 +47,15 @@ impl Stretch {
 
     /// Returns the flow as a polynomial in the time since the stretch's start, mL/s.
     pub(crate) fn flow(&self) -> Flow {
+        self.flow_of(&self.flow)
+    }
+
+    /// Returns the flow that `per_rad`, a function of the angle since the piece's start, makes in this motion,
+    /// as a polynomial in the time since the stretch's start.
+    pub(crate) fn flow_of(&self, per_rad: &Polynomial) -> Flow {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
-        let q = self.flow.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
+        let q = per_rad.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
         if acceleration == 0.0 {
             let mut c = [0.0; DEGREE + 1];
             let mut power = speed;

@@ -139,6 +139,32 @@ fn without_noise_every_parameter_comes_back() {
 }
 
 #[test]
+fn a_record_of_the_pumps_own_line_without_noise_is_fitted_from_an_edge_too() {
+    let pump = Pump::three_roller();
+    let mut dice = Dice(5);
+    // At angle 0 a roller begins to leave the outlet. The residuals are those of rounding.
+    for start_rad in [0.0, 0.1, 0.7, 1.5] {
+        for port in [Port::Inlet, Port::Outlet] {
+            for count in [151, 501, 1001] {
+                let legs = [Leg::constant_speed(start_rad, 10.471_975_511_965_978)];
+                let motion = RotorMotion::FromRest(&legs);
+                let samples = record(Line::PUBLISHED, port, motion, count, (0.0, 0.0), &mut dice);
+                let guess = [Leg::constant_speed(0.0, 10.471_975_511_965_978)];
+                let recording = Recording { port, samples: &samples, motion: RotorMotion::FromRest(&guess) };
+                let fit = LineFit::of(&pump, &recording, Sought::LINE.with_angle(true))
+                    .unwrap_or_else(|error| panic!("{start_rad} {port} {count}: {error}"));
+                let off_rad = fit.angle_rad.value - start_rad;
+                let pitches = (off_rad / pump.pitch_rad()).round();
+                assert!((off_rad - pitches * pump.pitch_rad()).abs() < 1e-7, "{off_rad}");
+                assert!((fit.line().inertance_kpa_s2_ml / 0.0042 - 1.0).abs() < 1e-7, "{fit:?}");
+                // Rounding repeats itself with the pulses, but has no memory.
+                assert_eq!(fit.correlated_samples, 1.0, "{fit:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn lines_far_from_the_first_guess_are_found_too() {
     let pump = Pump::three_roller();
     for (compliance, inertance) in [(3.0, 1.0), (0.4, 1.0), (1.0, 2.5), (0.5, 0.5), (2.0, 1.5), (0.3, 2.0)] {

@@ -34,6 +34,7 @@ from pumpmodel._pumpmodel import (
 )
 from pumpmodel._results import methods as _methods
 from pumpmodel._results.harmonics import Harmonics
+from pumpmodel._results.sensitivity import Sensitivity
 from pumpmodel._results.states import LineStates
 from pumpmodel.bench import AsyncBench, Bench
 from pumpmodel.dose import Dose, LoggedDose, Status, Verification
@@ -47,6 +48,7 @@ from pumpmodel.errors import (
     StoppedError,
     UnfinishedError,
 )
+from pumpmodel.experiment import ExpectedFit, Experiment, next_experiment
 from pumpmodel.fluid import Fluid
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
@@ -83,6 +85,8 @@ __all__ = [
     "Doser",
     "DriveError",
     "Estimate",
+    "ExpectedFit",
+    "Experiment",
     "Fluid",
     "Harmonics",
     "Head",
@@ -107,6 +111,7 @@ __all__ = [
     "RackTotal",
     "Run",
     "SafetyError",
+    "Sensitivity",
     "ShortDose",
     "SpeedLaw",
     "Status",
@@ -126,6 +131,7 @@ __all__ = [
     "identify_line",
     "identify_resistance",
     "monte_carlo",
+    "next_experiment",
     "nrmse",
     "pearson",
     "plot",

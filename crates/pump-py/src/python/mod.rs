@@ -10,7 +10,7 @@ mod readable;
 mod renamed;
 pub(crate) mod warnings;
 
-pub(crate) use array::frozen;
+pub(crate) use array::{frozen, frozen_rows};
 pub(crate) use interrupt::SignalCheck;
 pub(crate) use memory::{append, collected, no_memory, reserve, try_collected};
 pub(crate) use renamed::renamed;

@@ -3,6 +3,7 @@
 mod followed;
 mod motion;
 mod run;
+mod sensitivity;
 mod simulate;
 mod steady_state;
 mod sweep;

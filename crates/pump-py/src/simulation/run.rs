@@ -57,6 +57,8 @@ pub(crate) struct Run {
     /// State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
     /// for runs of `from_dict`.
     end_state: Py<PyAny>,
+    /// Derivatives of pressures and delivered volume, a `Sensitivity`; None unless `Pump.simulate` was asked for it.
+    sensitivity: Py<PyAny>,
 }
 
 #[pymethods]
@@ -142,7 +144,7 @@ impl Run {
         if columns.iter().any(|column| column.len() != columns[0].len()) {
             return Err(value("the columns differ in length; a run needs columns of equal length"));
         }
-        Self::new(data.py(), columns, data.py().None())
+        Self::new(data.py(), columns, data.py().None(), data.py().None())
     }
 
     /// Deprecated name of `inlet_flow_ml_s`.
@@ -203,23 +205,27 @@ impl Run {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let columns = self.columns().into_iter().map(|column| column.bind(py).as_any());
-        let parts = PyTuple::new(py, columns.chain([self.end_state.bind(py)]).collect::<Vec<_>>())?;
+        let parts = PyTuple::new(
+            py,
+            columns.chain([self.end_state.bind(py), self.sensitivity.bind(py)]).collect::<Vec<_>>(),
+        )?;
         Ok((py.get_type::<Self>().getattr("_rebuild")?, parts))
     }
 
     #[staticmethod]
     #[pyo3(signature = (*parts))]
     fn _rebuild(py: Python<'_>, mut parts: Vec<Bound<'_, PyAny>>) -> PyResult<Self> {
-        // Runs that were pickled before had no state.
-        let end_state = if parts.len() > COLUMNS { parts.pop() } else { None };
-        let end_state = end_state.map_or_else(|| py.None(), Bound::unbind);
+        // Runs that were pickled before had no state, or no derivatives.
+        let mut part = |most: usize| if parts.len() > most { parts.pop() } else { None };
+        let [sensitivity, end_state] =
+            [part(COLUMNS + 1), part(COLUMNS)].map(|part| part.map_or_else(|| py.None(), Bound::unbind));
         let columns: Vec<PyReadonlyArray1<'_, f64>> =
             parts.iter().map(|column| column.extract()).collect::<PyResult<_>>()?;
         let copied = |column: &PyReadonlyArray1<'_, f64>| collected(column.as_slice()?.iter().copied());
         let columns = columns.iter().map(copied).collect::<PyResult<Vec<_>>>()?;
         match <[Vec<f64>; COLUMNS]>::try_from(columns) {
             Ok(columns) if columns.iter().all(|column| column.len() == columns[0].len()) => {
-                Self::new(py, columns, end_state)
+                Self::new(py, columns, end_state, sensitivity)
             }
             _ => Err(value("these are not the 8 columns of equal length that a run needs")),
         }
@@ -248,7 +254,12 @@ impl Run {
         Ok(column.clone_ref(slf.py()))
     }
 
-    fn new(py: Python<'_>, columns: [Vec<f64>; COLUMNS], end_state: Py<PyAny>) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        columns: [Vec<f64>; COLUMNS],
+        end_state: Py<PyAny>,
+        sensitivity: Py<PyAny>,
+    ) -> PyResult<Self> {
         let [time, angle, speed, q_in, q_out, p_in, p_out, delivered] = columns;
         Ok(Self {
             time_s: frozen(py, time)?,
@@ -260,7 +271,23 @@ impl Run {
             outlet_kpa: frozen(py, p_out)?,
             delivered_ml: frozen(py, delivered)?,
             end_state,
+            sensitivity,
         })
+    }
+
+    /// Returns the run with derivatives.
+    pub(super) fn with_sensitivity(self, sensitivity: Py<PyAny>) -> Self {
+        Self { sensitivity, ..self }
+    }
+
+    /// Returns the times, s.
+    pub(super) fn time_s<'a, 'py>(&'a self, py: Python<'py>) -> &'a Bound<'py, PyArray1<f64>> {
+        self.time_s.bind(py)
+    }
+
+    /// Returns the angles of the pump head, rad.
+    pub(super) fn angle_rad<'a, 'py>(&'a self, py: Python<'py>) -> &'a Bound<'py, PyArray1<f64>> {
+        self.angle_rad.bind(py)
     }
 
     /// Computes the samples, about `count` of them, while other Python threads run.
@@ -306,7 +333,7 @@ impl Run {
             }
             None => py.None(),
         };
-        Self::new(py, columns, end_state)
+        Self::new(py, columns, end_state, py.None())
     }
 
     /// Returns the columns in the order of [`NAMES`].

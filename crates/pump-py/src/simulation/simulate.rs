@@ -8,6 +8,7 @@ use pyo3::types::PyString;
 
 use super::motion::{Asked, Motion, Times};
 use super::run::Run;
+use super::sensitivity::{sensitivity as derivatives, starts};
 use crate::argument::{Argument, choice, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
@@ -67,6 +68,10 @@ impl Pump {
     /// closure_rad : float, optional
     ///     Roller-centric: angle after first contact at which a roller has closed the tube, rad; by default the angle
     ///     that follows from the pump's dimensions.
+    /// sensitivity : bool
+    ///     True for the derivatives of pressures and delivered volume by R, C and L of the lines, the start angle and
+    ///     the roller volume too, as `run.sensitivity`. They are exact, so `method` must not be the integrator. States
+    ///     that are given depend on none of these; those of "steady" do.
     ///
     /// Returns
     /// -------
@@ -97,11 +102,12 @@ impl Pump {
     #[pyo3(signature = (
         *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, output_time_s=None,
         start_angle_rad=0.0, model="flow-centric", method="auto", initial=None, tolerance=None, segment_scale=None,
-        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None
+        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None,
+        sensitivity=false
     ), text_signature = "($self, *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, \
         output_time_s=None, start_angle_rad=0.0, model=\"flow-centric\", method=\"auto\", initial=\"rest\", \
         tolerance=None, segment_scale=None, distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, \
-        closure_rad=None)")]
+        closure_rad=None, sensitivity=False)")]
     fn simulate<'py>(
         &self,
         py: Python<'py>,
@@ -120,6 +126,7 @@ impl Pump {
         distensibility_per_kpa: Option<f64>,
         valve_resistance_kpa_s_ml: Option<f64>,
         closure_rad: Option<f64>,
+        sensitivity: bool,
     ) -> PyResult<Run> {
         let is_roller_centric = word("model", model, ModelName::ALL)? == ModelName::RollerCentric;
         let asked = word("method", method, AskedMethod::ALL)?;
@@ -140,6 +147,12 @@ impl Pump {
         };
         let frictions = self.file.frictions().map_err(errors::model)?;
         let method = choose_method(asked, roller_centric, frictions, tolerance).map_err(value)?;
+        if sensitivity && method != Method::Exact {
+            return Err(value(
+                "sensitivity is True, but the integrator has no derivatives; allowed: the exact solution of the \
+                 flow-centric model, with lines that are given by their resistance",
+            ));
+        }
         let motion = Motion::of(&Asked {
             speed_rpm,
             speed_rad_s,
@@ -162,16 +175,36 @@ impl Pump {
             (None, None) => *self.by_speed.base(),
         };
         let states = states(py, initial, &method, &model, (motion.first_rad_s(), start_angle_rad))?;
-        let legs = motion.legs.iter().copied();
-        match &motion.times {
-            Times::Every { dt_s, intervals } => {
-                let samples = Waveform::every(&model, legs, method, (*dt_s, *intervals), states);
-                Run::collect(py, intervals + 1, samples.map_err(errors::model)?)
-            }
-            Times::At(times_s) => {
-                let samples = Waveform::starting(&model, legs, method, times_s.iter().copied(), states);
-                Run::collect(py, times_s.len() as u64, samples.map_err(errors::model)?)
-            }
+        let run = computed(py, &model, method, &motion, states)?;
+        if !sensitivity {
+            return Ok(run);
+        }
+        let [_, steady] = INITIALS;
+        let is_steady =
+            initial.is_some_and(|initial| initial.extract().is_ok_and(|word: &str| word == steady));
+        let starts = py.detach(|| starts(&model, &motion, states, is_steady))?;
+        let found = derivatives(py, &model, &motion, starts, &run)?;
+        Ok(run.with_sensitivity(found.unbind()))
+    }
+}
+
+/// Computes the samples of a motion.
+fn computed(
+    py: Python<'_>,
+    model: &Model,
+    method: Method,
+    motion: &Motion,
+    states: [LineState; 2],
+) -> PyResult<Run> {
+    let legs = motion.legs.iter().copied();
+    match &motion.times {
+        Times::Every { dt_s, intervals } => {
+            let samples = Waveform::every(model, legs, method, (*dt_s, *intervals), states);
+            Run::collect(py, intervals + 1, samples.map_err(errors::model)?)
+        }
+        Times::At(times_s) => {
+            let samples = Waveform::starting(model, legs, method, times_s.iter().copied(), states);
+            Run::collect(py, times_s.len() as u64, samples.map_err(errors::model)?)
         }
     }
 }

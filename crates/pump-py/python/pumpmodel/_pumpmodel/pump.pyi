@@ -874,6 +874,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run:
         """\
         Run the model over time. Other Python threads run meanwhile, except while a speed that is a function is asked.
@@ -923,6 +924,10 @@ class Pump:
         closure_rad : float, optional
             Roller-centric: angle after first contact at which a roller has closed the tube, rad; by default the angle
             that follows from the pump's dimensions.
+        sensitivity : bool
+            True for the derivatives of pressures and delivered volume by R, C and L of the lines, the start angle and
+            the roller volume too, as `run.sensitivity`. They are exact, so `method` must not be the integrator. States
+            that are given depend on none of these; those of "steady" do.
 
         Returns
         -------
@@ -969,6 +974,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -989,6 +995,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -1009,6 +1016,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -1029,6 +1037,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def simulate(
@@ -1049,6 +1058,7 @@ class Pump:
         distensibility_per_kpa: _Number | None = None,
         valve_resistance_kpa_s_ml: _Number | None = None,
         closure_rad: _Number | None = None,
+        sensitivity: bool = False,
     ) -> Run: ...
     @overload
     def harmonics(

@@ -10,6 +10,7 @@ from pandas import DataFrame
 from typing_extensions import deprecated
 from xarray import Dataset
 
+from pumpmodel._results.sensitivity import Sensitivity
 from pumpmodel._results.states import LineStates
 from pumpmodel.choices import LimitedBy, Panel
 
@@ -56,6 +57,11 @@ class Run:
         """\
         State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
         for runs of `from_dict`.
+        """
+    @property
+    def sensitivity(self) -> Sensitivity | None:
+        """\
+        Derivatives of pressures and delivered volume, a `Sensitivity`; None unless `Pump.simulate` was asked for it.
         """
     @property
     @deprecated("use inlet_flow_ml_s")

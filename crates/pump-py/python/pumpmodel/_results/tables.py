@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Plan, Run, SteadyState
 from pumpmodel._results.optional import optional
+from pumpmodel._results.sensitivity import PARAMETERS, Sensitivity
 
 # Unit ("1" is none) and description of each column.
 COLUMNS = {
@@ -102,3 +103,33 @@ def steady_xarray(steady: SteadyState[Any]) -> Any:
     speeds = np.asarray(columns.pop("speed_rpm"))
     dims = ("speed_rpm",) if speeds.ndim == 1 else tuple(f"dim_{n}" for n in range(speeds.ndim))
     return _dataset(dims, {"speed_rpm": speeds}, columns)
+
+
+def sensitivity_dataframe(sensitivity: Sensitivity) -> Any:
+    """Return the derivatives of a run as a table, with their units."""
+    frame = optional("pandas", "dataframe").DataFrame(sensitivity.to_dict())
+    units = {"time_s": "s"}
+    for name in sensitivity._fields[1:]:
+        quantity = COLUMNS[name.removesuffix("_by")][0]
+        for parameter, (unit, _) in PARAMETERS.items():
+            units[f"{name}_{parameter}"] = f"{quantity}/({unit})"
+    frame.attrs["units"] = units
+    return frame
+
+
+def sensitivity_xarray(sensitivity: Sensitivity) -> Any:
+    """Return the derivatives of a run over parameters and time."""
+    variables = {}
+    for name in sensitivity._fields[1:]:
+        units, long_name = COLUMNS[name.removesuffix("_by")]
+        described = {"units": units, "long_name": f"derivative of the {long_name}"}
+        variables[name] = (("parameter", "time_s"), getattr(sensitivity, name), described)
+    units_of = [unit for unit, _ in PARAMETERS.values()]
+    return optional("xarray", "xarray").Dataset(
+        variables,
+        coords={
+            "parameter": ("parameter", list(PARAMETERS), {"long_name": "parameter, with its unit"}),
+            "parameter_unit": ("parameter", units_of),
+            "time_s": ("time_s", sensitivity.time_s, {"units": "s", "long_name": "time"}),
+        },
+    )

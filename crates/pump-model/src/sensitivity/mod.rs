@@ -1,0 +1,11 @@
+//! Exact sensitivities of a line's state to its parameters and to the flow, in one solve with the state.
+
+mod augmented;
+mod interval;
+pub(crate) mod parameter;
+mod propagator;
+pub(crate) mod run;
+pub(crate) mod samples;
+mod short_steps;
+pub(crate) mod state;
+mod steady;
