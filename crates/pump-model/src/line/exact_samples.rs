@@ -57,7 +57,12 @@ impl Interval {
 
     /// Returns the states an interval after (x, y) at times t, each independent of the others.
     #[inline]
-    pub(crate) fn after<const K: usize>(&self, x: [f64; K], y: [f64; K], t: [f64; K]) -> ([f64; K], [f64; K]) {
+    pub(crate) fn after<const K: usize>(
+        &self,
+        x: [f64; K],
+        y: [f64; K],
+        t: [f64; K],
+    ) -> ([f64; K], [f64; K]) {
         let ([xx, yx], [xy, yy]) = (self.decay[0], self.decay[1]);
         let (mut to_x, mut to_y) = ([self.input[0][4]; K], [self.input[1][4]; K]);
         for order in (0..4).rev() {

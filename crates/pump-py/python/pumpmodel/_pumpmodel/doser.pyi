@@ -318,7 +318,7 @@ class Doser:
         finish: Finish = "any",
         ramps: Ramps = "line",
         retract: str | None = None,
-        start_angle_rad: _Number = 0.0,
+        start_angle_rad: _Number | None = None,
         start_half_width_rad: _Number = 0.0,
         carry_in_ml: _Number = 0.0,
     ) -> Plan:

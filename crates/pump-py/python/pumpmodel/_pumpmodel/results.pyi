@@ -49,7 +49,7 @@ class Run:
     def delivered_ml(self) -> _Array:
         """Volume that has passed the outlet line, mL; shape (n,)."""
     @property
-    def end_state(self) -> LineStates | None:
+    def end_state(self) -> LineStates:
         """\
         State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
         for runs of `from_dict`.
