@@ -2,6 +2,7 @@ import asyncio
 import json
 import subprocess
 import sys
+import warnings
 from collections.abc import Coroutine
 from pathlib import Path
 from typing import Any
@@ -336,10 +337,13 @@ def test_the_channels_of_an_array_dose_at_the_same_time_each_by_its_own_record(t
             await array.pumps[1].halt()
             with pytest.raises(HaltedError, match="channel 1: halted after"):
                 await both
-            with pytest.raises(pm.UnfinishedError, match="channel 0: a dose is unfinished"):
+            with pytest.raises(pm.UnfinishedError, match="channel 1: a dose is unfinished"):
                 await array.pump_volume(50, [1, 0], 1)
-            for pump in array.pumps:
-                await pump.discard()
+            with warnings.catch_warnings():
+                # Its carry may be forgotten.
+                warnings.simplefilter("ignore")
+                for pump in array.pumps:
+                    await pump.discard()
             await array.run_continuously(30, [0, 1])
             await asyncio.sleep(0.2)
             assert all(run is not None and run.completed for run in await array.halt())

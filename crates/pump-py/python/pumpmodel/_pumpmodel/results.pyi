@@ -51,8 +51,8 @@ class Run:
     @property
     def end_state(self) -> LineStates:
         """\
-        State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
-        for runs of `from_dict`.
+        State of the lines at the last sample, from which another run may go on. A run of the roller-centric model or of
+        `from_dict` has none and raises AttributeError.
         """
     @property
     @deprecated("use inlet_flow_ml_s")
