@@ -155,8 +155,8 @@ impl<'a> Recording<'a> {
 
     /// Returns the sum of the squares of the residuals of a line, measured less model, kPa². The line stands in place
     /// of that of `pump`, and the motion is taken at angles that are `angle_rad` larger and `start_s` later. It is
-    /// what a likelihood needs, and takes least where the samples are at equal intervals and the speed is constant. Times
-    /// that are rounded, and gaps, cost little more.
+    /// what a likelihood needs, and takes least where the samples are at equal intervals and the speed is constant.
+    /// Times that are rounded, and gaps, cost little more.
     ///
     /// # Errors
     ///

@@ -62,7 +62,7 @@ impl<'a, M: Iterator<Item = Leg>> Uneven<'a, M> {
     }
 }
 
-/// Returns the state `h` after `state`, forward or backward. `flow` is that of the stretch, at `time_s` since its start.
+/// Returns the state `h` after `state`, forward or backward. `flow` is that of the stretch, which began `time_s` ago.
 #[inline]
 fn short_step(oscillator: &Oscillator, h: f64, state: Balanced, flow: &Flow, time_s: f64) -> Balanced {
     // The polynomial in the time since `time_s`.

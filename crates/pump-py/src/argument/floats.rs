@@ -50,7 +50,8 @@ impl Floats {
         let array = py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "asarray"), (argument,));
         let array = array.map_err(|error| match error.is_instance_of::<PyValueError>(py) {
             true => value(format_args!(
-                "{name} is no array of numbers{}: its parts differ in shape; allowed: a number, or numbers in one shape",
+                "{name} is no array of numbers{}: its parts differ in shape; allowed: a number, or \
+                 numbers in one shape",
                 in_unit(name)
             )),
             false => error,

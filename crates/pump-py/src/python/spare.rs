@@ -1,8 +1,8 @@
 //! Memory for the small allocations of a program that has used up all of its own.
 //!
 //! Whatever grows with an input is reserved before it is used (`memory.rs`). A text, a table of a pump or a message is
-//! not, and where it finds no room Rust ends the process, and with it a bench that moves a motor. So this module keeps a
-//! reserve, from which such allocations are served when the system has nothing left. The next call then raises a
+//! not, and where it finds no room Rust ends the process, and with it a bench that moves a motor. So this module keeps
+//! a reserve, from which such allocations are served when the system has nothing left. The next call then raises a
 //! `MemoryError`, unless the reserve can be filled again.
 
 use std::alloc::{GlobalAlloc, Layout, System};
