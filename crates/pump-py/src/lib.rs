@@ -19,7 +19,7 @@ mod simulation;
 #[pyo3::pymodule]
 mod _pumpmodel {
     #[pymodule_export]
-    use crate::argument::_numbers;
+    use crate::argument::{_number, _numbers};
     #[pymodule_export]
     use crate::bench::{Balance, Bench, Call, Rack, Schedule};
     #[pymodule_export]
@@ -44,6 +44,12 @@ mod _pumpmodel {
     use crate::pump::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};
     #[pymodule_export]
     use crate::simulation::{_steady_states, Run, SteadyState};
+
+    /// Takes the memory of first calls.
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::python::first::take(module.py())
+    }
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

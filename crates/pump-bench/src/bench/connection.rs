@@ -264,6 +264,11 @@ impl<'a> Session<'a> {
         }
     }
 
+    /// Returns the notes that the next motion's report shows.
+    pub fn pending_notes(&self) -> &[Notice] {
+        &self.notes
+    }
+
     /// Returns the notes for the user that were not shown yet.
     pub fn notes(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.notes)

@@ -1,5 +1,7 @@
 //! Errors of the identification of lines.
 
+use core::fmt;
+
 use thiserror::Error;
 
 use crate::error::{Allowed, ModelError, Parameter, Shown};
@@ -49,10 +51,11 @@ pub enum IdentificationError {
     },
     /// The pump explains nothing of a waveform.
     #[error(
-        "the fit explains {explained_percent:.1} % of how the samples of pressure vary (a constant pressure \
-         explains 0), so they do not determine the line; allowed: {least_percent} % at least; check speed, \
-         start angle, port and units, and that the pump turned; average a noisy record over pitches; \
-         seek the reservoir's pressure too if the sensor may be off"
+        "the fit explains {} % of how the samples of pressure vary (a constant pressure explains 0), so they \
+         do not determine the line; allowed: {least_percent} % at least; check speed, start angle, port and \
+         units, and that the pump turned; average a noisy record over pitches; seek the reservoir's pressure \
+         too if the sensor may be off",
+        Explained(*explained_percent)
     )]
     Unexplained {
         /// Part of the samples' variance that the fit explains, %; negative if the residuals are larger than
@@ -120,4 +123,13 @@ pub(super) fn refused(
     allowed: impl Into<Allowed>,
 ) -> IdentificationError {
     IdentificationError::OutOfRange { parameter, of, number: index + 1, value, allowed: allowed.into() }
+}
+
+/// Part of a variance that a fit explains, %. How much less than nothing it explains tells nobody anything.
+struct Explained(f64);
+
+impl fmt::Display for Explained {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 < 0.0 { f.write_str("less than 0") } else { write!(f, "{:.1}", self.0) }
+    }
 }

@@ -13,6 +13,7 @@ mod resistance;
 mod sought;
 mod sought_parameter;
 mod student;
+mod uneven;
 mod watch;
 mod waveform;
 

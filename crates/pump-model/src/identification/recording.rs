@@ -17,6 +17,7 @@ use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
 use super::readings::Readings;
+use super::uneven::Uneven;
 use super::watch::Watch;
 
 /// Number of samples that are computed at once.
@@ -200,6 +201,7 @@ impl<'a> Recording<'a> {
     /// Returns the sum of the squares of the residuals of a line, measured less model, kPa². The line stands in place
     /// of that of `pump`, and the motion is taken at angles that are `angle_rad` larger and `start_s` later. It is
     /// what a likelihood needs, and takes least where the samples are at equal intervals and the speed is constant.
+    /// Times that are rounded, and gaps, cost little more.
     ///
     /// # Errors
     ///
@@ -238,8 +240,9 @@ impl<'a> Recording<'a> {
                 }
             }
             _ => {
+                let mut run = Uneven::new(run, self.samples);
                 for sample in moving {
-                    add(sample.pressure_kpa, run.at(sample.time_s).above_reservoir_kpa);
+                    add(sample.pressure_kpa, run.at_kpa(sample.time_s));
                 }
             }
         }

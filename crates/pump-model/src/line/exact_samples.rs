@@ -1,5 +1,6 @@
 //! Samples of an exact run at equal intervals.
 
+use crate::motion::flow::Flow;
 use crate::motion::leg::Leg;
 
 use super::exact_run::ExactRun;
@@ -34,7 +35,7 @@ pub struct ExactSamples<'a, M> {
 
 /// Effect of a step of fixed length inside the stretch under way.
 #[derive(Debug, Clone)]
-struct Interval {
+pub(crate) struct Interval {
     propagator: Propagator,
     /// The matrix e^(A h) by columns.
     decay: [Balanced; 2],
@@ -43,15 +44,25 @@ struct Interval {
 }
 
 impl Interval {
-    fn new(oscillator: &Oscillator, step_s: f64) -> Self {
+    pub(crate) fn new(oscillator: &Oscillator, step_s: f64) -> Self {
         let propagator = Propagator::new(oscillator, step_s, 4);
         let decay = [propagator.moved([1.0, 0.0]), propagator.moved([0.0, 1.0])];
         Self { propagator, decay, input: [[0.0; 5]; 2] }
     }
 
+    /// Takes the flow of the stretch under way, of degree 4 at most.
+    pub(crate) fn drive(&mut self, flow: &Flow) {
+        self.input = self.propagator.input(flow);
+    }
+
     /// Returns the states an interval after (x, y) at times t, each independent of the others.
     #[inline]
-    fn after<const K: usize>(&self, x: [f64; K], y: [f64; K], t: [f64; K]) -> ([f64; K], [f64; K]) {
+    pub(crate) fn after<const K: usize>(
+        &self,
+        x: [f64; K],
+        y: [f64; K],
+        t: [f64; K],
+    ) -> ([f64; K], [f64; K]) {
         let ([xx, yx], [xy, yy]) = (self.decay[0], self.decay[1]);
         let (mut to_x, mut to_y) = ([self.input[0][4]; K], [self.input[1][4]; K]);
         for order in (0..4).rev() {
@@ -134,7 +145,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
             return;
         }
         for interval in [&mut self.one, &mut self.four] {
-            interval.input = interval.propagator.input(&run.flow);
+            interval.drive(&run.flow);
         }
         for n in 1..LANES {
             let t = self.time_s[0] + (n - 1) as f64 * self.dt_s;

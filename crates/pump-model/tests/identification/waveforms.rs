@@ -263,7 +263,7 @@ fn the_squares_of_residuals_are_those_of_the_predicted_pressures() {
         let mut samples = record(Line::PUBLISHED, Port::Inlet, motion, 500, (0.3, 0.0), &mut dice);
         let line = some_line(&mut dice);
         let pump = with(line);
-        for _ in 0..2 {
+        for times in 0..5 {
             let recording = Recording { port: Port::Inlet, samples: &samples, motion };
             let expected: f64 = samples
                 .iter()
@@ -271,12 +271,23 @@ fn the_squares_of_residuals_are_those_of_the_predicted_pressures() {
                 .map(|(sample, kpa)| (sample.pressure_kpa - kpa) * (sample.pressure_kpa - kpa))
                 .sum();
             let found = recording.residual_squares_kpa2(&Pump::three_roller(), &line, 0.0, 0.0).unwrap();
-            assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected}");
-            // Then at intervals that differ.
-            for (n, sample) in samples.iter_mut().enumerate() {
-                sample.time_s += 1e-4 * (n as f64).sin();
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} for {expected} at times {times}");
+            // Then at rounded times, with gaps, as float32, and at intervals that differ.
+            let mut count = 0;
+            match times {
+                0 => samples.iter_mut().for_each(|s| s.time_s = (s.time_s * 1e4).round() / 1e4),
+                1 => samples.retain(|_| {
+                    count += 1;
+                    count % 50 != 7 && !(300..380).contains(&count)
+                }),
+                2 => samples.iter_mut().for_each(|s| s.time_s = f64::from(s.time_s as f32)),
+                _ => {
+                    for (n, sample) in samples.iter_mut().enumerate() {
+                        sample.time_s += 1e-4 * (n as f64).sin();
+                    }
+                    samples.retain(|sample| sample.time_s > 0.0);
+                }
             }
-            samples.retain(|sample| sample.time_s > 0.0);
         }
     }
 }

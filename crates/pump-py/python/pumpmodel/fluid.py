@@ -1,9 +1,10 @@
 """Properties of the pumped fluid."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from pumpmodel import _pumpmodel as core
+from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 
 
@@ -39,12 +40,24 @@ class Fluid(Record):
     bulk_modulus_mpa: float
     vapour_kpa: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            density_kg_m3: Number,
+            viscosity_mpa_s: Number,
+            bulk_modulus_mpa: Number,
+            vapour_kpa: Number | None = None,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Refuse properties that no fluid has."""
+        floats_of(self, "density_kg_m3", "viscosity_mpa_s", "bulk_modulus_mpa", "vapour_kpa")
         core._fluid_check(self._numbers())
 
     @classmethod
-    def water(cls, *, temperature_degc: float) -> Self:
+    def water(cls, *, temperature_degc: Number) -> Self:
         """Return the properties of water.
 
         Density and compressibility follow Kell (J. Chem. Eng. Data 20:97, 1975), viscosity IAPWS SR6-08, and

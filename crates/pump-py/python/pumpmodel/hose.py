@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Line
+from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 from pumpmodel.fluid import Fluid
 
@@ -57,8 +58,30 @@ class Hose(Record):
     poisson_ratio: float = 0.5
     minor_loss: float = 0.0
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            bore_radius_mm: Number,
+            outer_radius_mm: Number,
+            length_mm: Number,
+            modulus_mpa: Number,
+            poisson_ratio: Number = 0.5,
+            minor_loss: Number = 0.0,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Refuse dimensions that no hose has."""
+        floats_of(
+            self,
+            "bore_radius_mm",
+            "outer_radius_mm",
+            "length_mm",
+            "modulus_mpa",
+            "poisson_ratio",
+            "minor_loss",
+        )
         core._hose_volume(self._numbers())
 
     @property
@@ -66,7 +89,7 @@ class Hose(Record):
         """Volume of the bore, mL."""
         return core._hose_volume(self._numbers())
 
-    def line(self, fluid: Fluid, *, reservoir_kpa: float, flow_ml_s: float) -> Line:
+    def line(self, fluid: Fluid, *, reservoir_kpa: Number, flow_ml_s: Number) -> Line:
         """Return the linear line of this hose.
 
         C adds the compliance of the fluid and of a thick-walled cylinder whose ends are held (Lamé, plane
@@ -89,13 +112,13 @@ class Hose(Record):
         return core._hose_line(self._numbers(), fluid._numbers(), reservoir_kpa, flow_ml_s)
 
     @overload
-    def pressure_drop_kpa(self, fluid: Fluid, *, flow_ml_s: float) -> float: ...
+    def pressure_drop_kpa(self, fluid: Fluid, *, flow_ml_s: Number) -> float: ...
     @overload
     def pressure_drop_kpa(
         self, fluid: Fluid, *, flow_ml_s: NDArray[Any] | Sequence[Any]
     ) -> NDArray[np.float64]: ...
     def pressure_drop_kpa(
-        self, fluid: Fluid, *, flow_ml_s: float | NDArray[Any] | Sequence[Any]
+        self, fluid: Fluid, *, flow_ml_s: Number | NDArray[Any] | Sequence[Any]
     ) -> float | NDArray[np.float64]:
         """Return the pressure drop along the hose at a flow.
 
@@ -123,11 +146,11 @@ class Hose(Record):
         return core._hose_drop(self._numbers(), fluid._numbers(), flow_ml_s)
 
     @overload
-    def reynolds(self, fluid: Fluid, *, flow_ml_s: float) -> float: ...
+    def reynolds(self, fluid: Fluid, *, flow_ml_s: Number) -> float: ...
     @overload
     def reynolds(self, fluid: Fluid, *, flow_ml_s: NDArray[Any] | Sequence[Any]) -> NDArray[np.float64]: ...
     def reynolds(
-        self, fluid: Fluid, *, flow_ml_s: float | NDArray[Any] | Sequence[Any]
+        self, fluid: Fluid, *, flow_ml_s: Number | NDArray[Any] | Sequence[Any]
     ) -> float | NDArray[np.float64]:
         """Return the Reynolds number of a flow.
 

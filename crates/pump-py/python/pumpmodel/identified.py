@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Line, Pump
+from pumpmodel._results.numbers import Number
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
 from pumpmodel.choices import Begin, Identification, LineParameter, Port
@@ -277,7 +278,7 @@ def identify_compliance(
     *,
     pump: Pump | None = None,
     port: Port = "outlet",
-    total_ml: float | None = None,
+    total_ml: Number | None = None,
 ) -> Identified:
     """Find C of a closed line from a syringe that injects into it: C = dV/dP.
 
@@ -320,12 +321,12 @@ def identify_line(
     time_s: ArrayLike,
     pressure_kpa: ArrayLike,
     port: Port = "outlet",
-    speed_rpm: float | None = None,
-    speed_rad_s: float | None = None,
+    speed_rpm: Number | None = None,
+    speed_rad_s: Number | None = None,
     fit: Sequence[LineParameter] = ("R", "C", "L"),
     begin: Begin = "ramp",
-    start_s: float | None = None,
-    start_angle_rad: float | None = None,
+    start_s: Number | None = None,
+    start_angle_rad: Number | None = None,
 ) -> Identified:
     """Find R, C and L of a line from the pressure over time while the pump turns.
 

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Pump
+from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 
 
@@ -48,8 +49,20 @@ class SpeedLaw(Record):
     closure_rad: float
     ambient_kpa: float
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            scale: Number,
+            distensibility_per_kpa: Number,
+            closure_rad: Number,
+            ambient_kpa: Number,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Refuse parameters that no speed law has."""
+        floats_of(self, "scale", "distensibility_per_kpa", "closure_rad", "ambient_kpa")
         core._law_check(self._numbers())
 
     @classmethod
@@ -64,8 +77,8 @@ class SpeedLaw(Record):
         self,
         pump: Pump,
         *,
-        speed_rpm: float | NDArray[Any] | Sequence[Any] | None = None,
-        speed_rad_s: float | NDArray[Any] | Sequence[Any] | None = None,
+        speed_rpm: Number | NDArray[Any] | Sequence[Any] | None = None,
+        speed_rad_s: Number | NDArray[Any] | Sequence[Any] | None = None,
     ) -> float | NDArray[np.float64]:
         """Return the volume of a revolution.
 
@@ -94,8 +107,8 @@ class SpeedLaw(Record):
         self,
         pump: Pump,
         *,
-        speed_rpm: float | NDArray[Any] | Sequence[Any] | None = None,
-        speed_rad_s: float | NDArray[Any] | Sequence[Any] | None = None,
+        speed_rpm: Number | NDArray[Any] | Sequence[Any] | None = None,
+        speed_rad_s: Number | NDArray[Any] | Sequence[Any] | None = None,
     ) -> float | NDArray[np.float64]:
         """Return the inlet pressure of the steady state when a roller closes the lumen.
 

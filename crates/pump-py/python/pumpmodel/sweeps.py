@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pumpmodel._pumpmodel import Pump, _steady_states
+from pumpmodel._pumpmodel import Pump, _numbers, _steady_states
 from pumpmodel._results.optional import optional
 from pumpmodel._results.tables import COLUMNS
 from pumpmodel.choices import SteadyQuantity
@@ -234,7 +234,7 @@ def sweep(
         message = "give exactly one of speed_rpm and speed_rad_s"
         raise ValueError(message)
     name = "speed_rad_s" if speed_rpm is None else "speed_rpm"
-    speeds = np.atleast_1d(np.asanyarray(speed_rad_s if speed_rpm is None else speed_rpm))
+    speeds = np.atleast_1d(_numbers(name, speed_rad_s if speed_rpm is None else speed_rpm))
     if speeds.ndim != 1:
         message = f"{name} has shape {speeds.shape}; allowed: a number or one dimension"
         raise ValueError(message)

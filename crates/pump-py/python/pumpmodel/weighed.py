@@ -3,9 +3,10 @@
 import json
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
-from pumpmodel._pumpmodel import Calibration, _reading
+from pumpmodel._pumpmodel import Calibration, _number, _reading
+from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 from pumpmodel.errors import DriveError
 
@@ -48,8 +49,32 @@ class WeighedRun(Record):
     time: str | None = None
     warnings: tuple[str, ...] = ()
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            speed_rpm: Number,
+            turned_deg: Number,
+            mass_g: Number | None = None,
+            volume_ml: Number | None = None,
+            start_angle_deg: Number | None = None,
+            temperature_degc: Number | None = None,
+            time: str | None = None,
+            warnings: tuple[str, ...] = (),
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Refuse an impossible run."""
+        floats_of(
+            self,
+            "speed_rpm",
+            "turned_deg",
+            "mass_g",
+            "volume_ml",
+            "start_angle_deg",
+            "temperature_degc",
+        )
         if not 0 < self.speed_rpm < math.inf:
             raise ValueError(f"speed_rpm is {self.speed_rpm}; allowed: more than 0")
         if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
@@ -61,7 +86,7 @@ class WeighedRun(Record):
             if reading is not None and not 0 < reading < math.inf:
                 raise ValueError(f"{name} is {reading}; allowed: more than 0")
 
-    def weighed(self, reading: str, *, temperature_degc: float | None = None) -> Self:
+    def weighed(self, reading: str, *, temperature_degc: Number | None = None) -> Self:
         """Return the run with a reading.
 
         Parameters
@@ -79,8 +104,10 @@ class WeighedRun(Record):
             If the text is neither a mass nor a volume.
         """
         mass_g, volume_ml = _reading(reading)
-        temperature = self.temperature_degc if temperature_degc is None else temperature_degc
-        return replace(self, mass_g=mass_g, volume_ml=volume_ml, temperature_degc=temperature)
+        degc = self.temperature_degc
+        if temperature_degc is not None:
+            degc = _number("temperature_degc", temperature_degc)
+        return replace(self, mass_g=mass_g, volume_ml=volume_ml, temperature_degc=degc)
 
     @classmethod
     def _made(cls, made: tuple[float, float | None, float, str, bool, list[str]]) -> Self:
@@ -132,8 +159,20 @@ class ShortDose(Record):
     volume_ml: float
     speed_rpm: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            start_angle_deg: Number,
+            turned_deg: Number,
+            volume_ml: Number,
+            speed_rpm: Number | None = None,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         """Refuse an impossible dose."""
+        floats_of(self, "start_angle_deg", "turned_deg", "volume_ml", "speed_rpm")
         if not abs(self.start_angle_deg) < math.inf:
             raise ValueError(f"start_angle_deg is {self.start_angle_deg}; allowed: a finite angle")
         if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:

@@ -3,13 +3,18 @@
 use numpy::ndarray::IxDyn;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyFloat, PyList, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyTuple};
 
+use super::number::{in_unit, number};
 use crate::python::errors::value;
-use crate::python::{collected, try_collected};
+use crate::python::spare::refill;
+use crate::python::{SignalCheck, collected, reserve};
+
+/// Number of values that are looked at between two checks for signals: a few milliseconds.
+const CHUNK: usize = 1 << 20;
 
 /// One number, or many with their shape in C order.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,22 +28,34 @@ impl Floats {
     /// number must be finite and within `limit` either way.
     pub(crate) fn read(name: &str, argument: &Bound<'_, PyAny>, limit: f64) -> PyResult<Self> {
         let floats = Self::extract(name, argument)?;
-        match floats.values().iter().find(|number| !(-limit..=limit).contains(*number)) {
-            None => Ok(floats),
-            Some(number) => Err(value(format_args!(
-                "{name} is {number}; allowed: a finite number, up to {limit:e} either way"
-            ))),
+        for values in floats.values().chunks(CHUNK) {
+            argument.py().check_signals()?;
+            if let Some(number) = values.iter().find(|number| !(-limit..=limit).contains(*number)) {
+                return Err(value(format_args!(
+                    "{name} is {number}; allowed: a finite number, up to {limit:e} either way"
+                )));
+            }
         }
+        Ok(floats)
     }
 
     /// Reads the argument `name` without a check of its range.
     pub(crate) fn extract(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<Self> {
         if let Ok(number) = argument.cast::<PyFloat>() {
-            return Ok(Self::One(number.extract()?));
+            return Ok(Self::One(number.value()));
         }
         let py = argument.py();
+        refill()?;
         refuse_masked(name, argument)?;
-        let array = py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "asarray"), (argument,))?;
+        let array = py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "asarray"), (argument,));
+        let array = array.map_err(|error| match error.is_instance_of::<PyValueError>(py) {
+            true => value(format_args!(
+                "{name} is no array of numbers{}: its parts differ in shape; allowed: a number, or \
+                 numbers in one shape",
+                in_unit(name)
+            )),
+            false => error,
+        })?;
         if array.getattr(intern!(py, "ndim"))?.extract::<usize>()? > 1 {
             // An array of several arrays would forget their masks.
             if let Ok(list) = argument.cast::<PyList>() {
@@ -50,15 +67,29 @@ impl Floats {
         // NumPy would read the text "100" as 100.0.
         let kind: String = array.getattr(intern!(py, "dtype"))?.getattr(intern!(py, "kind"))?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u") {
+            if argument.is_instance_of::<PyInt>() && !argument.is_instance_of::<PyBool>() {
+                return number(name, argument).map(Self::One);
+            }
             return Err(PyTypeError::new_err(format!(
-                "{name} must be a number or an array of numbers, not {}",
+                "{name} must be a number or an array of numbers{}, not {}",
+                in_unit(name),
                 argument.get_type().name()?
             )));
         }
-        let array = array.call_method1(intern!(py, "astype"), (intern!(py, "float64"),))?;
+        // In C order, and no copy of what is such an array already.
+        let keywords = PyDict::new(py);
+        keywords.set_item(intern!(py, "order"), intern!(py, "C"))?;
+        keywords.set_item(intern!(py, "copy"), false)?;
+        let array = array.call_method(intern!(py, "astype"), (intern!(py, "float64"),), Some(&keywords))?;
         let array = array.cast::<PyArrayDyn<f64>>()?.try_readonly()?;
+        let given = array.as_slice()?;
+        let mut values = Vec::new();
+        reserve(&mut values, given.len() as u64)?;
+        for part in given.chunks(CHUNK) {
+            py.check_signals()?;
+            values.extend_from_slice(part);
+        }
         let array = array.as_array();
-        let values = collected(array.iter().copied())?;
         Ok(match (array.shape(), values.as_slice()) {
             ([], [number]) => Self::One(*number),
             (shape, _) => Self::Many { shape: shape.to_vec(), values },
@@ -98,19 +129,13 @@ impl Floats {
         }
     }
 
-    /// Applies `f` to every number.
-    pub(crate) fn map(&self, f: impl Fn(f64) -> f64) -> PyResult<Self> {
-        match self {
-            Self::One(number) => Ok(Self::One(f(*number))),
-            Self::Many { values, .. } => {
-                Ok(self.with_values(collected(values.iter().map(|number| f(*number)))?))
-            }
-        }
-    }
-
-    /// Applies `f` to every number, up to the first error.
-    pub(crate) fn try_map(&self, f: impl FnMut(f64) -> PyResult<f64>) -> PyResult<Self> {
-        Ok(self.with_values(try_collected(self.values().iter().copied().map(f))?))
+    /// Applies `f` to every number, while other Python threads run and signals interrupt.
+    pub(crate) fn map(&self, py: Python<'_>, f: impl Fn(f64) -> f64 + Sync) -> PyResult<Self> {
+        let values = match self {
+            Self::One(number) => return Ok(Self::One(f(*number))),
+            Self::Many { values, .. } => values,
+        };
+        Ok(self.with_values(SignalCheck::quick(py, values.len(), |n| Ok(f(values[n])))?))
     }
 
     /// Brings both to one shape as NumPy does. A single number stays one.
@@ -148,7 +173,12 @@ impl Floats {
 /// Refuses an array of `numpy.ma` with masked numbers, which NumPy would read as if they were not masked.
 fn refuse_masked(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = argument.py();
-    let ma = py.import(intern!(py, "numpy.ma"))?;
+    // Where nobody has loaded `numpy.ma`, nobody has such an array.
+    let modules = py.import(intern!(py, "sys"))?.getattr(intern!(py, "modules"))?;
+    let ma = modules.call_method1(intern!(py, "get"), (intern!(py, "numpy.ma"),))?;
+    if ma.is_none() {
+        return Ok(());
+    }
     if !argument.is_instance(&ma.getattr(intern!(py, "MaskedArray"))?)? {
         return Ok(());
     }

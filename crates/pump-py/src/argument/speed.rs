@@ -19,9 +19,10 @@ pub(crate) type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// Reads the one of both that is given: one speed or many, rad/s.
 pub(crate) fn speeds_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_, '_>) -> PyResult<Floats> {
     match (speed_rpm, speed_rad_s) {
-        (Some(rpm), None) => {
-            let rpm = Floats::read("speed_rpm", rpm, (MAX_SPEED_RAD_S / RAD_S_PER_RPM).floor())?;
-            rpm.map(|rpm| rpm * RAD_S_PER_RPM)
+        (Some(given), None) => {
+            let rpm = Floats::read("speed_rpm", given, (MAX_SPEED_RAD_S / RAD_S_PER_RPM).floor())?;
+            let py = given.py();
+            rpm.map(py, |rpm| rpm * RAD_S_PER_RPM)
         }
         (None, Some(rad_s)) => Floats::read("speed_rad_s", rad_s, MAX_SPEED_RAD_S),
         (None, None) => Err(value("no speed is given; give speed_rpm or speed_rad_s")),
@@ -29,12 +30,28 @@ pub(crate) fn speeds_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_
     }
 }
 
-/// Reads a single speed, rad/s, where an array makes no sense.
+/// Returns the name of the one of both that is given, and the rad/s of its unit.
+pub(crate) fn given(speed_rpm: Argument<'_, '_>) -> (&'static str, f64) {
+    if speed_rpm.is_some() { ("speed_rpm", RAD_S_PER_RPM) } else { ("speed_rad_s", 1.0) }
+}
+
+/// Reads the one of both that is given: one speed or many, rad/s, none of them 0.
+pub(crate) fn turning_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_, '_>) -> PyResult<Floats> {
+    let speeds = speeds_rad_s(speed_rpm, speed_rad_s)?;
+    if speeds.values().contains(&0.0) {
+        let (name, _) = given(speed_rpm);
+        return Err(value(format_args!("{name} is 0; allowed: a finite speed other than 0")));
+    }
+    Ok(speeds)
+}
+
+/// Reads a single speed, rad/s, where an array makes no sense. The pump turns.
 pub(crate) fn speed_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_, '_>) -> PyResult<f64> {
-    match speeds_rad_s(speed_rpm, speed_rad_s)? {
+    match turning_rad_s(speed_rpm, speed_rad_s)? {
         Floats::One(speed) => Ok(speed),
         Floats::Many { shape, .. } => {
-            Err(value(format_args!("the speed is an array of shape {shape:?}; allowed: one number")))
+            let (name, _) = given(speed_rpm);
+            Err(value(format_args!("{name} is an array of shape {shape:?}; allowed: one number")))
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use pump_bench::calibration::Weighing;
 use pump_bench::config::Config;
@@ -9,6 +10,7 @@ use pump_bench::pump_file::DriverName;
 use pump_bench::record::Purpose;
 use pump_bench::report::Status;
 use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Session, units};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 use super::request::AskedDose;
@@ -17,6 +19,7 @@ use crate::argument::{choice, quantity, word};
 use crate::pump::Pump;
 use crate::python::advice;
 use crate::python::errors::{self, value};
+use crate::python::{spare, warnings};
 
 /// Methods of a bench that can move the motor.
 const CALLS: [&str; 9] =
@@ -29,6 +32,8 @@ pub(crate) struct Bench {
     /// Name and temperature (°C) of the fluid, as the caller named it.
     pub(super) fluid: (Option<String>, Option<f64>),
     pub(super) worker: Worker,
+    /// True once the notes of an opened session have become warnings.
+    is_noted: AtomicBool,
 }
 
 /// A dose that was run: the command's JSON, and the note for an interrupted caller.
@@ -87,8 +92,12 @@ impl Bench {
         let bench = DoseBench::new(file, driver, &state_dir).map_err(|error| errors::dose(py, error))?;
         let bench = bench.at_port(port).configuring(configure).accepting_settings(accept_settings);
         let bench = bench.confirming_pump(confirm_pump);
-        let (worker, bench) = Worker::new(bench)?;
-        Ok(Self { bench, fluid: (fluid.map(str::to_owned), degc), worker })
+        spare::room_for_threads(1)?;
+        let (worker, bench) = Worker::new(bench).map_err(|error| {
+            PyOSError::new_err(format!("no thread could be started for the bench: {error}"))
+        })?;
+        let fluid = (fluid.map(str::to_owned), degc);
+        Ok(Self { bench, fluid, worker, is_noted: AtomicBool::new(false) })
     }
 
     /// Pump, with the changes made when the bench was opened.
@@ -216,6 +225,24 @@ impl Bench {
         Weighing::of(self.bench.file())
     }
 
+    /// Takes the pump, and warns of what the record says of it before the first motion `name`: nothing has moved if a
+    /// filter turns the warning into an exception. The report of the motion has the same notes.
+    pub(super) fn warn_before(&self, py: Python<'_>, name: &'static str) -> PyResult<()> {
+        if self.is_noted.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let notes = self.worker.call(
+            py,
+            Named::Motion(name),
+            None,
+            |_| "nothing moved".to_owned(),
+            |held, _| Ok(held.session()?.pending_notes().to_vec()),
+        )?;
+        warnings::warn(py, &advice::worded(&notes))?;
+        self.is_noted.store(true, Ordering::Relaxed);
+        Ok(())
+    }
+
     /// Runs the dose that `prepare` returns.
     fn run(
         &self,
@@ -224,6 +251,7 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
         prepare: impl FnOnce(&mut Session<'_>, &Arc<Signal>) -> Result<Prepared, DoseError> + Send + 'static,
     ) -> PyResult<String> {
+        self.warn_before(py, name)?;
         let ran = self.worker.call(
             py,
             Named::Motion(name),

@@ -55,6 +55,7 @@ impl Bench {
     ) -> PyResult<String> {
         let request = asked.request(Purpose::Run, &self.weighing())?;
         let profile = self::profile(profile, request.volume_ml < 0.0)?;
+        self.warn_before(py, "run")?;
         let ran = self.worker.call(
             py,
             Named::Motion("run"),

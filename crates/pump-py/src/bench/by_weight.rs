@@ -118,6 +118,7 @@ impl Bench {
         + 'static,
     ) -> PyResult<String> {
         let (scale, device) = (by_weight.scale()?, by_weight.balance.get().device()?);
+        self.warn_before(py, "dose")?;
         let (json, _) = self.worker.call(
             py,
             Named::Motion("dose"),

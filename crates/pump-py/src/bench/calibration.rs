@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
 use super::worker::Named;
-use crate::argument::{Argument, speed, whole};
+use crate::argument::{Argument, Floats, speed, whole};
 use crate::calibration::{Calibration, expected_of, fit_named, reading_ml, runs_of, scale_of};
 use crate::python::advice;
 use crate::python::errors::{self, value};
@@ -32,10 +32,19 @@ impl Bench {
         pitches: &Bound<'py, PyAny>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<TurnedRun> {
-        let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        if rad_s <= 0.0 {
-            return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
-        }
+        let (name, unit_rad_s) = speed::given(speed_rpm);
+        let rad_s = match speed::speeds_rad_s(speed_rpm, speed_rad_s)? {
+            Floats::One(rad_s) if rad_s > 0.0 => rad_s,
+            Floats::One(rad_s) => {
+                let given = rad_s / unit_rad_s;
+                return Err(value(format_args!("{name} is {given}; allowed: a speed of more than 0")));
+            }
+            Floats::Many { shape, .. } => {
+                return Err(value(format_args!(
+                    "{name} is an array of shape {shape:?}; allowed: one number"
+                )));
+            }
+        };
         let pitches: u32 = whole("pitches", pitches, 1, 100_000)?;
         self.worker.call(
             py,

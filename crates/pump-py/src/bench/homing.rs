@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 
 use super::bench::{Bench, call_off};
 use super::worker::{Held, Named, Signal};
+use crate::argument::{Argument, number, optional};
 use crate::python::advice;
 use crate::python::errors::value;
 
@@ -26,7 +27,13 @@ pub(super) type Told = (String, Vec<String>);
 impl Bench {
     /// Records the angle of the rotor; None records that it is unknown. A damaged journal is moved aside.
     #[pyo3(signature = (angle_rad, half_width_rad))]
-    fn home_set(&self, py: Python<'_>, angle_rad: Option<f64>, half_width_rad: f64) -> PyResult<Told> {
+    fn home_set(
+        &self,
+        py: Python<'_>,
+        angle_rad: Argument<'_, '_>,
+        half_width_rad: &Bound<'_, PyAny>,
+    ) -> PyResult<Told> {
+        let angle_rad = optional("angle_rad", angle_rad)?;
         if let Some(angle) = angle_rad.filter(|angle| !angle.is_finite()) {
             return Err(value(format_args!("angle_rad is {angle}; allowed: a finite angle")));
         }
@@ -66,7 +73,8 @@ impl Bench {
     }
 
     /// Turns the rotor by about this angle, rad. Returns the angle of the steps made, rad.
-    fn jog(&self, py: Python<'_>, angle_rad: f64) -> PyResult<f64> {
+    fn jog(&self, py: Python<'_>, angle_rad: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let angle_rad = number("angle_rad", angle_rad)?;
         if !(angle_rad.abs() <= MOST_JOG_RAD && angle_rad != 0.0) {
             return Err(value(format_args!(
                 "angle_rad is {angle_rad}; allowed: up to {MOST_JOG_RAD} either way, and not 0"
@@ -89,7 +97,7 @@ impl Bench {
     }
 
     /// Records that the rotor's mark meets the housing's.
-    fn home_mark(&self, py: Python<'_>, half_width_rad: f64) -> PyResult<Told> {
+    fn home_mark(&self, py: Python<'_>, half_width_rad: &Bound<'_, PyAny>) -> PyResult<Told> {
         let half_width_rad = width(half_width_rad)?;
         self.tell(py, Named::Entry("home_mark"), move |held, _| {
             let session = held.session()?;
@@ -160,7 +168,8 @@ fn forgotten(carry_ml: f64) -> Vec<String> {
 }
 
 /// Checks the half width of an angle, rad.
-fn width(half_width_rad: f64) -> PyResult<f64> {
+fn width(half_width_rad: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let half_width_rad = number("half_width_rad", half_width_rad)?;
     if half_width_rad >= 0.0 && half_width_rad.is_finite() {
         Ok(half_width_rad)
     } else {

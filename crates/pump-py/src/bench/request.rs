@@ -6,7 +6,7 @@ use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
 use pyo3::prelude::*;
 
-use crate::argument::{cruise, finish_named, quantity, ramps_named, retracted_ml, text};
+use crate::argument::{cruise, finish_named, number, optional, quantity, ramps_named, retracted_ml, text};
 use crate::dosing::Limits;
 use crate::python::errors::value;
 
@@ -22,8 +22,8 @@ pub(super) struct AskedDose<'py> {
     finish: Option<String>,
     ramps: Option<String>,
     retract: Option<Bound<'py, PyAny>>,
-    start_angle_rad: Option<f64>,
-    start_half_width_rad: f64,
+    start_angle_rad: Option<Bound<'py, PyAny>>,
+    start_half_width_rad: Bound<'py, PyAny>,
     limits: Option<Py<Limits>>,
     duration: Option<Bound<'py, PyAny>>,
     until_stopped: bool,
@@ -66,16 +66,17 @@ impl AskedDose<'_> {
             None if self.until_stopped => RunEnd::Stop,
             None => RunEnd::Volume,
         };
-        if let Some(angle) = self.start_angle_rad.filter(|angle| !angle.is_finite()) {
+        let start_angle_rad = optional("start_angle_rad", self.start_angle_rad.as_ref())?;
+        if let Some(angle) = start_angle_rad.filter(|angle| !angle.is_finite()) {
             return Err(value(format_args!("start_angle_rad is {angle}; allowed: a finite angle")));
         }
-        let half_width_rad = self.start_half_width_rad;
+        let half_width_rad = number("start_half_width_rad", &self.start_half_width_rad)?;
         if !(half_width_rad >= 0.0 && half_width_rad.is_finite()) {
             return Err(value(format_args!(
                 "start_half_width_rad is {half_width_rad}; allowed: a finite angle, 0 or more"
             )));
         }
-        if half_width_rad > 0.0 && self.start_angle_rad.is_none() {
+        if half_width_rad > 0.0 && start_angle_rad.is_none() {
             return Err(value(format_args!(
                 "start_half_width_rad is {half_width_rad} without a start_angle_rad; give both, or neither for the \
                  angle on record"
@@ -91,6 +92,6 @@ impl AskedDose<'_> {
             .with_ramps(self.ramps.as_deref().map(ramps_named).transpose()?)
             .with_retraction(retracted_ml(self.retract.as_ref())?)
             .with_pressures(limits.pressures())
-            .with_start_angle(self.start_angle_rad, half_width_rad))
+            .with_start_angle(start_angle_rad, half_width_rad))
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use pump_bench::dosing::{Missed, Schedule as DoseSchedule, ScheduleAction};
 use pyo3::prelude::*;
 
-use crate::argument::{whole, word};
+use crate::argument::{Argument, optional, whole, word};
 use crate::python::errors::value;
 
 /// Schedule of a batch: the time at which each dose is due.
@@ -16,7 +16,8 @@ pub(crate) struct Schedule(Mutex<DoseSchedule>);
 #[pymethods]
 impl Schedule {
     #[new]
-    fn new(count: &Bound<'_, PyAny>, every_s: Option<f64>, missed: &str) -> PyResult<Self> {
+    fn new(count: &Bound<'_, PyAny>, every_s: Argument<'_, '_>, missed: &str) -> PyResult<Self> {
+        let every_s = optional("every_s", every_s)?;
         let count = whole("count", count, 1, 1_000_000)?;
         let missed = word("missed", missed, Missed::ALL)?;
         Ok(Self(Mutex::new(DoseSchedule::new(count, every_s, missed).map_err(value)?)))

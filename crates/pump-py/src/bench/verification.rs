@@ -5,7 +5,7 @@ use pump_bench::units;
 use pyo3::prelude::*;
 
 use super::bench::Bench;
-use crate::argument::quantity;
+use crate::argument::{Argument, optional, quantity};
 use crate::python::errors::value;
 
 #[pymethods]
@@ -16,8 +16,8 @@ impl Bench {
         &self,
         nominal: &Bound<'_, PyAny>,
         readings: &Bound<'_, PyAny>,
-        systematic_percent: Option<f64>,
-        random_percent: Option<f64>,
+        systematic_percent: Argument<'_, '_>,
+        random_percent: Argument<'_, '_>,
     ) -> PyResult<String> {
         let weighing = Weighing::of(self.bench.file());
         let nominal = quantity("nominal", "10mL", nominal, units::amount)?;
@@ -32,8 +32,8 @@ impl Bench {
             volumes_ml.push(weighing.amount_ml(amount).map_err(value)?);
         }
         let standard = Tolerance::of_standard(nominal_ml);
-        let either = |name, given: Option<f64>, of: fn(Tolerance) -> f64| {
-            let percent = given.or(standard.map(of)).ok_or_else(|| {
+        let either = |name, given, of: fn(Tolerance) -> f64| {
+            let percent = optional(name, given)?.or(standard.map(of)).ok_or_else(|| {
                 value(format_args!(
                     "no standard tolerance is known for {nominal_ml} mL (ISO 8655-5 has one for 10 mL); give {name}"
                 ))

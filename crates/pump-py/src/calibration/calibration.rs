@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use super::weighed::{expected_of, fit_named, runs_of};
 use crate::argument::{Argument, Floats, speed};
 use crate::pump::Pump;
+use crate::python::SignalCheck;
 use crate::python::errors::{self, value};
 
 /// Volume that a pump really displaces, from weighed runs, with its uncertainty.
@@ -128,7 +129,7 @@ impl Calibration {
         pump: Option<&Pump>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        self.over(&speeds, pump, 1.0, Displacement::factor_at)?.into_object(py)
+        self.over(py, &speeds, pump, 1.0, Displacement::factor_at)?.into_object(py)
     }
 
     /// Return the standard uncertainty of `displacement_factor`.
@@ -162,7 +163,7 @@ impl Calibration {
         pump: Option<&Pump>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        self.over(&speeds, pump, 0.0, Displacement::whole_standard_at)?.into_object(py)
+        self.over(py, &speeds, pump, 0.0, Displacement::whole_standard_at)?.into_object(py)
     }
 
     /// Number of the calibration on its bench; 0 without a bench.
@@ -332,12 +333,13 @@ impl Calibration {
     /// Evaluates a property of the displacement at speeds in rad/s; returns `without` where no displacement was fitted.
     fn over(
         &self,
+        py: Python<'_>,
         speeds: &Floats,
         pump: Option<&Pump>,
         without: f64,
         of: fn(&Displacement, &Model, f64) -> Result<f64, ModelError>,
     ) -> PyResult<Floats> {
-        let Some(displacement) = self.displacement() else { return speeds.map(|_| without) };
+        let Some(displacement) = self.displacement() else { return speeds.map(py, |_| without) };
         let line = Model::three_roller();
         let base = match pump {
             Some(pump) => pump.model(),
@@ -347,6 +349,7 @@ impl Calibration {
             // A straight line does not depend on the pump.
             None => &line,
         };
-        speeds.try_map(|rad_s| of(displacement, base, speed::rpm(rad_s)).map_err(errors::model))
+        let factor = |rad_s| of(displacement, base, speed::rpm(rad_s)).map_err(errors::model);
+        Ok(speeds.with_values(SignalCheck::map(py, speeds.values(), factor)?))
     }
 }

@@ -4,6 +4,8 @@ use pump_ctl::plan::PressureLimits;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::argument::{Argument, optional};
+
 /// Pressure limits that a dose must keep. A limit that is left out is the pump file's, if it has one.
 ///
 /// In reverse the outlet limit applies to the inlet, which then pushes, and the inlet limit to the outlet.
@@ -27,8 +29,9 @@ pub(crate) struct Limits {
 impl Limits {
     #[new]
     #[pyo3(signature = (*, max_outlet_kpa=None, min_inlet_kpa=None))]
-    fn new(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
-        Self { max_outlet_kpa, min_inlet_kpa }
+    fn new(max_outlet_kpa: Argument<'_, '_>, min_inlet_kpa: Argument<'_, '_>) -> PyResult<Self> {
+        let max_outlet_kpa = optional("max_outlet_kpa", max_outlet_kpa)?;
+        Ok(Self { max_outlet_kpa, min_inlet_kpa: optional("min_inlet_kpa", min_inlet_kpa)? })
     }
 
     /// Return the limits as plain data.
@@ -65,7 +68,7 @@ impl Limits {
     #[staticmethod]
     #[pyo3(signature = (max_outlet_kpa, min_inlet_kpa))]
     fn _rebuild(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
-        Self::new(max_outlet_kpa, min_inlet_kpa)
+        Self { max_outlet_kpa, min_inlet_kpa }
     }
 }
 

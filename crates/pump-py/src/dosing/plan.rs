@@ -12,6 +12,7 @@ use crate::argument::{finish_named, ramps_named};
 use crate::pump::Pump;
 use crate::python::advice;
 use crate::python::errors::{self, value};
+use crate::python::spare;
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
@@ -232,9 +233,12 @@ impl Plan {
 
     fn __repr__(&self) -> String {
         let report = &self.report;
+        let back = report.retract_steps.map_or(String::new(), |steps| {
+            format!(", then retract_steps {steps} until settled_s {:.4}", self.prepared.settled_s())
+        });
         format!(
             "<Plan of {:?} mL on '{}': planned_ml {:.6}, steps {}, cruise_speed_rpm {:.4}, motion_s {:.4}, \
-             settle_s {}>",
+             settle_s {}{back}>",
             report.requested_ml,
             report.pump,
             report.planned_ml,
@@ -320,6 +324,7 @@ impl Plan {
         start: Phase,
         carry_in_ml: f64,
     ) -> PyResult<Self> {
+        spare::refill()?;
         let Doser { pump, calibration, .. } = doser.get();
         let (pump, py) = (pump.get(), doser.py());
         let (file, model) = (&pump.file, pump.model());

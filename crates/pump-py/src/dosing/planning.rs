@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::doser::Doser;
 use super::plan::Plan;
-use crate::argument::{cruise, finish_named, quantity, ramps_named, retracted_ml};
+use crate::argument::{Argument, cruise, finish_named, optional, quantity, ramps_named, retracted_ml};
 use crate::python::errors::value;
 
 #[pymethods]
@@ -38,8 +38,8 @@ impl Doser {
     /// retract : str, optional
     ///     Volume that is sucked back after the dose, as "0.1mL", so that nothing drips. `carry_ml` includes it, so the
     ///     next dose repays it.
-    /// start_angle_rad : float
-    ///     Angle of the rollers at the start, rad. Only the angle within a pitch matters.
+    /// start_angle_rad : float, optional
+    ///     Angle of the rollers at the start, rad; by default 0. Only the angle within a pitch matters.
     /// start_half_width_rad : float
     ///     Half width of the start angle, rad: the true angle lies within it on either side. Half a pitch and more, as
     ///     `math.pi`, means an unknown angle. The plan then has the smallest worst case over all angles, and whole
@@ -63,8 +63,9 @@ impl Doser {
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
         volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", ramps="line", retract=None,
-        start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0
-    ))]
+        start_angle_rad=None, start_half_width_rad=None, carry_in_ml=None
+    ), text_signature = "($self, volume, *, rate=None, speed=None, within=None, smooth=False, finish=\"any\", \
+        ramps=\"line\", retract=None, start_angle_rad=None, start_half_width_rad=0.0, carry_in_ml=0.0)")]
     fn plan(
         slf: &Bound<'_, Self>,
         volume: &Bound<'_, PyAny>,
@@ -75,10 +76,14 @@ impl Doser {
         finish: &str,
         ramps: &str,
         retract: Option<&Bound<'_, PyAny>>,
-        start_angle_rad: f64,
-        start_half_width_rad: f64,
-        carry_in_ml: f64,
+        start_angle_rad: Argument<'_, '_>,
+        start_half_width_rad: Argument<'_, '_>,
+        carry_in_ml: Argument<'_, '_>,
     ) -> PyResult<Plan> {
+        let start_angle_rad = optional("start_angle_rad", start_angle_rad)?.unwrap_or_default();
+        let start_half_width_rad =
+            optional("start_half_width_rad", start_half_width_rad)?.unwrap_or_default();
+        let carry_in_ml = optional("carry_in_ml", carry_in_ml)?.unwrap_or_default();
         let doser = slf.get();
         let amount = quantity("volume", "25mL", volume, units::dose_amount)?;
         let request = DoseRequest::new(

@@ -7,6 +7,7 @@ use pump_ctl::plan::Step;
 use pyo3::prelude::*;
 
 use super::plan::Plan;
+use crate::argument::{Argument, optional};
 use crate::python::errors::{self, value};
 use crate::python::{frozen, reserve};
 use crate::simulation::Run;
@@ -70,8 +71,9 @@ impl Plan {
     ///     If the solver fails on the way.
     /// MemoryError
     ///     If there is no room for the samples.
-    #[pyo3(signature = (*, dt_s=1e-3))]
-    fn trace(&self, py: Python<'_>, dt_s: f64) -> PyResult<Run> {
+    #[pyo3(signature = (*, dt_s=None), text_signature = "($self, *, dt_s=0.001)")]
+    fn trace(&self, py: Python<'_>, dt_s: Argument<'_, '_>) -> PyResult<Run> {
+        let dt_s = optional("dt_s", dt_s)?.unwrap_or(1e-3);
         let (motion_s, end_s) = (self.prepared.motion_s(), self.prepared.settled_s());
         let least_s = end_s / MAX_ROWS;
         if !(dt_s >= least_s && dt_s.is_finite()) {

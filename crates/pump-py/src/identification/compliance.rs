@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use crate::argument::port_named;
+use crate::argument::{Argument, optional, port_named};
 use crate::pump::Pump;
 use crate::python::collected;
 use crate::python::errors::value;
@@ -19,9 +19,10 @@ pub(crate) fn _identify_compliance<'py>(
     port: &str,
     volume_ml: &Bound<'py, PyAny>,
     pressure_kpa: &Bound<'py, PyAny>,
-    total_ml: Option<f64>,
+    total_ml: Argument<'_, 'py>,
 ) -> PyResult<IdentificationAnswer<'py>> {
     let port = port_named(port)?;
+    let total_ml = optional("total_ml", total_ml)?;
     if let Some(total_ml) = total_ml.filter(|ml| !(ml.is_finite() && *ml > 0.0)) {
         return Err(value(format_args!("total_ml is {total_ml}; allowed: a positive number")));
     }

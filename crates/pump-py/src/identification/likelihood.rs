@@ -7,8 +7,7 @@ use pyo3::prelude::*;
 
 use super::column::column;
 use super::waveform::turning;
-use crate::argument::speed::speed_rad_s;
-use crate::argument::{Argument, port_named};
+use crate::argument::{Argument, number, optional, port_named, speed};
 use crate::line::Line;
 use crate::pump::Pump;
 use crate::python::collected;
@@ -82,16 +81,19 @@ impl LineLikelihood {
         pump: &Pump,
         time_s: &Bound<'py, PyAny>,
         pressure_kpa: &Bound<'py, PyAny>,
-        standard_kpa: f64,
+        standard_kpa: &Bound<'py, PyAny>,
         port: &str,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
         begin: &str,
-        start_s: Option<f64>,
-        start_angle_rad: Option<f64>,
+        start_s: Argument<'_, 'py>,
+        start_angle_rad: Argument<'_, 'py>,
     ) -> PyResult<Self> {
         let port = port_named(port)?;
-        let speed_rad_s = speed_of(speed_rpm, speed_rad_s)?;
+        let speed_rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
+        let (start_s, start_angle_rad) =
+            (optional("start_s", start_s)?, optional("start_angle_rad", start_angle_rad)?);
+        let standard_kpa = positive(number("standard_kpa", standard_kpa)?)?;
         let turning = turning(pump, begin, start_s, start_angle_rad, speed_rad_s)?;
         let times = column("time_s", time_s, None)?;
         let pressures = column("pressure_kpa", pressure_kpa, Some(times.len()))?;
@@ -99,8 +101,7 @@ impl LineLikelihood {
         let samples =
             collected(samples.map(|(time_s, pressure_kpa)| PressureSample { time_s, pressure_kpa }))?;
         let legs = turning.legs();
-        let likelihood =
-            Self { pump: *pump.model(), port, samples, turning, legs, standard_kpa: positive(standard_kpa)? };
+        let likelihood = Self { pump: *pump.model(), port, samples, turning, legs, standard_kpa };
         if likelihood.samples.is_empty() {
             return Err(value("time_s is empty; allowed: one time at least"));
         }
@@ -146,21 +147,24 @@ impl LineLikelihood {
     fn log_likelihood(
         &self,
         py: Python<'_>,
-        resistance_kpa_s_ml: Option<f64>,
-        compliance_ml_kpa: Option<f64>,
-        inertance_kpa_s2_ml: Option<f64>,
-        reservoir_kpa: Option<f64>,
-        start_angle_rad: Option<f64>,
-        start_s: Option<f64>,
-        standard_kpa: Option<f64>,
+        resistance_kpa_s_ml: Argument<'_, '_>,
+        compliance_ml_kpa: Argument<'_, '_>,
+        inertance_kpa_s2_ml: Argument<'_, '_>,
+        reservoir_kpa: Argument<'_, '_>,
+        start_angle_rad: Argument<'_, '_>,
+        start_s: Argument<'_, '_>,
+        standard_kpa: Argument<'_, '_>,
     ) -> PyResult<f64> {
         let own = self.pump.line(self.port);
+        let or = |name, given, own| Ok::<_, PyErr>(optional(name, given)?.unwrap_or(own));
         let line = Model {
-            resistance_kpa_s_ml: resistance_kpa_s_ml.unwrap_or(own.resistance_kpa_s_ml),
-            compliance_ml_kpa: compliance_ml_kpa.unwrap_or(own.compliance_ml_kpa),
-            inertance_kpa_s2_ml: inertance_kpa_s2_ml.unwrap_or(own.inertance_kpa_s2_ml),
-            reservoir_kpa: reservoir_kpa.unwrap_or(own.reservoir_kpa),
+            resistance_kpa_s_ml: or("resistance_kpa_s_ml", resistance_kpa_s_ml, own.resistance_kpa_s_ml)?,
+            compliance_ml_kpa: or("compliance_ml_kpa", compliance_ml_kpa, own.compliance_ml_kpa)?,
+            inertance_kpa_s2_ml: or("inertance_kpa_s2_ml", inertance_kpa_s2_ml, own.inertance_kpa_s2_ml)?,
+            reservoir_kpa: or("reservoir_kpa", reservoir_kpa, own.reservoir_kpa)?,
         };
+        let start_angle_rad = optional("start_angle_rad", start_angle_rad)?;
+        let start_s = optional("start_s", start_s)?;
         for (name, number) in [("start_angle_rad", start_angle_rad), ("start_s", start_s)] {
             if let Some(number) = number.filter(|number| !number.is_finite()) {
                 return Err(value(format_args!("{name} is {number}; allowed: a finite number")));
@@ -168,7 +172,7 @@ impl LineLikelihood {
         }
         let angle_rad = start_angle_rad.map_or(0.0, |angle_rad| angle_rad - self.turning.angle_rad);
         let later_s = start_s.map_or(0.0, |start_s| start_s - self.turning.start_s);
-        let standard_kpa = standard_kpa.map_or(Ok(self.standard_kpa), positive)?;
+        let standard_kpa = optional("standard_kpa", standard_kpa)?.map_or(Ok(self.standard_kpa), positive)?;
         let squares_kpa2 = py.detach(|| self.squares_kpa2(&line, angle_rad, later_s)).map_err(refused)?;
         let variance = standard_kpa * standard_kpa;
         let count = self.samples.len() as f64;
@@ -197,12 +201,6 @@ impl LineLikelihood {
         let recording = Recording { port: self.port, samples: &self.samples, motion };
         recording.residual_squares_kpa2(&self.pump, line, angle_rad, start_s)
     }
-}
-
-/// Reads a speed, rad/s. The rotor must turn.
-fn speed_of(speed_rpm: Argument<'_, '_>, speed_rad: Argument<'_, '_>) -> PyResult<f64> {
-    let rad_s = speed_rad_s(speed_rpm, speed_rad)?;
-    if rad_s == 0.0 { Err(value("the speed is 0; allowed: a speed other than 0")) } else { Ok(rad_s) }
 }
 
 /// Reads the standard deviation of the noise, kPa.

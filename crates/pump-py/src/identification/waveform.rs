@@ -8,7 +8,7 @@ use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
 use crate::argument::port_named;
 use crate::argument::speed::speed_rad_s;
-use crate::argument::{Argument, choice};
+use crate::argument::{Argument, choice, optional};
 use crate::pump::Pump;
 use crate::python::errors::value;
 use crate::python::{SignalCheck, collected};
@@ -32,12 +32,18 @@ pub(crate) fn _identify_line<'py>(
     speed_rad: Argument<'_, 'py>,
     fit: Vec<String>,
     begin: &str,
-    start_s: Option<f64>,
-    start_angle_rad: Option<f64>,
+    start_s: Argument<'_, 'py>,
+    start_angle_rad: Argument<'_, 'py>,
 ) -> PyResult<IdentificationAnswer<'py>> {
     let port = port_named(port)?;
+    let start_s = optional("start_s", start_s)?;
+    let start_angle_rad = optional("start_angle_rad", start_angle_rad)?;
     let speed_rad_s = speed_rad_s(speed_rpm, speed_rad)?;
     let turning = turning(pump, begin, start_s, start_angle_rad, speed_rad_s)?;
+    if fit.is_empty() {
+        let all = PARAMETERS.map(|name| format!("\"{name}\"")).join(", ");
+        return Err(value(format_args!("fit is empty; allowed: one name at least of {all}")));
+    }
     for name in &fit {
         choice("a name in fit", name, &PARAMETERS.map(|allowed| (allowed, ())))?;
     }

@@ -4,7 +4,7 @@ use pump_model::{Fluid, Hose, ModelError};
 use pyo3::prelude::*;
 
 use super::line::Line;
-use crate::argument::Floats;
+use crate::argument::{Floats, number};
 use crate::python::errors;
 
 /// Largest flow, mL/s, whose pressure drop is computed.
@@ -37,8 +37,8 @@ pub(crate) fn _fluid_check(fluid: FluidNumbers) -> PyResult<()> {
 
 /// Returns the properties of water at a temperature, degC.
 #[pyfunction]
-pub(crate) fn _fluid_water(temperature_degc: f64) -> PyResult<FluidNumbers> {
-    let water = Fluid::water(temperature_degc).map_err(errors::model)?;
+pub(crate) fn _fluid_water(temperature_degc: &Bound<'_, PyAny>) -> PyResult<FluidNumbers> {
+    let water = Fluid::water(number("temperature_degc", temperature_degc)?).map_err(errors::model)?;
     Ok((water.density_kg_m3, water.viscosity_mpa_s, water.bulk_modulus_mpa, water.vapour_kpa))
 }
 
@@ -53,9 +53,11 @@ pub(crate) fn _hose_volume(hose: HoseNumbers) -> PyResult<f64> {
 pub(crate) fn _hose_line(
     hose: HoseNumbers,
     fluid: FluidNumbers,
-    reservoir_kpa: f64,
-    flow_ml_s: f64,
+    reservoir_kpa: &Bound<'_, PyAny>,
+    flow_ml_s: &Bound<'_, PyAny>,
 ) -> PyResult<Line> {
+    let (reservoir_kpa, flow_ml_s) =
+        (number("reservoir_kpa", reservoir_kpa)?, number("flow_ml_s", flow_ml_s)?);
     let line = hose_of(hose).and_then(|hose| hose.line(&fluid_of(fluid)?, reservoir_kpa, flow_ml_s));
     line.map(Line).map_err(errors::model)
 }
@@ -69,7 +71,8 @@ pub(crate) fn _hose_drop<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let friction = hose_of(hose).and_then(|hose| hose.friction(&fluid_of(fluid)?)).map_err(errors::model)?;
     let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
-    flows.map(|flow| friction.drop_kpa(flow))?.into_object(flow_ml_s.py())
+    let py = flow_ml_s.py();
+    flows.map(py, |flow| friction.drop_kpa(flow))?.into_object(py)
 }
 
 /// Returns the Reynolds number of a flow.
@@ -81,5 +84,6 @@ pub(crate) fn _hose_reynolds<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let friction = hose_of(hose).and_then(|hose| hose.friction(&fluid_of(fluid)?)).map_err(errors::model)?;
     let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
-    flows.map(|flow| friction.reynolds(flow))?.into_object(flow_ml_s.py())
+    let py = flow_ml_s.py();
+    flows.map(py, |flow| friction.reynolds(flow))?.into_object(py)
 }

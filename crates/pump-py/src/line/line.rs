@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::argument::{Argument, number, optional};
 use crate::python::errors;
 
 /// Hydraulic line between the rollers and a reservoir: compliance at the pump, resistance and inertance in series.
@@ -40,15 +41,17 @@ impl Line {
     #[new]
     #[pyo3(signature = (*, resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa))]
     fn new(
-        resistance_kpa_s_ml: f64,
-        compliance_ml_kpa: f64,
-        inertance_kpa_s2_ml: f64,
-        reservoir_kpa: f64,
+        resistance_kpa_s_ml: &Bound<'_, PyAny>,
+        compliance_ml_kpa: &Bound<'_, PyAny>,
+        inertance_kpa_s2_ml: &Bound<'_, PyAny>,
+        reservoir_kpa: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        let line =
-            pump_model::Line { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa };
-        line.validate().map_err(errors::model)?;
-        Ok(Self(line))
+        Self::of([
+            number("resistance_kpa_s_ml", resistance_kpa_s_ml)?,
+            number("compliance_ml_kpa", compliance_ml_kpa)?,
+            number("inertance_kpa_s2_ml", inertance_kpa_s2_ml)?,
+            number("reservoir_kpa", reservoir_kpa)?,
+        ])
     }
 
     /// Resistance R, kPa s/mL.
@@ -97,18 +100,18 @@ impl Line {
     ))]
     fn replace(
         &self,
-        resistance_kpa_s_ml: Option<f64>,
-        compliance_ml_kpa: Option<f64>,
-        inertance_kpa_s2_ml: Option<f64>,
-        reservoir_kpa: Option<f64>,
+        resistance_kpa_s_ml: Argument<'_, '_>,
+        compliance_ml_kpa: Argument<'_, '_>,
+        inertance_kpa_s2_ml: Argument<'_, '_>,
+        reservoir_kpa: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let [resistance, compliance, inertance, reservoir] = self.numbers();
-        Self::new(
-            resistance_kpa_s_ml.unwrap_or(resistance),
-            compliance_ml_kpa.unwrap_or(compliance),
-            inertance_kpa_s2_ml.unwrap_or(inertance),
-            reservoir_kpa.unwrap_or(reservoir),
-        )
+        Self::of([
+            optional("resistance_kpa_s_ml", resistance_kpa_s_ml)?.unwrap_or(resistance),
+            optional("compliance_ml_kpa", compliance_ml_kpa)?.unwrap_or(compliance),
+            optional("inertance_kpa_s2_ml", inertance_kpa_s2_ml)?.unwrap_or(inertance),
+            optional("reservoir_kpa", reservoir_kpa)?.unwrap_or(reservoir),
+        ])
     }
 
     /// Return the line as plain data.
@@ -145,11 +148,20 @@ impl Line {
 
     #[staticmethod]
     fn _rebuild(resistance: f64, compliance: f64, inertance: f64, reservoir: f64) -> PyResult<Self> {
-        Self::new(resistance, compliance, inertance, reservoir)
+        Self::of([resistance, compliance, inertance, reservoir])
     }
 }
 
 impl Line {
+    /// Makes the line of R, C, L and the reservoir's pressure.
+    fn of(numbers: [f64; 4]) -> PyResult<Self> {
+        let [resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa] = numbers;
+        let line =
+            pump_model::Line { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa };
+        line.validate().map_err(errors::model)?;
+        Ok(Self(line))
+    }
+
     fn numbers(&self) -> [f64; 4] {
         let line = &self.0;
         [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, line.reservoir_kpa]

@@ -136,20 +136,16 @@ impl Pump {
         };
         let (volumes, starts) = Floats::broadcast(py, volumes, starts)?;
         let curve = self.model().outlet_curve();
-        let mut next = starts.values().iter();
         // Both have one shape, unless one of them is a single number.
-        let angles = match (&volumes, &starts) {
-            (Floats::One(volume), _) => {
-                py.detach(|| starts.try_map(|start| angle_for(curve, *volume, start)))
-            }
-            (_, Floats::One(start)) => {
-                py.detach(|| volumes.try_map(|volume| angle_for(curve, volume, *start)))
-            }
-            _ => py.detach(|| {
-                volumes.try_map(|volume| angle_for(curve, volume, next.next().copied().unwrap_or_default()))
-            }),
+        let shape = if matches!(volumes, Floats::One(_)) { &starts } else { &volumes };
+        let of = |numbers: &Floats, n: usize| match numbers {
+            Floats::One(number) => *number,
+            Floats::Many { values, .. } => values[n],
         };
-        angles?.into_object(py)
+        let angles = SignalCheck::quick(py, shape.values().len(), |n| {
+            angle_for(curve, of(&volumes, n), of(&starts, n))
+        })?;
+        shape.with_values(angles).into_object(py)
     }
 
     /// Return the flow at the outlet rollers per angle, mL/rad.
@@ -253,6 +249,5 @@ fn over_angle<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = angle_rad.py();
     let angles = Floats::read("angle_rad", angle_rad, MAX_ANGLE_RAD)?;
-    let result = py.detach(|| angles.map(|angle| of(curve, angle)))?;
-    result.into_object(py)
+    angles.map(py, |angle| of(curve, angle))?.into_object(py)
 }

@@ -59,9 +59,6 @@ impl Pump {
     ) -> PyResult<Bound<'py, PyAny>> {
         let port = port_named(port)?;
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        if rad_s == 0.0 {
-            return Err(value("the speed is 0, at which nothing pulsates; allowed: a speed other than 0"));
-        }
         let count = u32::try_from(count)
             .ok()
             .filter(|count| (1..=MOST).contains(count))

@@ -14,7 +14,7 @@ use pyo3::types::PyString;
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
-use crate::argument::{Items, whole};
+use crate::argument::{Argument, Items, number, optional, whole};
 use crate::line::Line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
@@ -97,23 +97,24 @@ impl Pump {
         py: Python<'_>,
         id: &str,
         rollers: &Bound<'_, PyAny>,
-        bore_radius_mm: f64,
-        tube_outer_radius_mm: f64,
-        backplate_radius_mm: f64,
-        contact_angle_deg: f64,
-        roller_radius_mm: f64,
-        roller_offset_mm: f64,
-        hose_length_mm: f64,
+        bore_radius_mm: &Bound<'_, PyAny>,
+        tube_outer_radius_mm: &Bound<'_, PyAny>,
+        backplate_radius_mm: &Bound<'_, PyAny>,
+        contact_angle_deg: &Bound<'_, PyAny>,
+        roller_radius_mm: &Bound<'_, PyAny>,
+        roller_offset_mm: &Bound<'_, PyAny>,
+        hose_length_mm: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let geometry = Geometry {
             rollers: count(rollers)?,
-            bore_radius_mm,
-            tube_outer_radius_mm,
-            backplate_radius_mm,
-            contact_angle_rad: radians(contact_angle_deg),
-            roller_radius_mm,
-            roller_offset_mm,
+            bore_radius_mm: number("bore_radius_mm", bore_radius_mm)?,
+            tube_outer_radius_mm: number("tube_outer_radius_mm", tube_outer_radius_mm)?,
+            backplate_radius_mm: number("backplate_radius_mm", backplate_radius_mm)?,
+            contact_angle_rad: radians(number("contact_angle_deg", contact_angle_deg)?),
+            roller_radius_mm: number("roller_radius_mm", roller_radius_mm)?,
+            roller_offset_mm: number("roller_offset_mm", roller_offset_mm)?,
         };
+        let hose_length_mm = number("hose_length_mm", hose_length_mm)?;
         let roller_volume = RollerVolumeTable::Drawing;
         let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
         Self::checked(drawn.pump_file().map_err(errors::model)?)?.warning(py)
@@ -161,14 +162,14 @@ impl Pump {
     fn from_ml_per_rev(
         py: Python<'_>,
         id: &str,
-        ml_per_rev: f64,
+        ml_per_rev: &Bound<'_, PyAny>,
         rollers: &Bound<'_, PyAny>,
-        tube_bore_mm: Option<f64>,
+        tube_bore_mm: Argument<'_, '_>,
         inlet: Option<Py<Line>>,
         outlet: Option<Py<Line>>,
     ) -> PyResult<Self> {
-        let mut head = HeadTable::new(ml_per_rev);
-        head.tube_bore_mm = tube_bore_mm;
+        let mut head = HeadTable::new(number("ml_per_rev", ml_per_rev)?);
+        head.tube_bore_mm = optional("tube_bore_mm", tube_bore_mm)?;
         let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
         file.inlet = inlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
         file.outlet.line = outlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));

@@ -66,7 +66,7 @@ fn over<'py>(
     of: fn(&SpeedLaw, &Model, f64) -> Result<f64, ModelError>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let law = law_of(law)?;
-    let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
+    let speeds = speed::turning_rad_s(speed_rpm, speed_rad_s)?;
     let numbers =
         SignalCheck::map(py, speeds.values(), |rad_s| of(&law, pump.model(), rad_s).map_err(errors::model))?;
     speeds.with_values(numbers).into_object(py)

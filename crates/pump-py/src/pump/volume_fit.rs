@@ -44,7 +44,8 @@ pub(crate) fn _volume_fit_at<'py>(
     let points = points_of(points)?;
     let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
     let angles = Floats::read("angle_rad", angle_rad, 1e9)?;
-    angles.map(|angle| fit.curve().at(angle))?.into_object(angle_rad.py())
+    let py = angle_rad.py();
+    angles.map(py, |angle| fit.curve().at(angle))?.into_object(py)
 }
 
 /// Returns run, angle (deg) and volume (mL) of each row of a table that `dose pumps new` reads.

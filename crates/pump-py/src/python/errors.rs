@@ -1,5 +1,6 @@
 //! Python exceptions for the errors of the Rust crates. The messages stay.
 
+use std::error::Error;
 use std::io;
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use pump_bench::record::FolderError;
 use pump_ctl::plan::PlanError as CtlPlanError;
 use pump_model::ModelError;
 use pump_model::integrator::IntegrationError;
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyValueError};
 use pyo3::import_exception;
 use pyo3::prelude::*;
 
@@ -70,7 +71,11 @@ pub(crate) fn plan(error: CtlPlanError) -> PyErr {
 /// Maps an error of a pump file: an unreadable file is an `OSError`, an unusable one a `PumpFileError`.
 pub(crate) fn pump_file(error: DosePumpFileError) -> PyErr {
     match &error {
-        DosePumpFileError::Read { path, source } if source.raw_os_error().is_some() => file(path, source),
+        DosePumpFileError::Read { path, source }
+            if source.raw_os_error().is_some() || lacks_memory(source) =>
+        {
+            file(path, source)
+        }
         _ => PumpFileError::new_err(advice::told(&error)),
     }
 }
@@ -87,6 +92,9 @@ pub(crate) fn config(error: ConfigError) -> PyErr {
 /// Returns the `OSError` of a file, in the subclass that fits its number.
 pub(crate) fn file(path: &Path, error: &io::Error) -> PyErr {
     let text = error.to_string();
+    if lacks_memory(error) {
+        return PyMemoryError::new_err(format!("{}: {text}", path.display()));
+    }
     match error.raw_os_error() {
         // With three arguments OSError chooses its subclass, as FileNotFoundError.
         Some(number) => {
@@ -164,9 +172,25 @@ fn numbers(error: &DoseError) -> Vec<(&'static str, f64)> {
     }
 }
 
+/// Returns true if a call of the system found no memory on the way to an error.
+fn lacks_memory(error: &(dyn Error + 'static)) -> bool {
+    let mut source = Some(error);
+    while let Some(error) = source {
+        let io = error.downcast_ref::<io::Error>();
+        if io.is_some_and(|error| error.kind() == io::ErrorKind::OutOfMemory) {
+            return true;
+        }
+        source = error.source();
+    }
+    false
+}
+
 /// Returns the exception without its attributes.
 fn class(error: DoseError) -> PyErr {
     let message = advice::told(&error);
+    if lacks_memory(&error) {
+        return PyMemoryError::new_err(message);
+    }
     match error {
         DoseError::PumpFile(error) => pump_file(error),
         DoseError::Plan(error) => plan(error),

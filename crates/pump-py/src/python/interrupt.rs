@@ -5,10 +5,12 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
-use super::memory::try_collected;
+use super::memory::reserve;
 
 /// Time between two checks for signals. A check takes Python's lock, for which another thread may keep it waiting.
-const EVERY: Duration = Duration::from_millis(100);
+const EVERY: Duration = Duration::from_millis(50);
+/// Number of quick results that are computed between two looks at the clock.
+const QUICK: usize = 1024;
 
 /// Lets signals interrupt a solve that has released Python's lock.
 pub(crate) struct SignalCheck {
@@ -16,7 +18,7 @@ pub(crate) struct SignalCheck {
 }
 
 impl SignalCheck {
-    /// Starts the clock; the first check comes a tenth of a second later.
+    /// Starts the clock; the first check comes a twentieth of a second later.
     pub(crate) fn new() -> Self {
         Self { looked: Instant::now() }
     }
@@ -27,10 +29,36 @@ impl SignalCheck {
         numbers: &[f64],
         result: impl Fn(f64) -> PyResult<T> + Sync,
     ) -> PyResult<Vec<T>> {
+        Self::collect(py, numbers.len(), 1, |n| result(numbers[n]))
+    }
+
+    /// Computes `count` quick results by their numbers, while other Python threads run and signals interrupt.
+    pub(crate) fn quick<T: Send>(
+        py: Python<'_>,
+        count: usize,
+        result: impl Fn(usize) -> PyResult<T> + Sync,
+    ) -> PyResult<Vec<T>> {
+        Self::collect(py, count, QUICK, result)
+    }
+
+    /// Computes `count` results, and looks at the clock before every so many.
+    fn collect<T: Send>(
+        py: Python<'_>,
+        count: usize,
+        every: usize,
+        result: impl Fn(usize) -> PyResult<T> + Sync,
+    ) -> PyResult<Vec<T>> {
         py.detach(|| {
             let mut interrupt = Self::new();
-            let result = |number: &f64| interrupt.check().and_then(|()| result(*number));
-            try_collected(numbers.iter().map(result))
+            let mut all = Vec::new();
+            reserve(&mut all, count as u64)?;
+            for first in (0..count).step_by(every) {
+                interrupt.check()?;
+                for n in first..count.min(first + every) {
+                    all.push(result(n)?);
+                }
+            }
+            Ok(all)
         })
     }
 

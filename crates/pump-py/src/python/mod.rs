@@ -3,11 +3,13 @@
 pub(crate) mod advice;
 mod array;
 pub(crate) mod errors;
+pub(crate) mod first;
 mod interrupt;
 mod memory;
 pub(crate) mod plain;
 mod readable;
 mod renamed;
+pub(crate) mod spare;
 pub(crate) mod warnings;
 
 pub(crate) use array::{frozen, frozen_rows};

@@ -1,16 +1,18 @@
 //! The motion of a simulation, and the times of its samples.
 
 use pump_bench::simulation::Simulation;
-use pump_model::Leg;
+use pump_model::{Leg, ModelError, Parameter};
 use pyo3::prelude::*;
 
 use super::followed::followed;
-use crate::argument::{Argument, Floats, speed};
+use crate::argument::{Argument, Floats, number_of, speed};
 use crate::python::errors::{self, value};
 use crate::python::{append, collected};
 
 /// Latest time, s, either way.
 const MAX_TIME_S: f64 = 1e7;
+/// Slowest constant speed, rad/s, as in `pump_bench::simulation::Simulation`.
+const LEAST_SPEED_RAD_S: f64 = 1e-6;
 /// Largest angle at the start, rad, either way.
 const MAX_ANGLE_RAD: f64 = 1e9;
 /// Time between samples where none is given, s.
@@ -66,7 +68,13 @@ impl Motion {
         }
         match speed_of(asked)? {
             Speed::Constant(rad_s) => {
-                Simulation::new(rad_s, 1.0, 1.0).validate().map_err(errors::model)?;
+                if rad_s.abs() < LEAST_SPEED_RAD_S {
+                    let (name, unit_rad_s) = speed::given(asked.speed_rpm);
+                    let (given, least) = (rad_s / unit_rad_s, LEAST_SPEED_RAD_S / unit_rad_s);
+                    return Err(value(format_args!(
+                        "{name} is {given}; allowed: {least:.1e} or more either way, or an array of speeds"
+                    )));
+                }
                 let (times, _) = asked.times()?;
                 let legs = collected([Leg::constant_speed(start_rad, rad_s)])?;
                 Ok(Self { legs, times, constant_rad_s: Some(rad_s) })
@@ -83,7 +91,9 @@ impl Motion {
                     Times::At(times_s) => times_s.len() as u64,
                 };
                 let at = |time_s: f64| -> PyResult<f64> {
-                    let speed: f64 = function.call1((time_s,))?.extract()?;
+                    let unit = if name == "speed_rpm" { " in r/min" } else { " in rad/s" };
+                    let speed =
+                        number_of(&format!("{name} at {time_s} s"), unit, &function.call1((time_s,))?)?;
                     speed::within(speed * rad_s).ok_or_else(|| {
                         let most = speed::MAX_SPEED_RAD_S / rad_s;
                         value(format_args!(
@@ -124,7 +134,7 @@ impl Asked<'_, '_> {
             }
             (None, Some(duration_s)) => {
                 let grid = Simulation::new(1.0, duration_s, self.dt_s.unwrap_or(DT_S));
-                grid.validate().map_err(errors::model)?;
+                grid.validate().map_err(named)?;
                 Ok((Times::Every { dt_s: grid.dt_s, intervals: grid.intervals() }, duration_s))
             }
         }
@@ -152,6 +162,22 @@ impl Asked<'_, '_> {
         let ends = (knots_s[0], knots_s[count - 1]);
         let times_s = self.output_time_s.map(|times| rising("output_time_s", times, ends)).transpose()?;
         Ok((knots_s, times_s))
+    }
+}
+
+/// Maps an error of a grid of times, in the words of the arguments.
+fn named(error: ModelError) -> PyErr {
+    match error {
+        ModelError::OutOfRange { parameter: Parameter::Duration, value: given, allowed } => {
+            value(format_args!("duration_s is {given}; allowed: {allowed}"))
+        }
+        ModelError::OutOfRange { parameter: Parameter::SampleInterval, value: given, .. } => {
+            value(format_args!("dt_s is {given}; allowed: more than 0, duration_s at most"))
+        }
+        ModelError::OutOfRange { parameter: Parameter::Samples, value: given, .. } => {
+            value(format_args!("dt_s makes {given:.4e} samples; allowed: 1e9 at most, by a longer dt_s"))
+        }
+        _ => errors::model(error),
     }
 }
 

@@ -3,6 +3,7 @@
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pump_bench::simulation::{COLUMNS, Waveform};
 use pump_model::Leg;
+use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -54,8 +55,8 @@ pub(crate) struct Run {
     outlet_kpa: Py<PyArray1<f64>>,
     /// Volume that has passed the outlet line, mL; shape (n,).
     delivered_ml: Py<PyArray1<f64>>,
-    /// State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
-    /// for runs of `from_dict`.
+    /// State of the lines at the last sample, or None.
+    #[pyo3(name = "_end_state")]
     end_state: Py<PyAny>,
     /// Derivatives of pressures and delivered volume, a `Sensitivity`; None unless `Pump.simulate` was asked for it.
     sensitivity: Py<PyAny>,
@@ -201,6 +202,19 @@ impl Run {
             range(&self.outlet_kpa)?,
             range(&self.delivered_ml)?,
         ))
+    }
+
+    /// State of the lines at the last sample, from which another run may go on. A run of the roller-centric model or of
+    /// `from_dict` has none and raises AttributeError.
+    #[getter]
+    fn end_state(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        if self.end_state.is_none(py) {
+            return Err(PyAttributeError::new_err(
+                "a run of the roller-centric model or of from_dict has no end_state; allowed: a run of the \
+                 flow-centric model by simulate or trace",
+            ));
+        }
+        Ok(self.end_state.clone_ref(py))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {

@@ -9,7 +9,7 @@ use pyo3::types::PyString;
 use super::motion::{Asked, Motion, Times};
 use super::run::Run;
 use super::sensitivity::{sensitivity as derivatives, starts};
-use crate::argument::{Argument, choice, word};
+use crate::argument::{Argument, choice, optional, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
@@ -101,9 +101,8 @@ impl Pump {
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
         *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, output_time_s=None,
-        start_angle_rad=0.0, model="flow-centric", method="auto", initial=None, tolerance=None, segment_scale=None,
-        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None,
-        sensitivity=false
+        start_angle_rad=None, model="flow-centric", method="auto", initial=None, tolerance=None, segment_scale=None,
+        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None, sensitivity=false
     ), text_signature = "($self, *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, \
         output_time_s=None, start_angle_rad=0.0, model=\"flow-centric\", method=\"auto\", initial=\"rest\", \
         tolerance=None, segment_scale=None, distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, \
@@ -113,28 +112,32 @@ impl Pump {
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
-        duration_s: Option<f64>,
-        dt_s: Option<f64>,
+        duration_s: Argument<'_, 'py>,
+        dt_s: Argument<'_, 'py>,
         time_s: Argument<'_, 'py>,
         output_time_s: Argument<'_, 'py>,
-        start_angle_rad: f64,
+        start_angle_rad: Argument<'_, 'py>,
         model: &str,
         method: &str,
         initial: Argument<'_, 'py>,
-        tolerance: Option<f64>,
-        segment_scale: Option<f64>,
-        distensibility_per_kpa: Option<f64>,
-        valve_resistance_kpa_s_ml: Option<f64>,
-        closure_rad: Option<f64>,
+        tolerance: Argument<'_, 'py>,
+        segment_scale: Argument<'_, 'py>,
+        distensibility_per_kpa: Argument<'_, 'py>,
+        valve_resistance_kpa_s_ml: Argument<'_, 'py>,
+        closure_rad: Argument<'_, 'py>,
         sensitivity: bool,
     ) -> PyResult<Run> {
+        let (duration_s, dt_s) = (optional("duration_s", duration_s)?, optional("dt_s", dt_s)?);
+        let start_angle_rad = optional("start_angle_rad", start_angle_rad)?.unwrap_or_default();
+        let tolerance = optional("tolerance", tolerance)?;
         let is_roller_centric = word("model", model, ModelName::ALL)? == ModelName::RollerCentric;
         let asked = word("method", method, AskedMethod::ALL)?;
+        let optional = |name, given| Ok::<_, PyErr>((name, optional(name, given)?));
         let given = [
-            ("segment_scale", segment_scale),
-            ("distensibility_per_kpa", distensibility_per_kpa),
-            ("valve_resistance_kpa_s_ml", valve_resistance_kpa_s_ml),
-            ("closure_rad", closure_rad),
+            optional("segment_scale", segment_scale)?,
+            optional("distensibility_per_kpa", distensibility_per_kpa)?,
+            optional("valve_resistance_kpa_s_ml", valve_resistance_kpa_s_ml)?,
+            optional("closure_rad", closure_rad)?,
         ];
         let roller_centric = if is_roller_centric {
             Some(self.roller_centric(given.map(|(_, value)| value))?)

@@ -74,7 +74,7 @@ impl Pump {
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
     ) -> PyResult<SteadyState> {
-        SteadyState::at(py, self, &speed::speeds_rad_s(speed_rpm, speed_rad_s)?)
+        SteadyState::at(py, self, &speed::turning_rad_s(speed_rpm, speed_rad_s)?)
     }
 }
 
@@ -163,7 +163,7 @@ impl SteadyState {
             numbers_at(&pump.by_speed, rad_s).map_err(errors::displacement)
         })?;
         let column = |n: usize| match n.checked_sub(1) {
-            None => speeds_rad_s.map(speed::rpm),
+            None => speeds_rad_s.map(py, speed::rpm),
             Some(n) => Ok(speeds_rad_s.with_values(collected(rows.iter().map(|row| row[n]))?)),
         };
         Self::of(py, (0..FIELDS).map(column))

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use super::steady_state::{NUMBERS, numbers_at};
 use crate::argument::{Argument, Floats, Items, speed};
 use crate::pump::Pump;
-use crate::python::{SignalCheck, errors, reserve};
+use crate::python::{SignalCheck, errors, reserve, spare};
 
 /// Longest wait for the next result before the next check for signals. With `SignalCheck`'s own 0.1 s a Ctrl-C is
 /// answered within 0.2 s.
@@ -43,13 +43,14 @@ pub(crate) fn _steady_states<'py>(
     first: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Py<PyAny>>> {
-    let speeds_rad_s = speed::speeds_rad_s(speed_rpm, speed_rad_s)?.into_values()?;
+    let speeds_rad_s = speed::turning_rad_s(speed_rpm, speed_rad_s)?.into_values()?;
     let shape = vec![pumps.0.len(), speeds_rad_s.len()];
     let sweep = Arc::new(Sweep::new(pumps.0, speeds_rad_s));
     let threads = match threads {
         Some(threads) => threads,
         None => thread::available_parallelism()?,
     };
+    spare::room_for_threads(1)?;
     let columns = py.detach(|| sweep.columns(threads.get(), first, progress))?;
     columns.into_iter().map(|values| Floats::Many { shape: shape.clone(), values }.into_frozen(py)).collect()
 }

@@ -21,13 +21,28 @@ async def in_motion(bench: pm.AsyncBench) -> None:
 
 
 def test_every_method_of_a_bench_that_moves_or_records_is_awaited_by_the_same_arguments() -> None:
-    at_once = {"open", "stop", "close", "verify", "calibrations", "jog"}
+    at_once = {"open", "stop", "close", "jog"}
     methods = {name for name, _ in inspect.getmembers(pm.Bench, inspect.isfunction) if name[0] != "_"}
     for name in methods - at_once:
         method = getattr(pm.AsyncBench, name)
         assert inspect.iscoroutinefunction(method) or inspect.isasyncgenfunction(method), name
         assert inspect.signature(method) == inspect.signature(getattr(pm.Bench, name)), name
         assert method.__doc__ == getattr(pm.Bench, name).__doc__
+
+
+def test_the_properties_of_a_bench_are_those_of_its_asynchronous_one(tmp_path: Path) -> None:
+    names = {name for name, _ in inspect.getmembers(pm.Bench, lambda member: isinstance(member, property))}
+    assert {"pump", "calibration", "driver", "port", "folder", "closed"} <= names
+
+    async def work() -> None:
+        async with pm.AsyncBench.open("three-roller", state_dir=tmp_path) as bench:
+            for name in names:
+                assert getattr(bench, name) == getattr(bench.bench, name), name
+            assert await bench.calibrations() == []
+            assert len((await bench.verify("10mL", ["9.98g", "9.97g"])).volumes_ml) == 2
+        assert bench.closed
+
+    run(work())
 
 
 def test_other_tasks_run_while_a_dose_is_awaited(tmp_path: Path) -> None:

@@ -35,7 +35,8 @@ def test_the_angle_of_another_head_under_the_same_name_is_unknown(tmp_path: Path
     with pm.Bench.open(pm.Pump.from_dict(tables), state_dir=tmp_path) as bench:
         assert bench.dose("5mL", dry_run=True).phase.known is False
         assert bench.status().carry_ml == 0
-        dose = bench.dose("5mL")
+        with pytest.warns(UserWarning, match="is of another head than this one with 4 rollers"):
+            dose = bench.dose("5mL")
         assert dose.phase.known is False
         [warning] = [warning for warning in dose.warnings if "another head" in warning]
         assert "the record of three-roller is of another head than this one with 4 rollers" in warning
@@ -44,6 +45,19 @@ def test_the_angle_of_another_head_under_the_same_name_is_unknown(tmp_path: Path
         again = bench.dose("5mL")
         assert again.phase.known
         assert not any("another head" in warning for warning in again.warnings)
+
+
+def test_nothing_moves_if_the_warning_of_another_head_is_made_an_error(tmp_path: Path) -> None:
+    tables = pm.Pump.three_roller().to_dict()
+    with pm.Bench.open(pm.Pump.from_dict(tables), state_dir=tmp_path) as bench:
+        bench.dose("7mL")
+    tables["rollers"]["count"] = 4
+    with pm.Bench.open(pm.Pump.from_dict(tables), state_dir=tmp_path) as bench:
+        doses = len(bench.log())
+        for _ in range(2):
+            with pytest.raises(UserWarning, match="another head"):
+                bench.dose("5mL")
+        assert len(bench.log()) == doses
 
 
 def test_a_pump_is_checked_and_warns_as_the_command_does() -> None:

@@ -2,10 +2,12 @@ import asyncio
 import json
 import subprocess
 import sys
+import warnings
 from collections.abc import Coroutine
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import pumpmodel as pm
@@ -223,6 +225,50 @@ def test_a_continuous_run_goes_on_until_halt_and_leaves_nothing_unfinished(tmp_p
     run(work())
 
 
+def test_other_calls_are_refused_until_a_continuous_run_is_halted(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            await pump.run_continuously(rate="10 mL/s")
+            await in_motion(pump)
+            for call in (
+                pump.pump_volume(speed=50, volume=1),
+                pump.run_revolutions(1),
+                pump.run_for_duration(50, 1),
+                pump.resume(),
+                pump.discard(),
+            ):
+                with pytest.raises(pm.PumpError, match=r"runs until halt\(\).*await halt\(\) first"):
+                    await call
+            assert await pump.halt() is not None
+            assert (await pump.pump_volume(speed=50, volume=1)).completed
+
+    run(work())
+
+
+def test_a_rate_takes_the_place_of_a_speed_and_one_of_them_is_needed(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            dose = await pump.pump_volume(rate="8 mL/s", volume=np.float32(5))
+            assert dose.cruise_flow_ml_s == pytest.approx(8)
+            assert (await pump.run_for_duration(rate="8 mL/s", duration=2)).completed
+            for unclear in (
+                pump.pump_volume(None, 25),
+                pump.run_for_duration(None, 5),
+                pump.run_continuously(None),
+            ):
+                with pytest.raises(ValueError, match="neither speed nor rate is given"):
+                    await unclear
+            wrong: Any = "25mL"
+            with pytest.raises(TypeError, match="volume must be a number in mL, not str"):
+                await pump.pump_volume(50, wrong)
+            with pytest.raises(TypeError, match="speed must be a number in r/min, not str"):
+                await pump.run_for_duration(wrong, 5)
+            with pytest.raises(TypeError, match="volume is missing; give it in mL"):
+                await pump.pump_volume(50)
+
+    run(work())
+
+
 def test_revolutions_are_turned_from_any_angle_and_their_volume_is_on_record(tmp_path: Path) -> None:
     async def work() -> None:
         async with bench_pump(tmp_path) as pump:
@@ -269,13 +315,35 @@ def test_the_channels_of_an_array_dose_at_the_same_time_each_by_its_own_record(t
                     await array.pump_volume(50, channels, 1)
             with pytest.raises(ValueError, match="volume has 3 values for 2 channels"):
                 await array.pump_volume(50, [0, 1], [1, 2, 3])
-            # The one that fails ends the other.
-            with pytest.raises(pm.PlanError):
-                await array.pump_volume([170, 500], [0, 1], [LONG_ML, 1])
-            unfinished = array.pumps[0].backend.bench.status().unfinished
-            assert unfinished is None or unfinished.steps_made_most < unfinished.steps
-            if unfinished is not None:
-                await array.pumps[0].discard()
+            # The one that is refused is named, and moves none.
+            doses = len(array.pumps[0].backend.bench.log())
+            refused = (
+                array.pump_volume([170, 500], [0, 1], [LONG_ML, 1]),
+                array.run_revolutions([1, 1], [0, 1], speed=[50, 500]),
+                array.run_for_duration([50, 500], [0, 1], 2),
+                array.run_continuously([50, 500], [0, 1]),
+            )
+            for call in refused:
+                with pytest.raises(pm.PlanError, match=r"^channel 1: .*limit of 300"):
+                    await call
+            wrong: Any = "1mL"
+            with pytest.raises(TypeError, match="channel 1: volume must be a number in mL, not str"):
+                await array.pump_volume(50, [0, 1], [1, wrong])
+            assert len(array.pumps[0].backend.bench.log()) == doses
+            # One that stops ends the other.
+            both = asyncio.create_task(array.pump_volume(170, [0, 1], [LONG_ML, LONG_ML]))
+            await in_motion(array.pumps[0])
+            await in_motion(array.pumps[1])
+            await array.pumps[1].halt()
+            with pytest.raises(HaltedError, match="channel 1: halted after"):
+                await both
+            with pytest.raises(pm.UnfinishedError, match="channel 1: a dose is unfinished"):
+                await array.pump_volume(50, [1, 0], 1)
+            with warnings.catch_warnings():
+                # Its carry may be forgotten.
+                warnings.simplefilter("ignore")
+                for pump in array.pumps:
+                    await pump.discard()
             await array.run_continuously(30, [0, 1])
             await asyncio.sleep(0.2)
             assert all(run is not None and run.completed for run in await array.halt())

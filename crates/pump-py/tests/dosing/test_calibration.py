@@ -126,7 +126,7 @@ def test_a_bench_keeps_calibrations_and_uses_one(tmp_path: Path) -> None:
         assert bench.calibration is None
         with pytest.raises(ValueError, match="no calibration 3"):
             bench.use_calibration(3)
-        with pytest.raises(ValueError, match="the speed is 0 r/min"):
+        with pytest.raises(ValueError, match="speed_rpm is 0; allowed: a speed of more than 0"):
             bench.calibration_run(speed_rpm=0, pitches=1)
 
 

@@ -26,6 +26,14 @@ def test_steps_of_a_plan_include_those_of_its_retraction(plan: pm.Plan) -> None:
     np.testing.assert_allclose(turned, plan.step_directions * step_rad, rtol=1e-6)
 
 
+def test_the_text_of_a_plan_tells_its_retraction_and_a_start_may_be_none(plan: pm.Plan) -> None:
+    assert f"then retract_steps {plan.retract_steps} until settled_s {plan.settled_s:.4f}>" in repr(plan)
+    doser = pm.Doser(pm.Pump.three_roller())
+    alone = doser.plan("5mL", start_angle_rad=None)
+    assert "retract" not in repr(alone)
+    assert alone == doser.plan("5mL")
+
+
 def test_tables_of_a_plan_include_its_retraction(plan: pm.Plan) -> None:
     table = plan.to_dataframe()
     assert list(table["step"]) == list(range(1, len(plan.step_times_s) + 1))

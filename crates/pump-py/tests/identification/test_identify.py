@@ -138,7 +138,7 @@ def test_a_fit_to_the_wrong_model_is_warned_of_or_refused() -> None:
         ({"begin": "late"}, "begin is 'late'"),
         ({"begin": "steady", "start_s": 0.1}, "start_s is given, but a steady record"),
         ({"fit": ["R", "K"]}, "a name in fit is 'K'"),
-        ({"fit": [], "start_angle_rad": 0}, "for 0 parameters"),
+        ({"fit": [], "start_angle_rad": 0}, "fit is empty"),
         ({"start_angle_rad": np.inf}, "start_angle_rad is inf"),
         ({"time_s": np.zeros(301)}, "time in s of sample 2 is 0"),
         ({"pressure_kpa": np.full(301, np.nan)}, "of sample 1 is NaN"),

@@ -76,7 +76,7 @@ def test_harmonics_are_those_of_a_fine_fourier_sum() -> None:
     [
         ({"count": 0}, "count is 0; allowed: 1 to 10000"),
         ({"count": 10_001}, "count is 10001"),
-        ({"speed_rpm": 0}, "the speed is 0"),
+        ({"speed_rpm": 0}, "speed_rpm is 0; allowed: a finite speed other than 0"),
         ({"speed_rpm": [1, 2]}, "allowed: one number"),
         ({"port": "side"}, "port is 'side'; allowed: 'inlet', 'outlet'"),
     ],

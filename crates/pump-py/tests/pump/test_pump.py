@@ -101,9 +101,9 @@ def test_what_is_not_finite_or_beyond_the_range_is_refused_by_name(bad: float) -
         pump.speed_for_flow_rpm(flow_ml_s=bad)
 
 
-@pytest.mark.parametrize("bad", ["100", b"100", None, True, 1j, ["1"], object(), 10**400])
+@pytest.mark.parametrize("bad", ["100", b"100", None, True, 1j, ["1"], object()])
 def test_what_is_no_number_is_a_type_error(bad: float) -> None:
-    with pytest.raises(TypeError, match="angle_rad must be a number or an array of numbers, not "):
+    with pytest.raises(TypeError, match="angle_rad must be a number or an array of numbers in rad, not "):
         pm.Pump.three_roller().outlet_volume_ml(bad)
 
 

@@ -4,12 +4,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import pumpmodel as pm
 
 THREE = pm.Pump.three_roller()
 DOSER = pm.Doser(THREE)
+TIMES = np.arange(300) * 2e-3
 
 
 def changed(table: str, key: str, value: Any) -> dict[str, Any]:
@@ -53,6 +55,122 @@ def test_a_refusal_names_the_argument_and_is_short(
     assert len(str(raised.value)) < 500
 
 
+def simulated(**keywords: Any) -> pm.Run:
+    return THREE.simulate(**{"speed_rpm": 60, "duration_s": 1, **keywords})
+
+
+def identified(**keywords: Any) -> pm.Identified:
+    data: dict[str, Any] = {"time_s": TIMES, "pressure_kpa": 90 + TIMES, "speed_rpm": 60}
+    return pm.identify_line(THREE, **{**data, **keywords})
+
+
+LINE: dict[str, Any] = THREE.outlet.to_dict()
+HUGE = 10**400
+TEXT: Any = "50"
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: simulated(duration_s="1s"), TypeError, "duration_s must be a number in s, not str"),
+        (
+            lambda: simulated(dt_s=HUGE),
+            ValueError,
+            "dt_s is a whole number beyond 1.8e308",
+        ),
+        (lambda: simulated(start_angle_rad=HUGE), ValueError, "start_angle_rad is a whole number beyond"),
+        (lambda: simulated(speed_rpm=HUGE), ValueError, "speed_rpm is a whole number beyond 1.8e308"),
+        (lambda: simulated(speed_rpm=0), ValueError, "speed_rpm is 0; allowed: 9.5e-6 or more either way"),
+        (lambda: simulated(duration_s=0), ValueError, "duration_s is 0; allowed: more than 0"),
+        (lambda: simulated(dt_s=0), ValueError, "dt_s is 0; allowed: more than 0, duration_s at most"),
+        (
+            lambda: simulated(speed_rpm=lambda t: "fast"),
+            TypeError,
+            "speed_rpm at 0.0002113248654051871 s must be a number in r/min, not str",
+        ),
+        (
+            lambda: simulated(speed_rpm=[60, 60], time_s=[[0, 1], [2]], duration_s=None),
+            ValueError,
+            "time_s is no array of numbers in s: its parts differ in shape",
+        ),
+        (
+            lambda: simulated(speed_rpm="60"),
+            TypeError,
+            "speed_rpm must be a number or an array of",
+        ),
+        (
+            lambda: THREE.steady_state(speed_rpm=[10, 0]),
+            ValueError,
+            "speed_rpm is 0; allowed: a finite speed",
+        ),
+        (lambda: THREE.steady_state(speed_rad_s=0), ValueError, "speed_rad_s is 0; allowed: a finite speed"),
+        (lambda: pm.sweep([THREE], speed_rpm=[[1], [1, 2]]), ValueError, "speed_rpm is no array of"),
+        (lambda: identified(fit=[]), ValueError, 'fit is empty; allowed: one name at least of "R", "C"'),
+        (lambda: identified(speed_rpm=0), ValueError, "speed_rpm is 0; allowed: a finite"),
+        (lambda: identified(start_s="0"), TypeError, "start_s must be a number in s, not str"),
+        (
+            lambda: identified(pressure_kpa=100 * (90 + np.sin(31 * TIMES))),
+            ValueError,
+            "the fit explains less than 0 % of how",
+        ),
+        (
+            lambda: pm.LineLikelihood(
+                THREE,
+                time_s=TIMES,
+                pressure_kpa=TIMES,
+                standard_kpa=TEXT,
+                speed_rpm=60,
+            ),
+            TypeError,
+            "standard_kpa must be a number in kPa, not str",
+        ),
+        (
+            lambda: pm.Line(**{**LINE, "resistance_kpa_s_ml": "0.1"}),
+            TypeError,
+            "resistance_kpa_s_ml must be a number in kPa s/mL, not str",
+        ),
+        (
+            lambda: THREE.outlet.replace(compliance_ml_kpa=HUGE),
+            ValueError,
+            "compliance_ml_kpa is a whole",
+        ),
+        (
+            lambda: pm.Hose(bore_radius_mm=4, outer_radius_mm=6, length_mm=TEXT, modulus_mpa=3.5),
+            TypeError,
+            "length_mm must be a number in mm, not str",
+        ),
+        (
+            lambda: pm.WeighedRun(speed_rpm=60, turned_deg=720, mass_g=TEXT),
+            TypeError,
+            "mass_g must be a number in g, not str",
+        ),
+        (
+            lambda: pm.WeighedRun(speed_rpm=TEXT, turned_deg=720),
+            TypeError,
+            "speed_rpm must be a number in r/min, not str",
+        ),
+        (
+            lambda: pm.Fluid.water(temperature_degc=TEXT),
+            TypeError,
+            "temperature_degc must be a number in degC, not str",
+        ),
+        (lambda: DOSER.plan("5mL", carry_in_ml=HUGE), ValueError, "carry_in_ml is a whole number beyond"),
+        (
+            lambda: pm.Limits(max_outlet_kpa=TEXT),
+            TypeError,
+            "max_outlet_kpa must be a number in kPa, not str",
+        ),
+    ],
+)
+def test_a_number_is_refused_by_its_name_and_unit(
+    call: Callable[[], Any], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error) as raised:
+        call()
+    assert str(raised.value).startswith(message)
+    assert "numpy" not in str(raised.value).lower()
+
+
 @pytest.mark.parametrize(
     ("data", "message"),
     [
@@ -80,7 +198,7 @@ def test_wrong_data_of_a_pump_are_told_by_their_keys_and_not_by_json(data: Any, 
     [
         ({"limits": 3}, "limits must be a Limits, not int"),
         ({"smooth": "yes"}, "smooth must be True or False, not str"),
-        ({"start_angle_rad": "1"}, "start_angle_rad must be a number, not str"),
+        ({"start_angle_rad": "1"}, "start_angle_rad must be a number in rad, not str"),
         ({"finish": 1}, "finish must be a word, not int"),
         ({"rate": 3}, "rate must be text with its unit"),
     ],

@@ -108,17 +108,17 @@ def test_a_tighter_tolerance_comes_nearer() -> None:
 @pytest.mark.parametrize(
     ("argument", "message"),
     [
-        ({"speed_rpm": 0}, "speed in rad/s is 0"),
+        ({"speed_rpm": 0}, "speed_rpm is 0"),
         ({"speed_rpm": math.nan}, "speed_rpm is NaN"),
         (
             {"speed_rpm": [1, 2]},
             "the speed is an array of 2 numbers; give the times of these speeds as time_s",
         ),
-        ({"duration_s": 0}, "duration in s is 0; allowed: more than 0"),
-        ({"duration_s": math.inf}, "duration in s is inf"),
-        ({"dt_s": 0}, "dt in s is 0"),
-        ({"dt_s": 2}, "no more than the duration"),
-        ({"dt_s": 1e-12}, "number of samples"),
+        ({"duration_s": 0}, "duration_s is 0; allowed: more than 0"),
+        ({"duration_s": math.inf}, "duration_s is inf"),
+        ({"dt_s": 0}, "dt_s is 0"),
+        ({"dt_s": 2}, "duration_s at most"),
+        ({"dt_s": 1e-12}, "dt_s makes 1.*e12 samples"),
         ({"model": "roller"}, "model is 'roller'; allowed: 'flow-centric', 'roller-centric'"),
         ({"method": "euler"}, "method is 'euler'; allowed: 'auto', 'exact', 'rodas5p'"),
         ({"initial": "moving"}, "initial is 'moving'; allowed: 'rest', 'steady'"),

@@ -61,7 +61,7 @@ def test_arrays_of_speeds_give_read_only_arrays_of_their_shape() -> None:
 
 
 def test_a_speed_of_zero_is_refused() -> None:
-    with pytest.raises(ValueError, match="a finite speed other than zero"):
+    with pytest.raises(ValueError, match="speed_rpm is 0; allowed: a finite speed other than 0"):
         pm.Pump.three_roller().steady_state(speed_rpm=[100, 0])
 
 

@@ -23,6 +23,7 @@ from .functions import _law_check as _law_check
 from .functions import _law_published as _law_published
 from .functions import _law_revolution as _law_revolution
 from .functions import _law_trapped as _law_trapped
+from .functions import _number as _number
 from .functions import _numbers as _numbers
 from .functions import _reading as _reading
 from .functions import _steady_states as _steady_states
@@ -71,6 +72,7 @@ __all__ = [
     "_law_published",
     "_law_revolution",
     "_law_trapped",
+    "_number",
     "_numbers",
     "_reading",
     "_steady_states",

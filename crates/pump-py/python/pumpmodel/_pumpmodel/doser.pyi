@@ -343,7 +343,7 @@ class Doser:
         finish: Finish = "any",
         ramps: Ramps = "line",
         retract: str | None = None,
-        start_angle_rad: _Number = 0.0,
+        start_angle_rad: _Number | None = None,
         start_half_width_rad: _Number = 0.0,
         carry_in_ml: _Number = 0.0,
     ) -> Plan:
@@ -372,8 +372,8 @@ class Doser:
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL", so that nothing drips. `carry_ml` includes it, so the
             next dose repays it.
-        start_angle_rad : float
-            Angle of the rollers at the start, rad. Only the angle within a pitch matters.
+        start_angle_rad : float, optional
+            Angle of the rollers at the start, rad; by default 0. Only the angle within a pitch matters.
         start_half_width_rad : float
             Half width of the start angle, rad: the true angle lies within it on either side. Half a pitch and more, as
             `math.pi`, means an unknown angle. The plan then has the smallest worst case over all angles, and whole

@@ -23,7 +23,10 @@ _Points: TypeAlias = Sequence[tuple[float, float]]
 _Identified: TypeAlias = tuple[str, str, Line, list[_Array], _Array]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 
-def _numbers(name: str, argument: ArrayLike) -> float | _Array:
+def _number(name: str, argument: object, unit: str | None = None) -> float:
+    """Returns the float of an argument. `unit` is that of a name that does not end with it."""
+
+def _numbers(name: str, argument: object) -> float | _Array:
     """Returns the numbers that NumPy makes of an argument: a float, or an array of float64 of its shape."""
 
 def _choices() -> list[tuple[str, list[str]]]:

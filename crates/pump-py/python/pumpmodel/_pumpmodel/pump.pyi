@@ -226,13 +226,13 @@ class LineLikelihood:
         *,
         time_s: ArrayLike,
         pressure_kpa: ArrayLike,
-        standard_kpa: float,
+        standard_kpa: _Number,
         port: Port = "outlet",
-        speed_rpm: float,
+        speed_rpm: _Number,
         speed_rad_s: None = None,
         begin: Begin = "ramp",
-        start_s: float | None = None,
-        start_angle_rad: float | None = None,
+        start_s: _Number | None = None,
+        start_angle_rad: _Number | None = None,
     ) -> LineLikelihood: ...
     @overload
     def __new__(
@@ -241,13 +241,13 @@ class LineLikelihood:
         *,
         time_s: ArrayLike,
         pressure_kpa: ArrayLike,
-        standard_kpa: float,
+        standard_kpa: _Number,
         port: Port = "outlet",
         speed_rpm: None = None,
-        speed_rad_s: float,
+        speed_rad_s: _Number,
         begin: Begin = "ramp",
-        start_s: float | None = None,
-        start_angle_rad: float | None = None,
+        start_s: _Number | None = None,
+        start_angle_rad: _Number | None = None,
     ) -> LineLikelihood: ...
     @property
     def line(self) -> Line:
@@ -255,13 +255,13 @@ class LineLikelihood:
     def log_likelihood(
         self,
         *,
-        resistance_kpa_s_ml: float | None = None,
-        compliance_ml_kpa: float | None = None,
-        inertance_kpa_s2_ml: float | None = None,
-        reservoir_kpa: float | None = None,
-        start_angle_rad: float | None = None,
-        start_s: float | None = None,
-        standard_kpa: float | None = None,
+        resistance_kpa_s_ml: _Number | None = None,
+        compliance_ml_kpa: _Number | None = None,
+        inertance_kpa_s2_ml: _Number | None = None,
+        reservoir_kpa: _Number | None = None,
+        start_angle_rad: _Number | None = None,
+        start_s: _Number | None = None,
+        standard_kpa: _Number | None = None,
     ) -> float:
         """Return the natural logarithm of the likelihood of a line. Other Python threads run meanwhile.
 

@@ -53,10 +53,10 @@ class Run:
     def delivered_ml(self) -> _Array:
         """Volume that has passed the outlet line, mL; shape (n,)."""
     @property
-    def end_state(self) -> LineStates | None:
+    def end_state(self) -> LineStates:
         """\
-        State of the lines at the last sample, from which another run may go on; None for the roller-centric model and
-        for runs of `from_dict`.
+        State of the lines at the last sample, from which another run may go on. A run of the roller-centric model or of
+        `from_dict` has none and raises AttributeError.
         """
     @property
     def sensitivity(self) -> Sensitivity | None:

@@ -10,7 +10,7 @@ from functools import wraps
 from types import TracebackType
 from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
-from pumpmodel._pumpmodel import _Call
+from pumpmodel._pumpmodel import Calibration, Pump, _Call
 from pumpmodel.bench.bench import Bench
 from pumpmodel.dose import Dose
 from pumpmodel.errors import StoppedError
@@ -69,6 +69,8 @@ def _asking(
 
 class AsyncBench:
     """A bench for asyncio. Its methods are those of `Bench`, awaited, with the same arguments and errors.
+
+    `stop` and the properties are not awaited.
 
     Other tasks run meanwhile. Calls come one after the other. A cancelled call decelerates the motor, which
     then holds; once all is on record, CancelledError is raised. Its `dose` has the result with the delivered
@@ -136,6 +138,38 @@ class AsyncBench:
     calibrate_last = _asking(Bench.calibrate_last)
     calibrate_phase = _asking(Bench.calibrate_phase)
     use_calibration = _asking(Bench.use_calibration)
+    calibrations = _asking(Bench.calibrations)
+    verify = _asking(Bench.verify)
+
+    @property
+    def pump(self) -> Pump:
+        """Pump of the bench."""
+        return self._bench.pump
+
+    @property
+    def calibration(self) -> Calibration | None:
+        """Calibration that doses use; None without one."""
+        return self._bench.calibration
+
+    @property
+    def driver(self) -> str:
+        """Driver of the motor: "sim", "grbl" or "node"."""
+        return self._bench.driver
+
+    @property
+    def port(self) -> str | None:
+        """Serial port of the controller; None without one."""
+        return self._bench.port
+
+    @property
+    def folder(self) -> str:
+        """Folder of the journal."""
+        return self._bench.folder
+
+    @property
+    def closed(self) -> bool:
+        """True once the bench is closed."""
+        return self._bench.closed
 
     def stop(self) -> str | None:
         """Make every call under way decelerate the motor, as `Bench.stop` does. It does not wait."""

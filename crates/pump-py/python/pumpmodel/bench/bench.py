@@ -106,7 +106,7 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
 
     @property
     def driver(self) -> str:
-        """Driver of the motor: "sim" or "grbl"."""
+        """Driver of the motor: "sim", "grbl" or "node"."""
         return self._core.driver
 
     @property

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from pumpmodel._pumpmodel import Calibration
+from pumpmodel._results.numbers import Number
 from pumpmodel.bench.calls import HasCore, stoppable
 from pumpmodel.choices import CalibrationFit
 from pumpmodel.dose import Verification
@@ -16,8 +17,8 @@ class BenchCalibration(HasCore):
     def calibration_run(
         self,
         *,
-        speed_rpm: float | None = None,
-        speed_rad_s: float | None = None,
+        speed_rpm: Number | None = None,
+        speed_rad_s: Number | None = None,
         pitches: int,
         progress: Callable[[int, int], object] | None = None,
     ) -> WeighedRun:
@@ -187,8 +188,8 @@ class BenchCalibration(HasCore):
         nominal: str,
         readings: Sequence[str],
         *,
-        systematic_percent: float | None = None,
-        random_percent: float | None = None,
+        systematic_percent: Number | None = None,
+        random_percent: Number | None = None,
     ) -> Verification:
         """Judge weighed doses of one volume, as ISO 8655-6 reports them. Nothing moves or is recorded.
 

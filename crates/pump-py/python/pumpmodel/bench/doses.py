@@ -1,6 +1,7 @@
 """Doses of a bench, and volumes that fill and empty the line."""
 
 from pumpmodel._pumpmodel import Balance, Limits
+from pumpmodel._results.numbers import Number
 from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.planning import BenchPlans, Progress
 from pumpmodel.bench.request import asked, by_weight, one_end
@@ -23,8 +24,8 @@ class BenchDoses(BenchPlans):
         finish: Finish = "any",
         ramps: Ramps | None = None,
         retract: str | None = None,
-        start_angle_rad: float | None = None,
-        start_half_width_rad: float = 0.0,
+        start_angle_rad: Number | None = None,
+        start_half_width_rad: Number = 0.0,
         limits: Limits | None = None,
         until_scale: Balance | None = None,
         max_volume: str | None = None,
@@ -146,8 +147,8 @@ class BenchDoses(BenchPlans):
         within: str | None = None,
         smooth: bool = False,
         ramps: Ramps | None = None,
-        start_angle_rad: float | None = None,
-        start_half_width_rad: float = 0.0,
+        start_angle_rad: Number | None = None,
+        start_half_width_rad: Number = 0.0,
         limits: Limits | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,
@@ -235,8 +236,8 @@ class BenchDoses(BenchPlans):
         within: str | None = None,
         smooth: bool = False,
         ramps: Ramps | None = None,
-        start_angle_rad: float | None = None,
-        start_half_width_rad: float = 0.0,
+        start_angle_rad: Number | None = None,
+        start_half_width_rad: Number = 0.0,
         limits: Limits | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,

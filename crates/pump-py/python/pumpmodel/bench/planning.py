@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump
+from pumpmodel._results.numbers import Number
 from pumpmodel.bench.calls import HasCore
 from pumpmodel.bench.request import asked
 from pumpmodel.choices import Finish, Ramps
@@ -36,8 +37,8 @@ class BenchPlans(HasCore):
         finish: Finish = "any",
         ramps: Ramps | None = None,
         retract: str | None = None,
-        start_angle_rad: float | None = None,
-        start_half_width_rad: float = 0.0,
+        start_angle_rad: Number | None = None,
+        start_half_width_rad: Number = 0.0,
         limits: Limits | None = None,
     ) -> Plan:
         """Plan a dose from the record, with the calibration in use, for its steps and waveform.
@@ -103,6 +104,8 @@ class BenchPlans(HasCore):
             limits,
         )
         self._core.prepare("dose", request)
+        angle_rad: Number
+        half_width_rad: Number
         angle_rad, half_width_rad, carry_ml = self._core.stands
         if start_angle_rad is not None:
             angle_rad, half_width_rad = start_angle_rad, start_half_width_rad

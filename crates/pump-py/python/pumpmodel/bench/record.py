@@ -2,6 +2,7 @@
 
 import warnings
 
+from pumpmodel._results.numbers import Number
 from pumpmodel._results.renamed import renamed
 from pumpmodel.bench.calls import HasCore, stoppable
 from pumpmodel.dose import LoggedDose, Status
@@ -66,7 +67,7 @@ class BenchRecord(HasCore):
         """
         return _told(self._core.discard())
 
-    def home_set(self, angle_rad: float | None, *, half_width_rad: float = 0.0) -> Status:
+    def home_set(self, angle_rad: Number | None, *, half_width_rad: Number = 0.0) -> Status:
         """Record the angle of the rollers. The carry is zero afterwards.
 
         Parameters
@@ -101,7 +102,7 @@ class BenchRecord(HasCore):
         # One call more than of the others stands between: that of `stoppable`.
         return _told(self._core.home_sensor(), 4)
 
-    def home_mark(self, *, half_width_rad: float) -> Status:
+    def home_mark(self, *, half_width_rad: Number) -> Status:
         """Record that the rotor's mark meets the housing's. `jog_rad` turns the rotor there.
 
         Parameters
@@ -117,7 +118,7 @@ class BenchRecord(HasCore):
         return _told(self._core.home_mark(half_width_rad))
 
     @stoppable
-    def jog_rad(self, angle_rad: float) -> float:
+    def jog_rad(self, angle_rad: Number) -> float:
         """Turn the rotor at 10 r/min. The carry between doses stays as it is.
 
         Parameters
@@ -132,7 +133,7 @@ class BenchRecord(HasCore):
         """
         return self._core.jog(angle_rad)
 
-    def jog(self, angle_rad: float) -> float:
+    def jog(self, angle_rad: Number) -> float:
         """Turn the rotor, by the deprecated name of `jog_rad`."""
         renamed("Bench.jog", "Bench.jog_rad")
         return self.jog_rad(angle_rad)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from pumpmodel._pumpmodel import Balance, Limits
+from pumpmodel._results.numbers import Number
 from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.doses import BenchDoses
 from pumpmodel.bench.planning import Progress
@@ -21,7 +22,7 @@ class BenchRepeats(BenchDoses):
         volume: str,
         count: int,
         *,
-        every_s: float | None = None,
+        every_s: Number | None = None,
         missed: Missed = "skip",
         rate: str | None = None,
         speed: str | None = None,
@@ -30,8 +31,8 @@ class BenchRepeats(BenchDoses):
         finish: Finish = "any",
         ramps: Ramps | None = None,
         retract: str | None = None,
-        start_angle_rad: float | None = None,
-        start_half_width_rad: float = 0.0,
+        start_angle_rad: Number | None = None,
+        start_half_width_rad: Number = 0.0,
         limits: Limits | None = None,
     ) -> Iterator[Dose]:
         """Dose again and again. Each step of `for dose in bench.batch(...)` makes one dose.

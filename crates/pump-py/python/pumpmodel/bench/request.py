@@ -3,6 +3,7 @@
 from typing import Any
 
 from pumpmodel._pumpmodel import Balance, Limits
+from pumpmodel._results.numbers import Number
 from pumpmodel.choices import Finish, Ramps
 
 
@@ -15,8 +16,8 @@ def asked(
     finish: Finish | None,
     ramps: Ramps | None,
     retract: str | None,
-    start_angle_rad: float | None,
-    start_half_width_rad: float,
+    start_angle_rad: Number | None,
+    start_half_width_rad: Number,
     limits: Limits | None,
     *,
     duration: str | None = None,
@@ -44,22 +45,13 @@ def asked(
         "finish": finish,
         "ramps": ramps,
         "retract": retract,
-        "start_angle_rad": None if start_angle_rad is None else _number("start_angle_rad", start_angle_rad),
-        "start_half_width_rad": _number("start_half_width_rad", start_half_width_rad),
+        "start_angle_rad": start_angle_rad,
+        "start_half_width_rad": start_half_width_rad,
         "limits": limits,
         "duration": duration,
         "until_stopped": until_stopped,
         "reverse": reverse,
     }
-
-
-def _number(name: str, given: float) -> float:
-    if isinstance(given, str):
-        raise TypeError(f"{name} must be a number, not str")
-    try:
-        return float(given)
-    except TypeError as error:
-        raise TypeError(f"{name} must be a number, not {type(given).__name__}") from error
 
 
 def one_end(volume: str | None, duration: str | None) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pumpmodel._pumpmodel import Limits, _numbers
+from pumpmodel._results.numbers import Number
 from pumpmodel.bench.calls import stoppable
 from pumpmodel.bench.planning import Progress
 from pumpmodel.bench.repeats import BenchRepeats
@@ -30,8 +31,8 @@ class BenchRuns(BenchRepeats):
         reverse: bool = False,
         smooth: bool = False,
         ramps: Ramps | None = None,
-        start_angle_rad: float | None = None,
-        start_half_width_rad: float = 0.0,
+        start_angle_rad: Number | None = None,
+        start_half_width_rad: Number = 0.0,
         limits: Limits | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,

@@ -5,13 +5,14 @@ import warnings
 from collections.abc import Iterator
 
 from pumpmodel._pumpmodel import _Call, _Schedule
+from pumpmodel._results.numbers import Number
 from pumpmodel.choices import Missed
 
 # Longest time until a wait hears of a stop, s.
 _LOOK_S = 0.05
 
 
-def due(count: int, every_s: float | None, missed: Missed, call: _Call) -> Iterator[None]:
+def due(count: int, every_s: Number | None, missed: Missed, call: _Call) -> Iterator[None]:
     """Yield once for each dose of a batch, when the dose is due.
 
     Parameters

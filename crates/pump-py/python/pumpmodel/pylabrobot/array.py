@@ -1,14 +1,21 @@
 """Pumps of PyLabRobot that run together, each a bench."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sequence
-from typing import Any, NoReturn
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NoReturn, Self, TypeVar
+
+import numpy as np
 
 from pumpmodel._pumpmodel import Limits
+from pumpmodel._results.numbers import Number
 from pumpmodel.dose import Dose
-from pumpmodel.pylabrobot import bases
+from pumpmodel.errors import UnfinishedError
+from pumpmodel.pylabrobot import bases, motions
 from pumpmodel.pylabrobot.backend import BenchBackend, refuse
 from pumpmodel.pylabrobot.pump import BenchPump
+
+_Result = TypeVar("_Result")
 
 
 class BenchArrayBackend(bases.PumpArrayBackend):
@@ -70,6 +77,8 @@ class BenchArrayBackend(bases.PumpArrayBackend):
 class BenchPumpArray(bases.PumpArray):
     """A PyLabRobot pump array whose channels are benches. The channels of a call run at the same time.
 
+    Every channel is planned before one moves: what refuses one channel moves none.
+
     If one of them fails or the call is cancelled, the others decelerate, hold and are on record; the first
     failure is raised. `pumps` has each channel's `BenchPump`, for `resume` and `discard`.
 
@@ -86,6 +95,11 @@ class BenchPumpArray(bases.PumpArray):
         super().__init__(backend=backend)
         self.backend: BenchArrayBackend = backend
 
+    async def __aenter__(self) -> Self:
+        """Set the pumps up and return the array."""
+        await super().__aenter__()
+        return self
+
     @property
     def pumps(self) -> list[BenchPump]:
         """Pump of each channel."""
@@ -93,9 +107,9 @@ class BenchPumpArray(bases.PumpArray):
 
     async def pump_volume(
         self,
-        speed: float | Sequence[float] | None,
+        speed: Number | Sequence[Number] | None,
         use_channels: int | Sequence[int],
-        volume: float | Sequence[float],
+        volume: Number | Sequence[Number],
         *,
         rate: str | Sequence[str] | None = None,
         retract: str | None = None,
@@ -106,7 +120,7 @@ class BenchPumpArray(bases.PumpArray):
         Parameters
         ----------
         speed : float, sequence of float or None
-            Speed of every pump head, or of each, r/min; None with a `rate`, or for each pump's own rate.
+            Speed of every pump head, or of each, r/min; None with a `rate`.
         use_channels : int or sequence of int
             Channels, from 0.
         volume : float or sequence of float
@@ -126,12 +140,13 @@ class BenchPumpArray(bases.PumpArray):
         Raises
         ------
         ValueError
-            If a channel does not exist or comes twice, or if there is not one value for each.
+            If a channel does not exist or comes twice, or if there is not one value for each. Errors of a
+            channel are those of `BenchPump.pump_volume`, and name it.
         """
-        return await self._each(
+        return await self._made(
             use_channels,
-            lambda pump, speed, volume, rate: pump.pump_volume(
-                speed, volume, rate=rate, retract=retract, limits=limits
+            lambda speed, volume, rate: motions.volume_of(
+                speed, volume, rate, retract=retract, limits=limits
             ),
             speed=speed,
             volume=volume,
@@ -140,40 +155,47 @@ class BenchPumpArray(bases.PumpArray):
 
     async def run_revolutions(
         self,
-        num_revolutions: float | Sequence[float],
+        num_revolutions: Number | Sequence[Number],
         use_channels: int | Sequence[int],
         *,
-        speed: float | Sequence[float] | None = None,
+        speed: Number | Sequence[Number] | None = None,
     ) -> list[Dose]:
         """Turn each channel's pump head by revolutions, as `BenchPump.run_revolutions` does."""
-        return await self._each(
+        return await self._made(
             use_channels,
-            lambda pump, turns, speed: pump.run_revolutions(turns, speed=speed),
+            lambda turns, speed: motions.revolutions_of(turns, speed, None),
             num_revolutions=num_revolutions,
             speed=speed,
         )
 
     async def run_for_duration(
         self,
-        speed: float | Sequence[float] | None,
+        speed: Number | Sequence[Number] | None,
         use_channels: int | Sequence[int],
-        duration: float,
+        duration: Number,
         *,
         rate: str | Sequence[str] | None = None,
     ) -> list[Dose]:
         """Run each channel for `duration` seconds, as `BenchPump.run_for_duration` does."""
-        return await self._each(
+        return await self._made(
             use_channels,
-            lambda pump, speed, rate: pump.run_for_duration(speed, duration, rate=rate),
+            lambda speed, rate: motions.duration_of(speed, duration, rate),
             speed=speed,
             rate=rate,
         )
 
     async def run_continuously(
-        self, speed: float | Sequence[float], use_channels: int | Sequence[int]
+        self, speed: Number | Sequence[Number], use_channels: int | Sequence[int]
     ) -> None:
-        """Run each channel at a speed, r/min, until `halt`. Speed 0 halts a channel."""
-        await self._each(use_channels, lambda pump, speed: pump.run_continuously(speed), speed=speed)
+        """Run each channel at a speed, r/min, until `halt`. Speed 0 halts a channel.
+
+        Runs of these channels that are under way are halted before.
+        """
+        rows = self._rows(use_channels, speed=speed)
+        await self._at_once([(channel, self.pumps[channel].halt()) for channel, _ in rows])
+        runs = [(channel, motions.continuous_of(speed, None)) for channel, speed in rows if speed != 0]
+        await self._plan(runs)
+        await self._at_once([(channel, self.pumps[channel].begin(run)) for channel, run in runs])
 
     async def halt(self) -> list[Dose | None]:
         """Decelerate and hold what is under way.
@@ -185,10 +207,19 @@ class BenchPumpArray(bases.PumpArray):
         """
         return list(await asyncio.gather(*(pump.halt() for pump in self.pumps)))
 
-    async def _each(
-        self, use_channels: int | Sequence[int], work: Callable[..., Awaitable[Any]], **values: Any
-    ) -> list[Any]:
-        """Do `work` with the pump of each channel and its values, at the same time."""
+    async def _made(
+        self, use_channels: int | Sequence[int], motion_of: Callable[..., motions.Motion], **values: Any
+    ) -> list[Dose]:
+        """Plan the motion of each channel with its values, then make them at the same time."""
+        made = []
+        for channel, *row in self._rows(use_channels, **values):
+            with _naming(channel):
+                made.append((channel, motion_of(*row)))
+        await self._plan(made)
+        return await self._at_once([(channel, self.pumps[channel].made(motion)) for channel, motion in made])
+
+    def _rows(self, use_channels: int | Sequence[int], **values: Any) -> list[tuple[Any, ...]]:
+        """Return each channel with its values."""
         channels = [use_channels] if isinstance(use_channels, int) else list(use_channels)
         for channel in channels:
             if not 0 <= channel < len(self.pumps):
@@ -198,8 +229,26 @@ class BenchPumpArray(bases.PumpArray):
             message = f"use_channels is {channels}; allowed: each channel once"
             raise ValueError(message)
         columns = [_column(name, value, len(channels)) for name, value in values.items()]
-        rows = zip(channels, *columns, strict=True)
-        tasks = [asyncio.ensure_future(work(self.pumps[channel], *row)) for channel, *row in rows]
+        return list(zip(channels, *columns, strict=True))
+
+    async def _plan(self, planned: list[tuple[int, motions.Motion]]) -> None:
+        """Plan the motion of every channel, so that one that is refused moves none."""
+        for channel, motion in planned:
+            with _naming(channel):
+                unfinished = (await self.pumps[channel].backend.awaited.status()).unfinished
+                if unfinished is not None:
+                    message = "a dose is unfinished; its pump's resume() makes the rest, discard() accepts it"
+                    raise UnfinishedError(message)
+                await self.pumps[channel].planned(motion)
+
+    async def _at_once(self, works: list[tuple[int, Awaitable[_Result]]]) -> list[_Result]:
+        """Do the work of each channel at the same time."""
+
+        async def named(channel: int, work: Awaitable[_Result]) -> _Result:
+            with _naming(channel):
+                return await work
+
+        tasks = [asyncio.ensure_future(named(channel, work)) for channel, work in works]
         try:
             return list(await asyncio.gather(*tasks))
         except BaseException:
@@ -210,8 +259,21 @@ class BenchPumpArray(bases.PumpArray):
             raise
 
 
+@contextmanager
+def _naming(channel: int) -> Iterator[None]:
+    """Put the channel before the message of an error."""
+    try:
+        yield
+    except Exception as error:
+        if error.args and isinstance(error.args[0], str):
+            error.args = (f"channel {channel}: {error.args[0]}", *error.args[1:])
+        else:
+            error.add_note(f"channel {channel}")
+        raise
+
+
 def _column(name: str, value: Any, count: int) -> list[Any]:
-    if value is None or isinstance(value, int | float | str):
+    if value is None or isinstance(value, int | float | str | np.generic):
         return [value] * count
     values = list(value)
     if len(values) != count:

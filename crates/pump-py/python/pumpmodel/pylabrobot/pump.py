@@ -2,22 +2,19 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from typing import Any
+from typing import Self
 
 from pumpmodel._pumpmodel import Limits
+from pumpmodel._results.numbers import Number
 from pumpmodel.bench import AsyncBench
 from pumpmodel.choices import Finish
 from pumpmodel.dose import Dose
 from pumpmodel.errors import PumpError
-from pumpmodel.pylabrobot import bases
+from pumpmodel.pylabrobot import bases, motions
 from pumpmodel.pylabrobot.backend import BenchBackend
 
 # Time between two calls of Bench.stop while a call ends.
 _AGAIN_S = 0.02
-
-# Steps by which revolutions may miss, and plans in search of their volume.
-_NEAR_STEPS = 2
-_ROUNDS = 20
 
 
 class HaltedError(PumpError):
@@ -55,11 +52,17 @@ class BenchPump(bases.Pump):
         self.backend: BenchBackend = backend
         self._moving = asyncio.Lock()
         self._running: asyncio.Task[Dose] | None = None
+        self._halts = 0
+
+    async def __aenter__(self) -> Self:
+        """Set the pump up and return it."""
+        await super().__aenter__()
+        return self
 
     async def pump_volume(
         self,
-        speed: float | None,
-        volume: float,
+        speed: Number | None = None,
+        volume: Number | None = None,
         *,
         rate: str | None = None,
         smooth: bool = False,
@@ -71,10 +74,10 @@ class BenchPump(bases.Pump):
 
         Parameters
         ----------
-        speed : float or None
-            Speed of the pump head while cruising, r/min; None with a `rate`, or for the pump's own rate.
+        speed : float, optional
+            Speed of the pump head while cruising, r/min. Give exactly one of `speed` and `rate`.
         volume : float
-            Volume, mL; negative in reverse.
+            Volume, mL; negative in reverse. It is always needed.
         rate : str, optional
             Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
         smooth : bool
@@ -104,18 +107,10 @@ class BenchPump(bases.Pump):
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        cruise = None if speed is None else f"{float(speed)!r}rpm"
-        return await self._until_done(
-            lambda bench: bench.dose(
-                f"{float(volume)!r}mL",
-                speed=cruise,
-                rate=rate,
-                smooth=smooth,
-                finish=finish,
-                retract=retract,
-                limits=limits,
-            )
+        motion = motions.volume_of(
+            speed, volume, rate, smooth=smooth, finish=finish, retract=retract, limits=limits
         )
+        return await self.made(motion)
 
     async def resume(self) -> Dose:
         """Make the rest of an unfinished dose.
@@ -134,19 +129,21 @@ class BenchPump(bases.Pump):
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
+        self._refuse_running()
         return await self._until_done(lambda bench: bench.resume())
 
     async def discard(self) -> None:
         """Accept an unfinished dose with the volume that was delivered."""
         bench = self.backend.awaited
+        self._refuse_running()
         async with self._moving:
             await bench.discard()
 
     async def run_revolutions(
         self,
-        num_revolutions: float,
+        num_revolutions: Number,
         *,
-        speed: float | None = None,
+        speed: Number | None = None,
         rate: str | None = None,
         limits: Limits | None = None,
     ) -> Dose:
@@ -179,14 +176,11 @@ class BenchPump(bases.Pump):
         PlanError
             If the pump cannot make the run.
         """
-        turns = float(num_revolutions)
-        keywords: dict[str, Any] = {"rate": rate, "limits": limits, "reverse": turns < 0}
-        keywords["speed"] = None if speed is None else _rpm(speed)
-        return await self._until_done(lambda bench: _turn(bench, abs(turns), keywords))
+        return await self.made(motions.revolutions_of(num_revolutions, speed, rate, limits))
 
     async def run_continuously(
         self,
-        speed: float | None,
+        speed: Number | None = None,
         *,
         rate: str | None = None,
         reverse: bool = False,
@@ -195,12 +189,13 @@ class BenchPump(bases.Pump):
         """Run at a speed until `halt`. The call returns while the pump runs.
 
         A run under way is halted before. Speed 0 halts and begins nothing. Errors that come up before the run
-        moves are those of `pump_volume` and raised here; those of its motion are raised by `halt`.
+        moves are those of `pump_volume` and raised here; those of its motion are raised by `halt`. Other
+        calls are refused until `halt`.
 
         Parameters
         ----------
-        speed : float or None
-            Speed of the pump head, r/min; negative in reverse. None with a `rate`.
+        speed : float, optional
+            Speed of the pump head, r/min; negative in reverse. Give exactly one of `speed` and `rate`.
         rate : str, optional
             Average flow while cruising, as "10 mL/s".
         reverse : bool
@@ -211,17 +206,20 @@ class BenchPump(bases.Pump):
         await self.halt()
         if speed == 0:
             return
-        keywords = _cruise(speed, rate, reverse, limits)
-        async with self._moving:
-            await self.backend.awaited.run(dry_run=True, **keywords)
-        self._running = asyncio.create_task(self._until_done(lambda bench: bench.run(**keywords)))
+        motion = motions.continuous_of(speed, rate, reverse, limits)
+        await self.planned(motion)
+        await self.begin(motion)
+
+    async def begin(self, motion: motions.Motion) -> None:
+        """Begin a run that was planned, until `halt`. The call returns while the pump runs."""
+        self._running = asyncio.create_task(self._until_done(lambda bench: motion(bench, False)))
         while not self._running.done() and not self._moving.locked():
             await asyncio.sleep(0)
 
     async def run_for_duration(
         self,
-        speed: float | None,
-        duration: float,
+        speed: Number | None = None,
+        duration: Number | None = None,
         *,
         rate: str | None = None,
         reverse: bool = False,
@@ -231,10 +229,10 @@ class BenchPump(bases.Pump):
 
         Parameters
         ----------
-        speed : float or None
-            Speed of the pump head, r/min; negative in reverse. None with a `rate`.
+        speed : float, optional
+            Speed of the pump head, r/min; negative in reverse. Give exactly one of `speed` and `rate`.
         duration : float
-            Time from the first step to the last, s.
+            Time from the first step to the last, s. It is always needed.
         rate : str, optional
             Average flow while cruising, as "10 mL/s".
         reverse : bool
@@ -260,8 +258,7 @@ class BenchPump(bases.Pump):
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        keywords = _cruise(speed, rate, reverse, limits)
-        return await self._until_done(lambda bench: bench.run(duration=f"{float(duration)!r}s", **keywords))
+        return await self.made(motions.duration_of(speed, duration, rate, reverse, limits))
 
     async def halt(self) -> Dose | None:
         """Decelerate and hold what is under way. Complete when the motor stands and all is recorded.
@@ -272,9 +269,13 @@ class BenchPump(bases.Pump):
             The run that `run_continuously` began, with its result; None without one.
         """
         bench = self.backend.bench
-        while self._moving.locked():
-            bench.stop()
-            await asyncio.sleep(_AGAIN_S)
+        self._halts += 1
+        try:
+            while self._moving.locked():
+                bench.stop()
+                await asyncio.sleep(_AGAIN_S)
+        finally:
+            self._halts -= 1
         running, self._running = self._running, None
         return None if running is None else await running
 
@@ -283,6 +284,36 @@ class BenchPump(bases.Pump):
         await self.halt()
         await super().stop()
 
+    async def planned(self, motion: motions.Motion) -> Dose:
+        """Plan a motion and make nothing of it. What refuses it is raised.
+
+        Raises
+        ------
+        PumpError
+            If a run goes on until `halt`.
+        """
+        bench = self.backend.awaited
+        self._refuse_running()
+        async with self._moving:
+            return await motion(bench, True)
+
+    async def made(self, motion: motions.Motion) -> Dose:
+        """Make a motion.
+
+        Raises
+        ------
+        PumpError
+            If a run goes on until `halt`.
+        """
+        self._refuse_running()
+        return await self._until_done(lambda bench: motion(bench, False))
+
+    def _refuse_running(self) -> None:
+        """Refuse a call that would wait for a run without end."""
+        if self._running is not None and not self._running.done() and not self._halts:
+            message = "the pump runs until halt(), as run_continuously() began it; await halt() first"
+            raise PumpError(message)
+
     async def _until_done(self, work: Callable[[AsyncBench], Awaitable[Dose]]) -> Dose:
         bench = self.backend.awaited
         async with self._moving:
@@ -290,28 +321,3 @@ class BenchPump(bases.Pump):
         if not dose.completed:
             raise HaltedError(dose)
         return dose
-
-
-def _rpm(speed: float) -> str:
-    return f"{abs(float(speed))!r}rpm"
-
-
-def _cruise(speed: float | None, rate: str | None, reverse: bool, limits: Limits | None) -> dict[str, Any]:
-    """Return the keywords of a run. The sign of a speed is a direction too."""
-    if speed is None:
-        return {"rate": rate, "reverse": reverse, "limits": limits}
-    return {"speed": _rpm(speed), "rate": rate, "reverse": (speed < 0) != reverse, "limits": limits}
-
-
-async def _turn(bench: AsyncBench, turns: float, keywords: dict[str, Any]) -> Dose:
-    """Run for the volume that the pump delivers in `turns` revolutions from where the rollers stand."""
-    pump = bench.bench.pump
-    steps = turns * pump.steps_per_rev
-    volume_ml = turns * pump.volume_per_revolution_ml
-    for _ in range(_ROUNDS):
-        planned = await bench.run(volume=f"{volume_ml!r}mL", dry_run=True, **keywords)
-        missing = steps - abs(planned.steps)
-        if abs(missing) <= _NEAR_STEPS:
-            break
-        volume_ml += missing / pump.steps_per_rev * pump.volume_per_revolution_ml
-    return await bench.run(volume=f"{volume_ml!r}mL", **keywords)

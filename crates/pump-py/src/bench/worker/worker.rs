@@ -15,10 +15,14 @@ use super::calls::{Begun, Calls, Signal, lock};
 use super::progress::check_progress;
 use crate::python::advice;
 use crate::python::errors::{self, PumpError, StoppedError};
+use crate::python::spare;
 use crate::python::warnings;
 
 /// Time between two checks of a caller for signals, and of an idle session for a motor that is due for release.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// Number of threads that a call may start: the journal's, and those of a device and of a balance.
+const THREADS: usize = 3;
 
 /// A bench, with its session once a call has needed one.
 pub(in crate::bench) struct Held<'a> {
@@ -138,6 +142,8 @@ impl Worker {
                 "another process opened this bench; open the bench in this process",
             ));
         }
+        // A motion that begins has memory for its end.
+        spare::room_for_threads(THREADS)?;
         check_progress(progress, 2)?;
         let begun = self.calls.begin(name.name(), name.moves());
         let signal = &begun.signal;

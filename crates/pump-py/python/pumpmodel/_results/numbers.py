@@ -1,0 +1,24 @@
+"""Numbers that a caller gives: Python's and NumPy's."""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from pumpmodel._pumpmodel import _number
+
+#: One number, for annotations.
+Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
+
+
+def floats_of(record: object, *names: str) -> None:
+    """Make attributes of a frozen dataclass numbers of Python, but for those that are None.
+
+    What is no number is refused by the attribute's name and unit.
+    """
+    for name in names:
+        given = getattr(record, name)
+        if given is None:
+            continue
+        number = _number(name, given)
+        if type(given) not in (int, float):
+            object.__setattr__(record, name, number)
