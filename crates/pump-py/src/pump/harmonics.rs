@@ -46,7 +46,7 @@ impl Pump {
     /// --------
     /// >>> import pumpmodel as pm
     /// >>> found = pm.Pump.three_roller().harmonics(5, speed_rpm=100)
-    /// >>> round(float(found.rad_s[0]), 4), found.pressure_kpa.shape
+    /// >>> round(float(found.rad_s.min()), 4), found.pressure_kpa.shape
     /// (31.4159, (5,))
     #[pyo3(signature = (count=20, *, speed_rpm=None, speed_rad_s=None, port="outlet"))]
     fn harmonics<'py>(

@@ -1096,7 +1096,7 @@ class Pump:
         --------
         >>> import pumpmodel as pm
         >>> found = pm.Pump.three_roller().harmonics(5, speed_rpm=100)
-        >>> round(float(found.rad_s[0]), 4), found.pressure_kpa.shape
+        >>> round(float(found.rad_s.min()), 4), found.pressure_kpa.shape
         (31.4159, (5,))
         """
     @overload
