@@ -48,16 +48,18 @@ from pumpmodel.errors import (
     StoppedError,
     UnfinishedError,
 )
-from pumpmodel.experiment import ExpectedFit, Experiment, next_experiment
 from pumpmodel.fluid import Fluid
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
-from pumpmodel.identified import (
+from pumpmodel.identification import (
     Estimate,
+    ExpectedFit,
+    Experiment,
     Identified,
     identify_compliance,
     identify_line,
     identify_resistance,
+    next_experiment,
 )
 from pumpmodel.monte_carlo import VolumeTrials, monte_carlo
 from pumpmodel.plotting import (

@@ -13,7 +13,7 @@ from pumpmodel._results.words import between, give_or_take, number, parameter
 if TYPE_CHECKING:
     from pumpmodel._results.harmonics import Harmonics
     from pumpmodel.dose import Dose, Verification
-    from pumpmodel.identified import Identified
+    from pumpmodel.identification.identified import Identified
     from pumpmodel.sweeps import Sweep
     from pumpmodel.volume_fit import VolumeFit
     from pumpmodel.weighed import PhaseFit

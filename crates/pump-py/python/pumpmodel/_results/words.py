@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from pumpmodel.identified import Estimate
+    from pumpmodel.identification.identified import Estimate
 
 # Symbol or name, and unit, of the parameters of an identified line.
 _PARAMETERS = {

@@ -14,7 +14,7 @@ from pumpmodel.plotting.envelope import envelope
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pumpmodel.identified import Identified
+    from pumpmodel.identification.identified import Identified
     from pumpmodel.volume_fit import VolumeFit
 
 # Name and label of what was varied, and label of what was measured.

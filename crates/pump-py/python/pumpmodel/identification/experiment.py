@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pumpmodel._pumpmodel import Line, Pump
 from pumpmodel._results.record import Record
 from pumpmodel.choices import Initial, Port
-from pumpmodel.identified import Identified
+from pumpmodel.identification.identified import Identified
 
 _Array: TypeAlias = NDArray[np.float64]
 
