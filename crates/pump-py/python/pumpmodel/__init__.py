@@ -71,6 +71,7 @@ from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
 from pumpmodel.sweeps import Sweep, sweep
 from pumpmodel.volume_fit import VolumeFit
+from pumpmodel.volume_polynomial import VolumePolynomial
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 __all__ = [
@@ -116,6 +117,7 @@ __all__ = [
     "UnfinishedError",
     "Verification",
     "VolumeFit",
+    "VolumePolynomial",
     "VolumeTrials",
     "WeighedRun",
     "__version__",
