@@ -104,7 +104,8 @@ def test_the_published_coefficients_are_the_published_pump() -> None:
     assert pump.replace(roller_volume=volume) == pump
     # Below the polynomial's minimum the volume is held.
     [(first_deg, last_deg)] = volume.held_deg
-    assert (first_deg, last_deg) == (0, pytest.approx(0.567, abs=1e-3))
+    assert first_deg == 0
+    assert last_deg == pytest.approx(0.567, abs=1e-3)
     angles = np.radians([-1.0, 0.0, 30.0, engagement_deg, 90.0])
     volumes = volume.displaced_ml(angles)
     assert isinstance(volumes, np.ndarray)

@@ -1,7 +1,5 @@
 //! Claims about rising splines near more measured points than they have knots.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use core::f64::consts::PI;
 
 use pump_model::roller_volume::PUBLISHED_COEFFICIENTS_DEG;

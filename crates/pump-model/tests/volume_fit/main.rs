@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod many_points;
+
 use pump_model::roller_volume::PUBLISHED_COEFFICIENTS_DEG;
 use pump_model::volume_fit::PUBLISHED_POINTS;
 use pump_model::{Drawing, Geometry, Line, ModelError, Pump, RollerVolume, Variant, VolumeFit, VolumePoint};
