@@ -70,10 +70,11 @@ def test_a_function_of_an_array_or_of_a_number_becomes_a_roller_volume(function:
         (smooth_ml, 0, "engagement_deg is 0; allowed: more than 0 and less than 360"),
         (smooth_ml, math.nan, "engagement_deg is nan; allowed"),
         (smooth_ml, 360, "engagement_deg is 360; allowed"),
+        (smooth_ml, [50, 60], r"engagement_deg has the shape \(2,\); allowed: one number"),
     ],
 )
 def test_a_function_that_is_no_roller_volume_is_a_value_error(
-    function: Any, engagement_deg: float, match: str
+    function: Any, engagement_deg: Any, match: str
 ) -> None:
     with pytest.raises(ValueError, match=match):
         pm.VolumeFit.from_function(function, engagement_deg)

@@ -12,8 +12,7 @@ from typing_extensions import deprecated
 from pumpmodel._results.harmonics import Harmonics
 from pumpmodel._results.states import LineStates
 from pumpmodel.choices import Begin, Initial, Method, Model, Port, Variant
-from pumpmodel.volume_fit import VolumeFit
-from pumpmodel.volume_polynomial import VolumePolynomial
+from pumpmodel.volume_fit import VolumeFit, VolumePolynomial
 
 from .results import Run, SteadyState
 

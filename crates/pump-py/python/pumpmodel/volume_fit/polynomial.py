@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._results.record import Record
+from pumpmodel.volume_fit.engagement import engagement_of
 
 # Coefficients of a polynomial of the highest degree.
 _MOST = 6
@@ -59,9 +60,7 @@ class VolumePolynomial(Record):
             )
         if not np.isfinite(coefficients).all():
             raise ValueError(f"coefficients_ml_deg is {coefficients.tolist()}; allowed: finite numbers")
-        engagement = float(engagement_deg)
-        if not 0 < engagement < 360:
-            raise ValueError(f"engagement_deg is {engagement:.6g}; allowed: more than 0 and less than 360")
+        engagement = engagement_of(engagement_deg)
         object.__setattr__(self, "coefficients_ml_deg", tuple(coefficients.tolist()))
         object.__setattr__(self, "engagement_deg", engagement)
         core._volume_polynomial(*self._polynomial)

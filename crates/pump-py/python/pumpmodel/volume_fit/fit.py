@@ -14,6 +14,7 @@ from pumpmodel import _pumpmodel as core
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
 from pumpmodel.choices import VolumeMethod
+from pumpmodel.volume_fit.engagement import engagement_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -180,10 +181,7 @@ class VolumeFit(Record):
             raise TypeError(f"samples must be a whole number, not {type(samples).__name__}")
         if samples not in _ALLOWED_SAMPLES:
             raise ValueError(f"samples is {samples:.6g}; allowed: 26 to 10000")
-        engagement = float(engagement_deg)
-        if not 0 < engagement < 360:
-            raise ValueError(f"engagement_deg is {engagement:.6g}; allowed: more than 0 and less than 360")
-        angles = np.linspace(0, engagement, int(samples))
+        angles = np.linspace(0, engagement_of(engagement_deg), int(samples))
         return cls(angles, _sampled(function, angles))
 
     @classmethod
