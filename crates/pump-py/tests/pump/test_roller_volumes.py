@@ -36,6 +36,22 @@ def test_hundreds_of_points_with_scatter_become_a_pump() -> None:
     assert (np.diff(volumes) >= 0).all()
 
 
+def test_the_spline_near_many_points_is_that_of_least_squares_in_another_basis() -> None:
+    # Even angles, ten in each of 24 pieces, put the knots at even distances. Little scatter keeps it rising.
+    part = np.linspace(0, 1, 241)
+    volumes = smooth_ml(PHI_DEG * part) + np.random.default_rng(2).normal(0, 2e-4, 241)
+    fit = pm.VolumeFit(PHI_DEG * part, volumes)
+    knots = np.arange(1, 24) / 24
+    # Truncated powers without those of order 0 and 1: volume and slope are 0 at the start.
+    columns = [part**2, part**3, *(np.clip(part - knot, 0, None) ** 3 for knot in knots)]
+    end_slopes = np.array([2, 3, *(3 * (1 - knots) ** 2)])
+    # The directions across the last slope keep it 0.
+    free = np.linalg.svd(end_slopes[None])[2][1:].T
+    basis = np.stack(columns, axis=-1) @ free
+    best = basis @ np.linalg.lstsq(basis, volumes, rcond=None)[0]
+    np.testing.assert_allclose(fit.residuals_ml, best - volumes, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     "function",
     [smooth_ml, lambda deg: 1.05 * (1 - math.cos(math.pi * deg / PHI_DEG)), lambda deg: list(smooth_ml(deg))],
