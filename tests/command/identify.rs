@@ -369,6 +369,27 @@ fn measured_roller_volumes_become_a_pump_file_with_what_is_to_be_said_of_them() 
 }
 
 #[test]
+fn hundreds_of_points_become_a_pump_file_with_a_spline() {
+    let user = User::new();
+    // Two runs, each 0.01 mL beside a curve from 0 to 2.1 mL.
+    let row = |run: &str, n: u32, off_ml: f64| {
+        let deg = f64::from(n) * 0.25;
+        let ml = 1.05 * (1.0 - (std::f64::consts::PI * deg / 50.0).cos());
+        format!("{run},{deg},{}\n", ml + off_ml)
+    };
+    let rows: String = (0..=200).flat_map(|n| [row("a", n, 0.01), row("b", n, -0.01)]).collect();
+    fs::write(user.path("runs.csv"), format!("run,angle_deg,volume_ml\n{rows}")).unwrap();
+    let points = ["--roller-volume-points", "runs.csv", "--fit", "spline", "many.toml"];
+    let answer = user.types(&[&DRAWING[..], &points].concat());
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(answer.out.contains("402 points of 2 runs; the spline is 0.0100 mL RMS off"), "{}", answer.out);
+    let check = user.types(&["pumps", "check", "many.toml"]).out;
+    let expected = "2.1000 mL over 50.00°, from 402 measured points, 0.0100 mL RMS off";
+    assert!(check.contains(expected), "{check}");
+    assert_eq!(user.json(&["25mL", "--pump", "many.toml", "--dry-run"])["volume_basis"], "model");
+}
+
+#[test]
 fn points_that_agree_exactly_tell_no_error() {
     let user = User::new();
     let resistance = |rows: &str, more: &[&str]| {

@@ -43,6 +43,8 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::pump::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};
     #[pymodule_export]
+    use crate::pump::{_volume_polynomial, _volume_polynomial_at};
+    #[pymodule_export]
     use crate::simulation::{_steady_states, Run, SteadyState};
 
     /// Takes the memory of first calls.

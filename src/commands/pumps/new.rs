@@ -74,7 +74,7 @@ pub(crate) struct NewArgs {
     #[arg(long, value_name = "quintic|spline", default_value_t = CurveFit::Quintic, requires = "roller_volume_points")]
     #[arg(value_parser = choice(&[
         (CurveFit::Quintic, "Least squares of 5th order, as McIntyre et al."),
-        (CurveFit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
+        (CurveFit::Spline, "A rising spline, near more than 25 angles by least squares: a flow without jumps"),
     ]))]
     fit: CurveFit,
     #[command(flatten)]

@@ -6,4 +6,5 @@ mod drawing_fit;
 mod least_squares;
 mod monotone_spline;
 mod quadrature;
+mod smoothing_spline;
 pub mod volume_fit;

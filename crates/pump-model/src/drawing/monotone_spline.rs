@@ -9,10 +9,13 @@ pub(crate) const MAX_KNOTS: usize = MAX_PIECES + 1;
 
 /// Mean of the volumes at one angle, or of neighbours that would fall.
 #[derive(Debug, Clone, Copy, Default)]
-struct Knot {
-    x_rad: f64,
-    volume_ml: f64,
-    weight: f64,
+pub(super) struct Knot {
+    pub(super) x_rad: f64,
+    pub(super) volume_ml: f64,
+    /// Number of points that the volume comes from.
+    pub(super) weight: f64,
+    /// Slope of the fit there; 0 for a mean, which has none.
+    pub(super) slope_ml_rad: f64,
 }
 
 /// Knots in order of angle.
@@ -38,13 +41,23 @@ impl Knots {
                 _ => {
                     behind.rotate_right(1);
                     if let Some(place) = behind.first_mut() {
-                        *place = Knot { x_rad, volume_ml, weight: 1.0 };
+                        *place = Knot { x_rad, volume_ml, weight: 1.0, slope_ml_rad: 0.0 };
                     }
                     knots.count += 1;
                 }
             }
         }
         Ok(knots)
+    }
+
+    /// Collects the knots of a fit, in order of angle.
+    pub(super) fn fitted(fitted: impl Iterator<Item = Knot>) -> Self {
+        let mut knots = Self { places: [Knot::default(); MAX_KNOTS], count: 0 };
+        for (place, knot) in knots.places.iter_mut().zip(fitted) {
+            *place = knot;
+            knots.count += 1;
+        }
+        knots
     }
 
     fn as_slice(&self) -> &[Knot] {
@@ -60,32 +73,6 @@ impl Knots {
             .filter(|(_, _, fall_ml)| *fall_ml > 0.0)
     }
 
-    /// Gives falling neighbours their common mean, until none falls.
-    ///
-    /// The result is the rising volumes with the least sum of squared changes (isotonic regression by pooling
-    /// adjacent violators, Ayer et al., Ann. Math. Statist. 26, 1955).
-    fn pool(&mut self) {
-        let knots = self.places.get_mut(..self.count).unwrap_or_default();
-        for end in 1..knots.len() {
-            // The knots up to here rise already. The new one takes along all that lie higher than the mean of
-            // the rest.
-            let Some((new, before)) = knots.get_mut(..=end).and_then(<[Knot]>::split_last_mut) else {
-                continue;
-            };
-            let (mut mean_ml, mut weight, mut taken) = (new.volume_ml, new.weight, 0);
-            for knot in before.iter().rev() {
-                if knot.volume_ml <= mean_ml {
-                    break;
-                }
-                weight += knot.weight;
-                mean_ml += (knot.volume_ml - mean_ml) * knot.weight / weight;
-                taken += 1;
-            }
-            new.volume_ml = mean_ml;
-            before.iter_mut().rev().take(taken).for_each(|knot| knot.volume_ml = mean_ml);
-        }
-    }
-
     /// Returns the spline through the knots.
     ///
     /// The cubics have the slopes of Fritsch and Butland ("A method for constructing local monotone piecewise
@@ -93,12 +80,25 @@ impl Knots {
     /// ends the slope is 0, as it is where a roller begins to touch and where it has fully engaged. The flow
     /// therefore has no jump.
     pub(crate) fn spline(mut self) -> Result<RollerVolume, ModelError> {
-        self.pool();
+        pool(self.places.get_mut(..self.count).unwrap_or_default());
+        self.with_slopes(butland)
+    }
+
+    /// Returns the spline of a fit, whose volume and slope at the first knot are 0, made to rise.
+    pub(super) fn fitted_spline(mut self) -> Result<RollerVolume, ModelError> {
+        let behind = self.places.get_mut(1..self.count).unwrap_or_default();
+        pool(behind);
+        behind.iter_mut().for_each(|knot| knot.volume_ml = knot.volume_ml.max(0.0));
+        self.with_slopes(limited)
+    }
+
+    /// Returns the cubics through the knots, with slope 0 at both ends and `slope` of each three neighbours.
+    fn with_slopes(&self, slope_at: fn(&Knot, &Knot, &Knot) -> f64) -> Result<RollerVolume, ModelError> {
         let knots = self.as_slice();
         let mut curve = RollerVolume::empty(knots.last().map_or(0.0, |knot| knot.x_rad), 0.0);
         let mut slope = 0.0;
         for (n, (from, to)) in knots.iter().zip(knots.iter().skip(1)).enumerate() {
-            let next_slope = knots.get(n + 2).map_or(0.0, |next| butland(from, to, next));
+            let next_slope = knots.get(n + 2).map_or(0.0, |next| slope_at(from, to, next));
             let length = to.x_rad - from.x_rad;
             let rise = to.volume_ml - from.volume_ml;
             let (s0, s1) = (slope * length, next_slope * length);
@@ -109,6 +109,40 @@ impl Knots {
         }
         Ok(curve)
     }
+}
+
+/// Gives falling neighbours their common mean, until none falls.
+///
+/// The result is the rising volumes with the least sum of squared changes (isotonic regression by pooling
+/// adjacent violators, Ayer et al., Ann. Math. Statist. 26, 1955).
+fn pool(knots: &mut [Knot]) {
+    for end in 1..knots.len() {
+        // The knots up to here rise already. The new one takes along all that lie higher than the mean of
+        // the rest.
+        let Some((new, before)) = knots.get_mut(..=end).and_then(<[Knot]>::split_last_mut) else {
+            continue;
+        };
+        let (mut mean_ml, mut weight, mut taken) = (new.volume_ml, new.weight, 0);
+        for knot in before.iter().rev() {
+            if knot.volume_ml <= mean_ml {
+                break;
+            }
+            weight += knot.weight;
+            mean_ml += (knot.volume_ml - mean_ml) * knot.weight / weight;
+            taken += 1;
+        }
+        new.volume_ml = mean_ml;
+        before.iter_mut().rev().take(taken).for_each(|knot| knot.volume_ml = mean_ml);
+    }
+}
+
+/// Returns the slope of a fit at the middle of three knots, within the range in which cubics rise: 0 to three times
+/// the slope on either side (Fritsch and Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 17,
+/// 1980).
+fn limited(before: &Knot, here: &Knot, after: &Knot) -> f64 {
+    let left_slope = (here.volume_ml - before.volume_ml) / (here.x_rad - before.x_rad);
+    let right_slope = (after.volume_ml - here.volume_ml) / (after.x_rad - here.x_rad);
+    here.slope_ml_rad.min(3.0 * left_slope).min(3.0 * right_slope).max(0.0)
 }
 
 /// Returns the slope at the middle of three knots: a weighted harmonic mean of the slopes on both sides. It

@@ -74,7 +74,7 @@ from pumpmodel.plotting import (
 from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
 from pumpmodel.sweeps import Sweep, sweep
-from pumpmodel.volume_fit import VolumeFit
+from pumpmodel.volume_fit import VolumeFit, VolumePolynomial
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 __all__ = [
@@ -123,6 +123,7 @@ __all__ = [
     "UnfinishedError",
     "Verification",
     "VolumeFit",
+    "VolumePolynomial",
     "VolumeTrials",
     "WeighedRun",
     "__version__",

@@ -193,8 +193,8 @@ impl Pump {
     ///     Line from the inlet's reservoir to the pump.
     /// outlet : Line, optional
     ///     Line from the pump to the outlet's reservoir.
-    /// roller_volume : VolumeFit or "drawing", optional
-    ///     Volume of a roller from measured points, or from the pump's dimensions.
+    /// roller_volume : VolumeFit, VolumePolynomial or "drawing", optional
+    ///     Volume of a roller from points or a function, from coefficients, or from the pump's dimensions.
     ///
     /// Raises
     /// ------
@@ -349,19 +349,23 @@ fn count(rollers: &Bound<'_, PyAny>) -> PyResult<u32> {
     whole("rollers", rollers, 1, 1000)
 }
 
-/// Reads a roller volume: the word "drawing", or a `VolumeFit`.
+/// Reads a roller volume: the word "drawing", a `VolumeFit` or a `VolumePolynomial`.
 fn roller_volume_of(volume: &Bound<'_, PyAny>) -> PyResult<RollerVolumeTable> {
     if let Ok(word) = volume.cast::<PyString>() {
         return match word.to_str()? {
             "drawing" => Ok(RollerVolumeTable::Drawing),
-            other => {
-                Err(value(format_args!("roller_volume is '{other}'; allowed: a VolumeFit, or 'drawing'")))
-            }
+            other => Err(value(format_args!(
+                "roller_volume is '{other}'; allowed: a VolumeFit, a VolumePolynomial, or 'drawing'"
+            ))),
         };
+    }
+    if let Ok(polynomial) = volume.getattr("_polynomial") {
+        let (polynomial_ml_deg, engagement_angle_deg): ([f64; 6], f64) = polynomial.extract()?;
+        return Ok(RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml: None });
     }
     let Ok(fit) = volume.getattr("_fit") else {
         return Err(PyTypeError::new_err(format!(
-            "roller_volume must be a VolumeFit or \"drawing\", not {}",
+            "roller_volume must be a VolumeFit, a VolumePolynomial or \"drawing\", not {}",
             volume.get_type().name()?
         )));
     };

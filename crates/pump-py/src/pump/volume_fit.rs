@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use pump_bench::catalogue::RollerRuns;
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::pump_file::CurveFit;
-use pump_model::VolumePoint;
+use pump_model::units::degrees;
+use pump_model::{RollerVolume, VolumePoint};
 use pyo3::prelude::*;
 
 use crate::argument::{Floats, Items, word};
@@ -65,6 +66,29 @@ pub(crate) fn _volume_run_falls(
 ) -> PyResult<Vec<(String, f64, f64, f64)>> {
     let runs = RollerRuns::new(runs.0.into_iter().zip(points_of(points)?));
     collected(runs.falls().into_iter().map(|fall| (fall.run, fall.from_deg, fall.to_deg, fall.fall_ml)))
+}
+
+/// Returns V_r (mL) of a polynomial, and the stretches over which its volume is held (deg).
+#[pyfunction]
+pub(crate) fn _volume_polynomial(
+    highest_first: [f64; 6],
+    engagement_deg: f64,
+) -> PyResult<(f64, Vec<(f64, f64)>)> {
+    let curve = RollerVolume::from_polynomial_deg(highest_first, engagement_deg).map_err(errors::model)?;
+    let held_deg = curve.held_rad().map(|(from, to)| (degrees(from), degrees(to))).collect();
+    Ok((curve.total_ml(), held_deg))
+}
+
+/// Returns the volume that a polynomial has displaced at an angle since first contact, mL.
+#[pyfunction]
+pub(crate) fn _volume_polynomial_at<'py>(
+    highest_first: [f64; 6],
+    engagement_deg: f64,
+    angle_rad: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let curve = RollerVolume::from_polynomial_deg(highest_first, engagement_deg).map_err(errors::model)?;
+    let angles = Floats::read("angle_rad", angle_rad, 1e9)?;
+    angles.map(|angle| curve.at(angle))?.into_object(angle_rad.py())
 }
 
 /// Converts pairs of angle (deg) and volume (mL) to points.

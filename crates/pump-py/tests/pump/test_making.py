@@ -125,7 +125,7 @@ def test_pumps_return_from_their_dicts() -> None:
         pm.Pump.from_dict({**pm.Pump.three_roller().to_dict(), "colour": "red"})
     with pytest.raises(ValueError, match="roller_volume is 'guess'"):
         pm.Pump.three_roller().replace(roller_volume="guess")  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="roller_volume must be a VolumeFit"):
+    with pytest.raises(TypeError, match="roller_volume must be a VolumeFit, a VolumePolynomial or"):
         pm.Pump.three_roller().replace(roller_volume=2.1)  # type: ignore[arg-type]
 
 

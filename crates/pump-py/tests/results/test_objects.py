@@ -46,6 +46,7 @@ def every_object() -> list[object]:
         pm.Fluid.water(temperature_degc=20),
         pm.SpeedLaw.published(),
         pm.VolumeFit([0, 12, 24, 36, 48], [0, 0.1, 0.8, 1.7, 2.1]),
+        pm.VolumePolynomial([-3.2e-5, 0.0024, 0, 0], 50),
         pm.WeighedRun(speed_rpm=60, turned_deg=720),
         pm.ShortDose(start_angle_deg=0, turned_deg=24, volume_ml=1),
         pump.steady_state(speed_rpm=50),

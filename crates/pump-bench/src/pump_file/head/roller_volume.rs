@@ -35,7 +35,8 @@ pub enum RollerVolumeTable {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CurveFit {
-    /// Rising cubic spline through the mean of each angle. Its flow has no jumps.
+    /// Rising cubic spline, through the mean of each angle of 25 at most and by least squares near more. Its flow has
+    /// no jumps.
     Spline,
     /// Least squares of 5th order, as in McIntyre et al.
     Quintic,

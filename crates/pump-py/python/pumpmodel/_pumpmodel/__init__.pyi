@@ -29,6 +29,8 @@ from .functions import _reading as _reading
 from .functions import _steady_states as _steady_states
 from .functions import _volume_fit as _volume_fit
 from .functions import _volume_fit_at as _volume_fit_at
+from .functions import _volume_polynomial as _volume_polynomial
+from .functions import _volume_polynomial_at as _volume_polynomial_at
 from .functions import _volume_run_falls as _volume_run_falls
 from .functions import _volume_runs as _volume_runs
 from .functions import nrmse as nrmse
@@ -78,6 +80,8 @@ __all__ = [
     "_steady_states",
     "_volume_fit",
     "_volume_fit_at",
+    "_volume_polynomial",
+    "_volume_polynomial_at",
     "_volume_run_falls",
     "_volume_runs",
     "nrmse",

@@ -182,6 +182,16 @@ def _volume_fit(
 def _volume_fit_at(method: VolumeMethod, points: _Points, angle_rad: _Number | _Numbers) -> float | _Array:
     """Returns the volume displaced at an angle since first contact, mL."""
 
+def _volume_polynomial(
+    highest_first: tuple[float, ...], engagement_deg: float
+) -> tuple[float, list[tuple[float, float]]]:
+    """Returns V_r (mL) of a polynomial, and the stretches over which its volume is held (deg)."""
+
+def _volume_polynomial_at(
+    highest_first: tuple[float, ...], engagement_deg: float, angle_rad: _Number | _Numbers
+) -> float | _Array:
+    """Returns the volume that a polynomial has displaced at an angle since first contact, mL."""
+
 def _volume_runs(path: str | PathLike[str]) -> list[tuple[str, float, float]]:
     """Returns run, angle (deg) and volume (mL) of each row of a table that `dose pumps new` reads."""
 

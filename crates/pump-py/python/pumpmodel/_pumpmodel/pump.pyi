@@ -12,7 +12,7 @@ from typing_extensions import deprecated
 from pumpmodel._results.harmonics import Harmonics
 from pumpmodel._results.states import LineStates
 from pumpmodel.choices import Begin, Initial, Method, Model, Port, Variant
-from pumpmodel.volume_fit import VolumeFit
+from pumpmodel.volume_fit import VolumeFit, VolumePolynomial
 
 from .results import Run, SteadyState
 
@@ -518,7 +518,7 @@ class Pump:
         rollers: int | None = None,
         inlet: Line | None = None,
         outlet: Line | None = None,
-        roller_volume: VolumeFit | Literal["drawing"] | None = None,
+        roller_volume: VolumeFit | VolumePolynomial | Literal["drawing"] | None = None,
     ) -> Pump:
         """Return this pump with some parts replaced. A part that is left out stays.
 
@@ -537,8 +537,8 @@ class Pump:
             Line from the inlet's reservoir to the pump.
         outlet : Line, optional
             Line from the pump to the outlet's reservoir.
-        roller_volume : VolumeFit or "drawing", optional
-            Volume of a roller from measured points, or from the pump's dimensions.
+        roller_volume : VolumeFit, VolumePolynomial or "drawing", optional
+            Volume of a roller from points or a function, from coefficients, or from the pump's dimensions.
 
         Raises
         ------
