@@ -129,9 +129,7 @@ def compare(
         return pump.simulate(**options)
 
     def ours() -> pm.Sensitivity:
-        found = pump.simulate(**options, sensitivity=True).sensitivity
-        assert found is not None
-        return found
+        return pump.simulate(**options, sensitivity=True).sensitivity
 
     def differences() -> Array:
         def at(side: tuple[pm.Pump, float]) -> Array:

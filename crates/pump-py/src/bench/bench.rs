@@ -236,7 +236,7 @@ impl Bench {
             Named::Motion(name),
             None,
             |_| "nothing moved".to_owned(),
-            |held, _| Ok(held.session()?.pending_notes().to_vec()),
+            |held, _| held.notes_before(),
         )?;
         warnings::warn(py, &advice::worded(&notes))?;
         self.is_noted.store(true, Ordering::Relaxed);

@@ -59,6 +59,7 @@ pub(crate) struct Run {
     #[pyo3(name = "_end_state")]
     end_state: Py<PyAny>,
     /// Derivatives of pressures and delivered volume, a `Sensitivity`; None unless `Pump.simulate` was asked for it.
+    #[pyo3(name = "_sensitivity")]
     sensitivity: Py<PyAny>,
 }
 
@@ -215,6 +216,18 @@ impl Run {
             ));
         }
         Ok(self.end_state.clone_ref(py))
+    }
+
+    /// Derivatives of pressures and delivered volume. A run of `Pump.simulate` that was not asked for them has none and
+    /// raises AttributeError.
+    #[getter]
+    fn sensitivity(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        if self.sensitivity.is_none(py) {
+            return Err(PyAttributeError::new_err(
+                "this run has no sensitivity; allowed: a run of simulate with sensitivity=True",
+            ));
+        }
+        Ok(self.sensitivity.clone_ref(py))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {

@@ -59,9 +59,10 @@ class Run:
         `from_dict` has none and raises AttributeError.
         """
     @property
-    def sensitivity(self) -> Sensitivity | None:
+    def sensitivity(self) -> Sensitivity:
         """\
-        Derivatives of pressures and delivered volume, a `Sensitivity`; None unless `Pump.simulate` was asked for it.
+        Derivatives of pressures and delivered volume. A run of `Pump.simulate` that was not asked for them has none and
+        raises AttributeError.
         """
     @property
     @deprecated("use inlet_flow_ml_s")

@@ -169,7 +169,6 @@ def _information(
         initial=experiment.initial,
         sensitivity=True,
     )
-    assert run.sensitivity is not None
     by = run.sensitivity.inlet_kpa_by if experiment.port == "inlet" else run.sensitivity.outlet_kpa_by
     slopes = by[:3].T / standard_kpa
     others = []

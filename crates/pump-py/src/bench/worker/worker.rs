@@ -30,6 +30,8 @@ pub(in crate::bench) struct Held<'a> {
     pub(in crate::bench) session: Option<Session<'a>>,
     /// Failure that happened between two calls.
     unheard: Option<DoseError>,
+    /// Notes of the session that have become warnings before a motion.
+    warned: Vec<Notice>,
 }
 
 impl<'a> Held<'a> {
@@ -42,6 +44,19 @@ impl<'a> Held<'a> {
             Some(session) => Ok(session),
             none => Ok(none.insert(self.bench.session()?)),
         }
+    }
+
+    /// Returns the notes that the next motion's report shows, to be warned of before it.
+    pub(in crate::bench) fn notes_before(&mut self) -> Result<Vec<Notice>, DoseError> {
+        self.warned = self.session()?.pending_notes().to_vec();
+        Ok(self.warned.clone())
+    }
+
+    /// Returns the notes of the session that nothing has told.
+    fn notes_untold(&mut self) -> Vec<Notice> {
+        let mut notes = self.session.as_mut().map_or_else(Vec::new, Session::notes);
+        notes.retain(|note| !self.warned.contains(note));
+        notes
     }
 
     /// Releases an idle motor when its time has come.
@@ -213,10 +228,7 @@ impl Worker {
             signal.works(true);
             let ended = if begun { job(held, &signal).map(Some) } else { Ok(None) };
             signal.works(false);
-            let ended = ended.map_err(|error| {
-                let notes = held.session.as_mut().map_or_else(Vec::new, Session::notes);
-                Failed { error, notes }
-            });
+            let ended = ended.map_err(|error| Failed { error, notes: held.notes_untold() });
             *lock(&running) = None;
             // The caller may be gone.
             let _ = sender.send(ended);
@@ -254,7 +266,7 @@ impl Drop for Worker {
 
 /// Does jobs until the bench is closed.
 fn work(bench: &Bench, jobs: &Receiver<Job>) {
-    let mut held = Held { bench, session: None, unheard: None };
+    let mut held = Held { bench, session: None, unheard: None, warned: Vec::new() };
     loop {
         match jobs.recv_timeout(LOOK) {
             Ok(job) => job(&mut held),
