@@ -113,7 +113,7 @@ def test_a_motion_between_knots_has_derivatives_too() -> None:
 
 def test_a_run_without_derivatives_has_none_and_the_integrator_is_refused() -> None:
     pump = pm.Pump.three_roller()
-    with pytest.raises(AttributeError, match="this run has no sensitivity; allowed: .*sensitivity=True"):
+    with pytest.raises(AttributeError, match=r"this run has no sensitivity; allowed: .*sensitivity=True"):
         _ = pump.simulate(speed_rpm=100, duration_s=0.1).sensitivity
     with pytest.raises(ValueError, match="sensitivity is True"):
         pump.simulate(speed_rpm=100, duration_s=0.1, method="rodas5p", sensitivity=True)
