@@ -537,8 +537,8 @@ class Pump:
             Line from the inlet's reservoir to the pump.
         outlet : Line, optional
             Line from the pump to the outlet's reservoir.
-        roller_volume : VolumeFit or "drawing", optional
-            Volume of a roller from measured points, or from the pump's dimensions.
+        roller_volume : VolumeFit, VolumePolynomial or "drawing", optional
+            Volume of a roller from points or a function, from coefficients, or from the pump's dimensions.
 
         Raises
         ------

@@ -61,7 +61,8 @@ class Run:
     @property
     def sensitivity(self) -> Sensitivity:
         """\
-        Derivatives of pressures and delivered volume, a `Sensitivity`; None unless `Pump.simulate` was asked for it.
+        Derivatives of pressures and delivered volume. A run of `Pump.simulate` that was not asked for them has none and
+        raises AttributeError.
         """
     @property
     @deprecated("use inlet_flow_ml_s")
