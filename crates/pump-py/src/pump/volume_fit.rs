@@ -88,7 +88,7 @@ pub(crate) fn _volume_polynomial_at<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let curve = RollerVolume::from_polynomial_deg(highest_first, engagement_deg).map_err(errors::model)?;
     let angles = Floats::read("angle_rad", angle_rad, 1e9)?;
-    angles.map(|angle| curve.at(angle))?.into_object(angle_rad.py())
+    angles.map(angle_rad.py(), |angle| curve.at(angle))?.into_object(angle_rad.py())
 }
 
 /// Converts pairs of angle (deg) and volume (mL) to points.
