@@ -108,7 +108,7 @@ class VolumeTrials:
         return plot_trials(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.html import table
+        from pumpmodel._results.notebook.html import table
 
         least_ml, most_ml = self.interval_ml()
         rows = [

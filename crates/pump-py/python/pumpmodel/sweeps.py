@@ -171,7 +171,7 @@ class Sweep:
         return plot_map(self, quantity, label=label, y=y, y_label=y_label, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import sweep_html
+        from pumpmodel._results.notebook.shown import sweep_html
 
         return sweep_html(self)
 

@@ -199,6 +199,6 @@ class PhaseFit:
     zero_standard_rad: float
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import phase_html
+        from pumpmodel._results.notebook.shown import phase_html
 
         return phase_html(self)

@@ -54,6 +54,6 @@ class Harmonics(NamedTuple):
         return plot_spectrum(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import harmonics_html
+        from pumpmodel._results.notebook.shown import harmonics_html
 
         return harmonics_html(self)

@@ -106,7 +106,7 @@ def _animate_plan(self: Plan, *, slower: float = 1.0, frames_per_s: float = 25.0
 def _shown(name: str) -> Callable[[Any], str]:
     def _repr_html_(self: Any) -> str:
         """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
-        from pumpmodel._results import shown
+        from pumpmodel._results.notebook import shown
 
         html: str = getattr(shown, name)(self)
         return html

@@ -299,7 +299,7 @@ class Dose(Record):
         return plot_budget(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import dose_html
+        from pumpmodel._results.notebook.shown import dose_html
 
         return dose_html(self)
 

@@ -63,6 +63,6 @@ class Verification(Record):
         return plot_verification(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import verification_html
+        from pumpmodel._results.notebook.shown import verification_html
 
         return verification_html(self)

@@ -167,7 +167,7 @@ class Identified:
         return plot_identified(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import identified_html
+        from pumpmodel._results.notebook.shown import identified_html
 
         return identified_html(self)
 

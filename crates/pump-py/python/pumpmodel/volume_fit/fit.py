@@ -289,7 +289,7 @@ class VolumeFit(Record):
         return plot_volume(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.shown import volume_html
+        from pumpmodel._results.notebook.shown import volume_html
 
         return volume_html(self)
 

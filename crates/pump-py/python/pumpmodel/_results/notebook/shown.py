@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pumpmodel._pumpmodel import Calibration, Plan, Pump, Run, SteadyState
-from pumpmodel._results.html import table
-from pumpmodel._results.svg import BLUE, GREEN, VERMILION, Bar, Curve, bars, curves
+from pumpmodel._results.notebook.html import table
+from pumpmodel._results.notebook.svg import BLUE, GREEN, VERMILION, Bar, Curve, bars, curves
 from pumpmodel._results.words import between, give_or_take, number, parameter
 
 if TYPE_CHECKING:
