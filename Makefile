@@ -21,7 +21,7 @@ test-rust:
 
 test-python: $(VENV)/installed
 	$(COMMAND)
-	cd crates/pump-py && $(BIN)/python -m pytest -q
+	cd crates/pump-py && $(BIN)/python -m pytest -q -n auto --dist loadfile
 
 # Installed anew whenever a source of the Python module has changed.
 $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/*/src/**' ':(glob)crates/*/Cargo.toml' crates/pump-py/pyproject.toml crates/pump-py/python)
