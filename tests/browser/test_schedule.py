@@ -136,7 +136,7 @@ def test_the_form_has_every_key_of_an_entry_and_changes_what_was_changed(page, p
     assert text.startswith(HEAD + kept)
     rest = set(text.removeprefix(HEAD + kept).splitlines())
     assert rest == {
-        'options = { smooth = true, rate = "0.4mL/s" }',
+        'options = { rate = "0.4mL/s", smooth = true }',
         'batch = { every = "30s", repeat = 20 }',
         'anchor = "2026-03-01 06:00"',
         'from = "2026-03-01"',
