@@ -98,3 +98,19 @@ def test_wrong_arguments_are_refused_by_name() -> None:
     known = record(pump, outlet, 1)
     with pytest.raises(ValueError, match="known is of the outlet"):
         pm.next_experiment(pump, [inlet], standard_kpa=1, known=known)
+
+
+def test_an_experiment_that_cannot_be_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="port is 'in'; allowed: 'inlet', 'outlet'"):
+        pm.Experiment(100, 1, port="in")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="initial is 'moving'; allowed: 'rest', 'steady'"):
+        pm.Experiment(100, 1, initial="moving")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="speed_rpm must be a number in r/min, not str"):
+        pm.Experiment("100", 1)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="duration_s is inf; allowed: a finite number"):
+        pm.Experiment(np.float32(100), float("inf"))
+    experiment = pm.Experiment(np.float32(100), 1)
+    with pytest.raises(TypeError, match="standard_kpa must be a number, not str"):
+        pm.next_experiment(pm.Pump.three_roller(), [experiment], standard_kpa="0.3")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="standard_kpa is 1e-300; allowed: 1e-9 to 1e9"):
+        pm.next_experiment(pm.Pump.three_roller(), [experiment], standard_kpa=1e-300)

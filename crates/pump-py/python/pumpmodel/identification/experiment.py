@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from numbers import Real
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Line, Pump
+from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 from pumpmodel.choices import Initial, Port
 from pumpmodel.identification.identified import Identified
@@ -28,17 +30,29 @@ class Experiment(Record):
     """A pressure record at constant speed that might be made: a candidate of `next_experiment`."""
 
     #: Speed of the pump head, r/min; negative in reverse.
-    speed_rpm: float
+    speed_rpm: Number
     #: Duration, s.
-    duration_s: float
+    duration_s: Number
     #: Time between samples, s.
-    dt_s: float = 1e-3
+    dt_s: Number = 1e-3
     #: Port at which the pressure is measured: "inlet" or "outlet".
     port: Port = "outlet"
     #: Angle of the pump head at the start, rad.
-    start_angle_rad: float = 0.0
+    start_angle_rad: Number = 0.0
     #: State at the start: "rest", or "steady" once start-up is forgotten.
     initial: Initial = "rest"
+
+    def __post_init__(self) -> None:
+        """Refuse what no experiment can have."""
+        names = ("speed_rpm", "duration_s", "dt_s", "start_angle_rad")
+        floats_of(self, *names)
+        for name in names:
+            if not math.isfinite(getattr(self, name)):
+                raise ValueError(f"{name} is {getattr(self, name)}; allowed: a finite number")
+        for name, allowed in (("port", get_args(Port)), ("initial", get_args(Initial))):
+            if getattr(self, name) not in allowed:
+                listed = ", ".join(map(repr, allowed))
+                raise ValueError(f"{name} is {str(getattr(self, name))[:40]!r}; allowed: {listed}")
 
 
 @dataclass(frozen=True)
@@ -62,7 +76,7 @@ def next_experiment(
     pump: Pump,
     candidates: Iterable[Experiment],
     *,
-    standard_kpa: float,
+    standard_kpa: Number,
     known: Identified | None = None,
     unknown: Iterable[Literal["start_angle", "reservoir"]] = (),
 ) -> tuple[ExpectedFit, ...]:
@@ -78,7 +92,7 @@ def next_experiment(
     candidates : iterable of Experiment
         Experiments that might be made, one at least, at one port.
     standard_kpa : float
-        Standard deviation of the noise of a sample, kPa, more than zero. The noise of different samples is
+        Standard deviation of the noise of a sample, kPa, 1e-9 to 1e9. The noise of different samples is
         taken as independent.
     known : Identified, optional
         Earlier identification of this line: its values stand in place of the pump's, and its covariances are
@@ -94,6 +108,8 @@ def next_experiment(
 
     Raises
     ------
+    TypeError
+        If `standard_kpa` is no number.
     ValueError
         If an argument is not allowed, or a candidate cannot be simulated.
 
@@ -105,8 +121,10 @@ def next_experiment(
     >>> [fit.experiment.speed_rpm for fit in pm.next_experiment(pump, speeds, standard_kpa=0.3)]
     [150, 60, 20]
     """
-    if not (standard_kpa > 0 and math.isfinite(standard_kpa)):
-        raise ValueError(f"standard_kpa is {standard_kpa}; allowed: a positive number")
+    if isinstance(standard_kpa, bool) or not isinstance(standard_kpa, Real):
+        raise TypeError(f"standard_kpa must be a number, not {type(standard_kpa).__name__}")
+    if not 1e-9 <= standard_kpa <= 1e9:
+        raise ValueError(f"standard_kpa is {standard_kpa}; allowed: 1e-9 to 1e9")
     wanted = list(unknown)
     for name in wanted:
         if name not in ("start_angle", "reservoir"):

@@ -9,7 +9,7 @@ from pumpmodel._results.numbers import Number
 from pumpmodel.bench import AsyncBench
 from pumpmodel.choices import Finish
 from pumpmodel.dose import Dose
-from pumpmodel.errors import PumpError
+from pumpmodel.errors import PumpError, StoppedError
 from pumpmodel.pylabrobot import bases, motions
 from pumpmodel.pylabrobot.backend import BenchBackend
 
@@ -266,7 +266,8 @@ class BenchPump(bases.Pump):
         Returns
         -------
         Dose or None
-            The run that `run_continuously` began, with its result; None without one.
+            The run that `run_continuously` began, with its result; None without one, and if it was halted
+            before its motion.
         """
         bench = self.backend.bench
         self._halts += 1
@@ -277,7 +278,12 @@ class BenchPump(bases.Pump):
         finally:
             self._halts -= 1
         running, self._running = self._running, None
-        return None if running is None else await running
+        if running is None:
+            return None
+        try:
+            return await running
+        except StoppedError:
+            return None
 
     async def stop(self) -> None:
         """Halt and give the pump back."""

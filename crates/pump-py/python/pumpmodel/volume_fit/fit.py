@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
+from pumpmodel._results.numbers import Number
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
 from pumpmodel.choices import VolumeMethod
@@ -139,7 +140,7 @@ class VolumeFit(Record):
     def from_function(
         cls,
         function: Callable[[Any], Any],
-        engagement_deg: float,
+        engagement_deg: Number,
         *,
         samples: int = _SAMPLES,
     ) -> Self:
