@@ -17,7 +17,7 @@ pub(super) struct Interval {
     weights: InputWeights,
     /// The matrix e^(A h) by rows.
     decay: [[f64; 2]; 2],
-    /// Its derivatives by rows; 0 but for those by R, C and L.
+    /// Derivatives by rows; 0 but for those by R, C and L.
     decay_by: [[Numbers; 2]; 2],
     inputs: Inputs,
     /// True if the inputs do not change with time.

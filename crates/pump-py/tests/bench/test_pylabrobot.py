@@ -340,7 +340,7 @@ def test_the_channels_of_an_array_dose_at_the_same_time_each_by_its_own_record(t
             with pytest.raises(pm.UnfinishedError, match="channel 1: a dose is unfinished"):
                 await array.pump_volume(50, [1, 0], 1)
             with warnings.catch_warnings():
-                # Its carry may be forgotten.
+                # The carry may be forgotten.
                 warnings.simplefilter("ignore")
                 for pump in array.pumps:
                     await pump.discard()

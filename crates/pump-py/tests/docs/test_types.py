@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[4]
-# What the packages that the pages import look like is read once.
+# Types of the packages that the pages import are read once.
 CACHE = ROOT / "crates/pump-py/.mypy_cache/pages"
 BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 
@@ -29,7 +29,7 @@ def test_every_python_example_of_the_pages_type_checks_strictly(tmp_path: Path) 
             name = re.sub(r"\W", "_", f"{page}_{number}")
             (tmp_path / f"{name}.py").write_text(block, encoding="utf-8")
             scripts.append(f"{name}.py")
-    # What a block reveals of PyLabRobot's pump is ours and not Any.
+    # A block reveals that PyLabRobot's pump is ours and not Any.
     robot = next(script for script in scripts if "BenchPump(" in (tmp_path / script).read_text())
     text = (tmp_path / robot).read_text()
     (tmp_path / robot).write_text(re.sub(r"(        )(dose = await)", r"\1reveal_type(pump)\n\1\2", text))

@@ -56,7 +56,7 @@ def test_the_most_informative_experiment_comes_first() -> None:
     assert gains == sorted(gains, reverse=True)
     assert {fit.experiment for fit in fits} == set(candidates)
     assert fits[0].experiment.duration_s == 2.0
-    # What is longer tells more, at each speed.
+    # A longer record tells more, at each speed.
     for speed in (15, 60, 140):
         by_duration = {fit.experiment.duration_s: fit for fit in fits if fit.experiment.speed_rpm == speed}
         assert by_duration[2.0].gain_nats > by_duration[0.3].gain_nats

@@ -56,7 +56,7 @@ def test_the_interval_is_the_shortest_that_covers_the_part_asked_for() -> None:
     least_ml, most_ml = drawn.interval_ml(0.5)
     inside = (drawn.volume_ml >= least_ml) & (drawn.volume_ml <= most_ml)
     assert inside.sum() == 10_000
-    # Of a normal distribution half lies within 0.6745 standard deviations.
+    # Half of a normal distribution lies within 0.6745 standard deviations.
     assert most_ml - least_ml == pytest.approx(2 * 0.6745 * drawn.standard_ml, rel=0.05)
     for coverage in (0.0, 1.0, math.nan):
         with pytest.raises(ValueError, match="coverage is"):

@@ -13,7 +13,7 @@ Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
 def floats_of(record: object, *names: str) -> None:
     """Make attributes of a frozen dataclass numbers of Python, but for those that are None.
 
-    What is no number is refused by the attribute's name and unit.
+    Anything but a number is refused by the attribute's name and unit.
     """
     for name in names:
         given = getattr(record, name)

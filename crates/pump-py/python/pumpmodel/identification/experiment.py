@@ -57,7 +57,7 @@ class Experiment(Record):
 
 @dataclass(frozen=True)
 class ExpectedFit(Record):
-    """What a fit of R, C and L would know after an experiment."""
+    """Knowledge that a fit of R, C and L would have after an experiment."""
 
     #: Experiment that might be made.
     experiment: Experiment

@@ -1,4 +1,4 @@
-"""What notebooks show of each result."""
+"""Each result as notebooks show it."""
 
 import math
 from typing import TYPE_CHECKING, Any
