@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use pump_ctl::plan::PlannedMotion;
 
 /// Longest sleep between two calls of the caller's watch.
-const SLICE: Duration = Duration::from_millis(20);
+const SLICE: Duration = Duration::from_millis(25);
 
 /// Time by which a step may be early: a sleep for each of many thousand steps a second would make them late, and fifty
 /// pumps of a service would keep a processor busy. A wake costs as much as a hundred steps.
-const EARLY: Duration = Duration::from_millis(20);
+const EARLY: Duration = Duration::from_millis(25);
 
 /// Time by which the last step may be early, which ends the motion.
 const LAST_EARLY: Duration = Duration::from_millis(1);
