@@ -211,10 +211,10 @@ function tell() {
     const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
     $('command-line').hidden = !(HEADS[set.head] && isPublished);
     $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${Number((set.angle % 360).toFixed(6))}deg+-0deg` +
-      `${set.smooth ? ' --smooth' : ''}${set.head === 2 ? ' --pump two-roller' : ''} --dry-run`;
+      `${set.smooth ? ' --smooth' : ''} --pump ${HEADS[set.head]} --dry-run`;
     $('said').textContent = `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
       `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
-      `the flow that leaves varies by ${fixed(facts.ripple, 0)} % of its mean` +
+      `the flow that leaves varies by ${fixed(facts.ripple, facts.ripple < 10 ? 1 : 0)} % of its mean` +
       `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed; a pump that differs from the model varies by more` : ''}.`;
     $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
       `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);

@@ -77,10 +77,10 @@ pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
 fn beside_the_means(found: &[f64; 6]) -> String {
     let mut text = String::from(
         "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither \
-         points nor coefficients. The means of the seven and the coefficients come from the data of the \
+         points nor coefficients. Its theta is the angle by which a roller is engaged, x in our model. The means of the seven and the coefficients come from the data of the \
          authors' code. The means are rounded to seven decimals here, so a new fit differs from the \
          coefficients by the deviations above. The table sets our fit beside each mean, mL:\n\n| \
-         theta, deg | measured | fit | fit \
+         x, deg | measured | fit | fit \
          - measured |\n| --- | --- | --- | --- |\n",
     );
     for point in points() {
@@ -98,7 +98,7 @@ fn beside_the_means(found: &[f64; 6]) -> String {
     text
 }
 
-/// Returns the section of the page about V(theta), V_r and phi.
+/// Returns the section of the page about V(x), V_r and phi.
 pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let points = points();
     let fit = VolumeFit::quintic(&points)?;
@@ -138,7 +138,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         ),
     ];
     for (order, (theirs, ours)) in POLYNOMIAL.into_iter().zip(found).enumerate() {
-        let name = format!("coefficient of theta^{}, fitted again", 5 - order);
+        let name = format!("coefficient of x^{}, fitted again", 5 - order);
         rows.push(Row::computed(name, "mL/deg^n", (theirs, CODE), ours, Bound::Percent(2e-3)));
     }
     let after = beside_the_means(&found);

@@ -197,7 +197,8 @@ pub(crate) fn markdown() -> String {
         text += &format!("| {about} | `cargo run --example validate -- {name}` |\n");
     }
     text + "\nThis command gives the waveform of PT1 at 100 r/min, every millisecond, with a plot: `dose simulate \
-            --speed 100rpm --duration 10s --trace pt1.csv --plot pt1.svg`. Add `--pump two-roller` for PT2.\n"
+            --pump three-roller --speed 100rpm --duration 10s --trace pt1.csv --plot pt1.svg`. PT2 has \
+            `--pump two-roller`.\n"
 }
 
 fn roller_volume() -> Result<String, Box<dyn Error>> {

@@ -32,6 +32,12 @@ pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
         text,
         "`{name}` is set up: `dose {volume}mL --pump {name}` doses, `dose setup {name}` weighs again"
     );
+    if course.folder.is_default_pump(name) {
+        let _ = writeln!(
+            text,
+            "It is the default pump: a command without --pump means {name}; --pump three-roller names the built-in one"
+        );
+    }
     let safety = &bench.file().safety;
     if safety.max_ml_per_day.is_none() && safety.vessel_ml.is_none() {
         let path = course.folder.pump_file(name);

@@ -39,6 +39,11 @@ impl SetupFolder {
         folder_of(&self.config).join(Self::pump_entry(name))
     }
 
+    /// Returns true if a command that names no pump means this one.
+    pub fn is_default_pump(&self, name: &str) -> bool {
+        Config::read(&self.config).is_ok_and(|config| config.named_default_pump() == Some(name))
+    }
+
     /// Returns the path of the pump file as the configuration names it.
     fn pump_entry(name: &str) -> PathBuf {
         Path::new("pumps").join(format!("{name}.toml"))
