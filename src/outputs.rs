@@ -30,6 +30,17 @@ impl Outputs {
         path: &Path,
         contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
+        // No output is a TOML file, but pumps, racks, schedules and the configuration are.
+        if path.extension().is_some_and(|extension| extension == "toml") && path.exists() {
+            let refused = Failure::refused(format!(
+                "{}: there is a TOML file, and it would be lost; name another file",
+                path.display()
+            ));
+            return Err(refused
+                .kind(ErrorKind::Output)
+                .value(path.display())
+                .allowed("a file that is not there"));
+        }
         let staged =
             Staged::new(path, |to| contents(&mut Watched(to))).map_err(|error| unwritten(path, &error))?;
         self.staged.push((path.to_owned(), staged));

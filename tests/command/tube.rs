@@ -158,6 +158,29 @@ fn a_tube_is_not_exchanged_under_an_unfinished_dose_which_may_end_on_it() {
     assert_eq!(user.types(&["tube", "--new"]).code, 0);
 }
 
+#[test]
+fn a_dose_that_was_cut_off_wears_the_tube_by_the_most_that_it_may_have_pumped() {
+    let user = User::new();
+    user.json(&["5mL", "--start-angle", "30deg+-20deg"]);
+    let worn_l = || number(&user.json(&["tube"]), "volume_l");
+    let before_l = worn_l();
+    let mut child = user.command(&["1L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !user.record().is_some_and(|text| text.contains("progress")) {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(user.types(&["accept"]).code, 0);
+    let cut = user.types(&["log", "--format", "json"]).out;
+    let cut: serde_json::Value = serde_json::from_str(cut.lines().last().unwrap()).unwrap();
+    let most_ml =
+        number(cut["doses"].as_array().map_or(&cut, |doses| doses.last().unwrap()), "delivered_most_ml");
+    let worn_ml = 1e3 * (worn_l() - before_l);
+    assert!((worn_ml - most_ml).abs() < 1e-6, "{worn_ml} for {most_ml}");
+}
+
 /// The stored calibrations of the simulated pump, oldest first.
 fn calibrations(user: &User) -> Vec<std::path::PathBuf> {
     let folder = fs::read_dir(user.path("state/three-roller/sim/calibrations")).unwrap();

@@ -53,10 +53,10 @@ impl ClearArgs {
         }
         let pump = &bench.file().pump.id;
         let forgotten = match cleared.stand.limit {
-            SafetyLimit::Ordered | SafetyLimit::Vessel => String::new(),
-            SafetyLimit::Day => {
+            SafetyLimit::Day if cleared.forgotten_ml > 0.0 => {
                 format!("the {:.4} mL of the last 24 h count no more\n", cleared.forgotten_ml)
             }
+            _ => String::new(),
         };
         let full = match cleared.stand.limit {
             SafetyLimit::Vessel if cleared.vessel_ml > 0.0 => format!(

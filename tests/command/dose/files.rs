@@ -58,6 +58,10 @@ fn unwritable_outputs_are_refused_before_anything_moves() {
         }
     }
     user.is_refused(&["25mL", "--steps", "steps.csv", "--plot", "no/such/folder/file"]);
+    fs::write(user.path("acid.toml"), "a pump file").unwrap();
+    let message = user.is_refused(&["25mL", "--dry-run", "--steps", "acid.toml"]);
+    assert!(message.contains("acid.toml: there is a TOML file, and it would be lost"), "{message}");
+    assert_eq!(fs::read_to_string(user.path("acid.toml")).unwrap(), "a pump file");
     assert!(!user.path("steps.csv").exists(), "all outputs or none");
     assert!(user.is_refused(&["25mL", "--steps", "x", "--trace", "x"]).contains("two outputs"));
     assert!(user.is_refused(&["25mL", "--steps", "./x", "--trace", "x"]).contains("two outputs"));

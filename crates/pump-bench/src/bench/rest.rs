@@ -186,12 +186,19 @@ impl Bench {
         let turn_rad = prepared.plan.end_angle_rad() - prepared.plan.start().angle_rad();
         let turned = whole.turned.by(turn_rad, turn_rad);
         let range_ml = Account { turned, correction: prepared.correction() }.range_ml(model);
+        let (least_all_ml, most_all_ml) =
+            (whole.least_ml + range_ml.0 - pump_ml, whole.most_ml + range_ml.1 + pump_ml);
+        // A dose delivers nothing the other way.
+        let (least_all_ml, most_all_ml) = match whole.requested_ml > 0.0 {
+            true => (least_all_ml.max(0.0), most_all_ml),
+            false => (least_all_ml, most_all_ml.min(0.0)),
+        };
         let text = format!(
             "{} of the {} mL asked for were delivered before, by the model; with this rest it comes to {} \
              in all, the pump's own ± {} mL (k = 2) included",
             between(least_ml, most_ml),
             significant(whole.requested_ml, 6),
-            between(whole.least_ml + range_ml.0 - pump_ml, whole.most_ml + range_ml.1 + pump_ml),
+            between(least_all_ml, most_all_ml),
             significant(pump_ml, 2),
         );
         Some(Notice::from(text).with_remedy(Remedy::AcceptInstead))

@@ -1,4 +1,4 @@
-//! Tables as people and spreadsheets write them: CSV with a header and numbers without quotes.
+//! Tables as people and spreadsheets write them: CSV with a header; a cell may stand between quotes.
 
 use thiserror::Error;
 
@@ -43,7 +43,12 @@ impl<'a> Table<'a> {
                 format!("the table is empty; its first line names columns of {}", known.join(", ")),
             );
         };
-        let cells = |line: &'a str| line.split(',').map(str::trim).collect::<Vec<_>>();
+        // R quotes the names of columns. No known column and no number has a comma.
+        let unquoted = |cell: &'a str| match cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')) {
+            Some(inner) if !inner.contains('"') => inner.trim(),
+            _ => cell,
+        };
+        let cells = |line: &'a str| line.split(',').map(|cell| unquoted(cell.trim())).collect::<Vec<_>>();
         let columns = cells(header);
         for (n, column) in columns.iter().enumerate() {
             if !known.contains(column) {
@@ -148,6 +153,15 @@ impl Row<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quotes_around_a_cell_are_no_part_of_it() {
+        let columns = ["time_s", "flow_ml_s"];
+        let table = Table::parse("\"time_s\", \"flow_ml_s\"\n\"0\",1.5\n", &columns).unwrap();
+        let row = table.rows().next().unwrap();
+        assert_eq!((row.required("time_s"), row.required("flow_ml_s")), (Ok(0.0), Ok(1.5)));
+        assert!(Table::parse("\"time_s\"\"\",flow_ml_s\n", &columns).is_err());
+    }
 
     #[test]
     fn a_table_of_a_spreadsheet_with_other_separators_is_told_what_stands_between_cells() {

@@ -278,8 +278,13 @@ impl PumpState {
         let motion_s = intent.motion_s * worn.abs() as f64 / all as f64;
         // A clock that was set meanwhile tells no longer motion than the plan.
         let lasted_s = motion_s.min(ended_s.saturating_sub(intent.unix_s) as f64);
+        let worn_ml = match made_least == made_most {
+            true => intent.delivered_ml(pump, worn).abs(),
+            // The most that it may have pumped wears the tube, as it counts for the safety limits.
+            false => part.most_ml(pump),
+        };
         let wear = Wear {
-            volume_ml: self.wear.volume_ml + intent.delivered_ml(pump, worn).abs(),
+            volume_ml: self.wear.volume_ml + worn_ml,
             revolutions: self.wear.revolutions + worn.abs() as f64 * intent.step_rad / TURN_RAD,
             motion_s: self.wear.motion_s + motion_s,
         };

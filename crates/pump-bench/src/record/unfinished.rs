@@ -94,6 +94,12 @@ impl Unfinished {
         self.motion_delivered(pump).range_ml()
     }
 
+    /// Returns the most that the last motion may have pumped in its direction, in mL.
+    pub(super) fn most_ml(&self, pump: &Pump) -> f64 {
+        let (least_ml, most_ml) = self.motion_delivered(pump).range_ml();
+        least_ml.abs().max(most_ml.abs())
+    }
+
     /// Returns the largest error of the volume that this dose is booked with so far, in mL.
     pub(super) fn unsure_ml(&self, pump: &Pump) -> f64 {
         self.delivered(pump).half_width_ml()

@@ -22,7 +22,10 @@ pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
     let unsure =
         entry.expanded_uncertainty_ml.map_or(String::new(), |ml| format!(" ± {}", significant(ml, 2)));
     let volume = match entry.delivered_range_ml {
-        Some((least_ml, most_ml)) => format!("{least_ml:.4} to {most_ml:.4} mL"),
+        Some((least_ml, most_ml)) => {
+            let unsure = if unsure.is_empty() { unsure } else { format!(" ({} mL)", unsure.trim_start()) };
+            format!("{least_ml:.4} to {most_ml:.4} mL{unsure}")
+        }
         None => format!("{:.4}{unsure} mL", entry.delivered_ml),
     };
     let cause = entry.cause.as_ref().map_or(String::new(), |cause| format!(" ({cause})"));
@@ -227,7 +230,7 @@ mod tests {
         assert!(line(&stopped).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
-        assert!(line(&cut).contains("1.0000 to 2.0000 mL"), "{}", line(&cut));
+        assert!(line(&cut).contains("1.0000 to 2.0000 mL (± 0.13 mL)"), "{}", line(&cut));
         let rest = LogEntry { resumed: true, ..cut };
         assert!(line(&rest).ends_with("the process ended, the rest of a dose"));
     }

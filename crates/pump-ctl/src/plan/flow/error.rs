@@ -114,8 +114,8 @@ pub enum FlowError {
     /// The flow steps so far that the rotor would leave it by more than a motor step.
     #[error(
         "at {time_s:.4} s, in row {row}, the flow steps from {} to {} mL/s; at the pump's acceleration the angle would \
-         leave it by {off_steps:.1} motor steps, and 1 is allowed: let the flow change over {least_s:.4} s or more",
-        Shown(*from_ml_s), Shown(*to_ml_s)
+         leave it by {} motor steps, and 1 is allowed: let the flow change over {least_s:.4} s or more",
+        Shown(*from_ml_s), Shown(*to_ml_s), Shown(libm::ceil(100.0 * off_steps) / 100.0)
     )]
     Step {
         /// Number of the row after the step.
