@@ -230,7 +230,7 @@ mod tests {
         assert!(line(&stopped).ends_with("calibration 3, rack mix; stopped by SIGTERM"));
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
-        assert!(line(&cut).contains("1.0000 to 2.0000 mL (± 0.13 mL)"), "{}", line(&cut));
+        assert!(line(&cut).contains("1.0000 to 2.0000 mL (± 0.12 mL)"), "{}", line(&cut));
         let rest = LogEntry { resumed: true, ..cut };
         assert!(line(&rest).ends_with("the process ended, the rest of a dose"));
     }
