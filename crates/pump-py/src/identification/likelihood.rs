@@ -1,7 +1,7 @@
 //! The likelihood of lines for a waveform that was measured.
 
-use pump_bench::identification::{Begin, Turning};
-use pump_model::identification::{IdentificationError, PressureSample, Recording, RotorMotion};
+use pump_bench::identification::Turning;
+use pump_model::identification::{IdentificationError, PressureSample, Recording};
 use pump_model::{Leg, Line as Model, Port};
 use pyo3::prelude::*;
 
@@ -193,11 +193,7 @@ impl LineLikelihood {
 impl LineLikelihood {
     /// Returns the sum of the squares of measured less model, kPa².
     fn squares_kpa2(&self, line: &Model, angle_rad: f64, start_s: f64) -> Result<f64, IdentificationError> {
-        let Turning { begin, angle_rad: at_rad, speed_rad_s, .. } = self.turning;
-        let motion = match begin {
-            Begin::Steady => RotorMotion::Steady { angle_rad: at_rad, speed_rad_s },
-            Begin::Ramp { .. } | Begin::Step => RotorMotion::FromRest(&self.legs),
-        };
+        let motion = self.turning.motion(&self.legs);
         let recording = Recording { port: self.port, samples: &self.samples, motion };
         recording.residual_squares_kpa2(&self.pump, line, angle_rad, start_s)
     }
