@@ -5,13 +5,14 @@ use pump_model::identification::{IdentificationError, PressureSample, Recording}
 use pump_model::{Leg, Line as Model, Port};
 use pyo3::prelude::*;
 
+use super::answer::refused;
 use super::column::column;
 use super::waveform::turning;
 use crate::argument::{Argument, number, optional, port_named, speed};
 use crate::line::Line;
 use crate::pump::Pump;
 use crate::python::collected;
-use crate::python::errors::{self, value};
+use crate::python::errors::value;
 
 /// Likelihood of lines, for the pressure over time while a pump turns, with white noise of the sensor.
 ///
@@ -205,12 +206,4 @@ fn positive(standard_kpa: f64) -> PyResult<f64> {
         return Ok(standard_kpa);
     }
     Err(value(format_args!("standard_kpa is {standard_kpa}; allowed: a positive number")))
-}
-
-/// Maps an error of the model or of the samples.
-fn refused(error: IdentificationError) -> PyErr {
-    match error {
-        IdentificationError::Model(error) => errors::model(error),
-        _ => value(error),
-    }
 }
