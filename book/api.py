@@ -34,8 +34,8 @@ PAGES: dict[str, tuple[str, ...]] = {
     "Benches": ("Bench", "AsyncBench", "Balance", "Dose", "LoggedDose", "Status", "Verification"),
     "Racks": ("Rack", "RackReport", "RackPump", "RackDose", "RackTotal"),
     "Identification": (
-        *("identify_line", "identify_resistance", "identify_compliance"),
-        *("Identified", "Estimate", "LineLikelihood"),
+        *("identify_line", "identify_line_jointly", "identify_resistance", "identify_compliance"),
+        *("Identified", "JointlyIdentified", "PressureRecord", "RecordingFit", "Estimate", "LineLikelihood"),
     ),
     "Pictures": ("plot", "plot_pump", "plot_map", "plot_budget", "plot_dose_error", "plot_pitch", "animate"),
     "Errors": (
