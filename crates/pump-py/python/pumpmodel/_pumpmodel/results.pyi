@@ -100,7 +100,8 @@ class Run:
         Returns
         -------
         dict
-            Read-only arrays of shape (n,), without a copy.
+            Read-only arrays of shape (n,), without a copy. A run with sensitivities has their columns too, as
+            `run.sensitivity.to_dict` names them.
         """
     def to_dataframe(self) -> DataFrame:
         """Return the columns as a table. Needs pandas.
