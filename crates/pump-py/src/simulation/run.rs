@@ -121,8 +121,8 @@ impl Run {
     /// Parameters
     /// ----------
     /// data : dict
-    ///     Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The columns
-    ///     of sensitivities may stand beside them, all or none.
+    ///     Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The
+    ///     columns of sensitivities may stand beside them, all or none.
     ///
     /// Raises
     /// ------

@@ -183,13 +183,17 @@ impl Pump {
         if !sensitivity {
             return Ok(run);
         }
-        let [_, steady] = INITIALS;
-        let is_steady =
-            initial.is_some_and(|initial| initial.extract().is_ok_and(|word: &str| word == steady));
+        let is_steady = is_steady(initial);
         let starts = py.detach(|| starts(&model, &motion, states, is_steady))?;
         let found = derivatives(py, &model, &motion, starts, &run)?;
         Ok(run.with_sensitivity(found.unbind()))
     }
+}
+
+/// Returns true if the state at the start is the word for the steady one.
+fn is_steady(initial: Argument<'_, '_>) -> bool {
+    let [_, steady] = INITIALS;
+    initial.is_some_and(|initial| initial.extract().is_ok_and(|word: &str| word == steady))
 }
 
 /// Computes the samples of a motion.

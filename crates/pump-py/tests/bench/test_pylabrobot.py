@@ -406,6 +406,7 @@ def test_a_channel_that_runs_on_is_told_to_halt_and_its_run_is_no_dose(tmp_path:
                 ):
                     await call
             [made] = await array.halt()
+            assert made is not None
             assert repr(made).startswith("<Run on 'three-roller' (sim): delivered_ml ")
             assert "Run on three-roller" in made._repr_html_()
             assert "99000" not in repr(made) + made._repr_html_()

@@ -2,7 +2,7 @@
 
 import json
 import pickle
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -152,12 +152,12 @@ def test_a_joint_fit_is_a_value_and_is_drawn() -> None:
 
 
 def test_a_fault_of_a_record_tells_its_place() -> None:
-    good = records()
+    good, text = records(), cast(Any, "60")
     time_s, kpa = np.arange(5.0), np.full(5, 90.0)
     for bad, error, told in (
         (pm.PressureRecord(time_s, kpa), ValueError, r"recordings\[3\]: no speed is given"),
         (pm.PressureRecord(time_s, kpa[:3], 60), ValueError, r"recordings\[3\]: pressure_kpa has shape"),
-        (pm.PressureRecord(time_s, kpa, "60"), TypeError, r"recordings\[3\]: speed_rpm must be .*not"),  # type: ignore[arg-type]
+        (pm.PressureRecord(time_s, kpa, text), TypeError, r"recordings\[3\]: speed_rpm must be .*not"),
         (pm.PressureRecord(-time_s, kpa, 60), ValueError, r"recordings\[3\]: time in s of sample 2 is -1"),
         (pm.PressureRecord(time_s, kpa, 60, standard_kpa=0), ValueError, r"\[3\]: standard_kpa is 0.*kPa"),
         (pm.PressureRecord(time_s, kpa, 60, standard_kpa=1), ValueError, "given for 1 of 4 recordings"),

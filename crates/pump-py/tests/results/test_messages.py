@@ -200,6 +200,11 @@ RUN = THREE.simulate(speed_rpm=60, duration_s=0.1)
 ONE = [pm.Experiment(speed_rpm=60, duration_s=1)]
 
 
+NUMBER: Any = 2
+WRONG: Any = DOSE
+WRONG_PUMP: Any = THREE
+
+
 def ranked(**keywords: Any) -> Any:
     return pm.next_experiment(THREE, **{"candidates": ONE, "standard_kpa": 0.3, **keywords})
 
@@ -208,21 +213,21 @@ def ranked(**keywords: Any) -> Any:
     ("call", "error", "message"),
     [
         (lambda: simulated(sensitivity=1), TypeError, "sensitivity must be True or False, not int"),
-        (lambda: DOSER.plan("1mL", smooth="yes"), TypeError, "smooth must be True or False, not str"),  # type: ignore[arg-type]
+        (lambda: DOSER.plan("1mL", smooth=TEXT), TypeError, "smooth must be True or False, not str"),
         (
-            lambda: pm.identify_resistance([1, 2], drop_kpa=[1, 2], offset=2),  # type: ignore[arg-type]
+            lambda: pm.identify_resistance([1, 2], drop_kpa=[1, 2], offset=NUMBER),
             TypeError,
             "offset must be True or False, not int",
         ),
-        (lambda: pm.monte_carlo(DOSE), TypeError, "plan must be a Plan, not Dose; pm.Doser(pump).plan("),  # type: ignore[arg-type]
+        (lambda: pm.monte_carlo(WRONG), TypeError, "plan must be a Plan, not Dose; pm.Doser(pump).plan("),
         (lambda: pm.monte_carlo(PLAN, seed=-1), ValueError, "seed is -1; allowed: 0 to 18,446,744,"),
-        (lambda: pm.monte_carlo(PLAN, seed="1"), TypeError, "seed must be a whole number, not str"),  # type: ignore[arg-type]
+        (lambda: pm.monte_carlo(PLAN, seed=TEXT), TypeError, "seed must be a whole number, not str"),
         (
             lambda: pm.monte_carlo(PLAN, trials=HUGE),
             ValueError,
             "trials is a whole number beyond 64 bits; allowed: 2 to 10,000,000",
         ),
-        (lambda: TRIALS.interval_ml("95"), TypeError, "coverage must be a number in parts of 1, not str"),  # type: ignore[arg-type]
+        (lambda: TRIALS.interval_ml(TEXT), TypeError, "coverage must be a number in parts of 1, not str"),
         (lambda: TRIALS.interval_ml(95), ValueError, "coverage is 95; allowed: above 0 and below 1"),
         (
             lambda: ranked(unknown="reservoir"),
@@ -259,11 +264,11 @@ def test_an_argument_of_an_analysis_is_refused_by_its_name(
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: pm.plot_dose_error(THREE, "1mL"), "volume_ml must be a number or an array of numbers in mL"),  # type: ignore[arg-type]
-        (lambda: THREE.plot(angle_rad="a"), "angle_rad must be a number in rad, not str"),  # type: ignore[arg-type]
-        (lambda: pm.plot_budget(THREE), "dose must be a Dose or a Plan, not Pump"),  # type: ignore[arg-type]
-        (lambda: THREE.animate(RUN, frames_per_s="12"), "frames_per_s must be a number in 1/s, not str"),  # type: ignore[arg-type]
-        (lambda: THREE.animate(RUN, slower="2"), "slower must be a number in times the run, not str"),  # type: ignore[arg-type]
+        (lambda: pm.plot_dose_error(THREE, TEXT), "volume_ml must be a number or an array of numbers in mL"),
+        (lambda: THREE.plot(angle_rad=TEXT), "angle_rad must be a number in rad, not str"),
+        (lambda: pm.plot_budget(WRONG_PUMP), "dose must be a Dose or a Plan, not Pump"),
+        (lambda: THREE.animate(RUN, frames_per_s=TEXT), "frames_per_s must be a number in 1/s, not str"),
+        (lambda: THREE.animate(RUN, slower=TEXT), "slower must be a number in times the run, not str"),
     ],
 )
 def test_an_argument_of_a_picture_is_refused_by_its_name(call: Callable[[], Any], message: str) -> None:

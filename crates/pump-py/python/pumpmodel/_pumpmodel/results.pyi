@@ -87,7 +87,8 @@ class Run:
         Parameters
         ----------
         data : dict
-            Eight columns by their names, or by those of the command's `--trace`; array_like of equal length.
+            Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The
+            columns of sensitivities may stand beside them, all or none.
 
         Raises
         ------
