@@ -29,7 +29,9 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::dosing::{Doser, Limits, Plan};
     #[pymodule_export]
-    use crate::identification::{_identify_compliance, _identify_line, _identify_resistance, LineLikelihood};
+    use crate::identification::{
+        _identify_compliance, _identify_line, _identify_line_jointly, _identify_resistance, LineLikelihood,
+    };
     #[pymodule_export]
     use crate::identification::{nrmse, pearson, rmse};
     #[pymodule_export]

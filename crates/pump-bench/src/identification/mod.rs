@@ -1,6 +1,7 @@
 //! Lines identified from tables of measurements: reading, fitting and reporting.
 
 mod identified;
+mod joint;
 mod nozzle;
 mod points;
 mod pressure_record;
@@ -8,6 +9,7 @@ mod tables;
 mod thinned;
 
 pub use identified::{Identified, Parameter};
+pub use joint::{JointlyIdentified, JointlyRecorded, PressureRecord, identified_jointly_while};
 pub use nozzle::Nozzle;
 pub use points::{identified_compliance, identified_resistance};
 pub use pressure_record::{Begin, Turning, identified_line, identified_line_while};

@@ -53,6 +53,14 @@ impl Turning {
         };
         vec![ramp, Leg { start_s: ramp.end_s(), angle_rad: ramp.end_angle_rad(), ..cruise }]
     }
+
+    /// Returns the motion, whose [`Self::legs`] from rest are given.
+    pub fn motion<'a>(&self, legs: &'a [Leg]) -> RotorMotion<'a> {
+        match self.begin {
+            Begin::Steady => RotorMotion::Steady { angle_rad: self.angle_rad, speed_rad_s: self.speed_rad_s },
+            Begin::Ramp { .. } | Begin::Step => RotorMotion::FromRest(legs),
+        }
+    }
 }
 
 /// Fraction of a swing of the line over which neighbouring residuals may be alike and still be noise.
@@ -65,7 +73,7 @@ const MOST_ALIKE: f64 = 0.2;
 const SMALL_RESIDUALS: f64 = 0.05;
 
 /// Returns the time of a swing of a line, in s.
-fn swing_s(line: &Line) -> f64 {
+pub(super) fn swing_s(line: &Line) -> f64 {
     std::f64::consts::TAU / line.natural_rad_s()
 }
 
@@ -98,12 +106,9 @@ pub fn identified_line_while(
     sought: Sought,
     goes_on: &dyn Fn() -> bool,
 ) -> Result<Identified, IdentificationError> {
-    let Turning { begin, start_s, angle_rad, speed_rad_s } = *turning;
+    let Turning { start_s, angle_rad, speed_rad_s, .. } = *turning;
     let legs = turning.legs();
-    let motion = match begin {
-        Begin::Steady => RotorMotion::Steady { angle_rad, speed_rad_s },
-        Begin::Ramp { .. } | Begin::Step => RotorMotion::FromRest(&legs),
-    };
+    let motion = turning.motion(&legs);
     let rows = samples.len();
     let pitch_s = pump.pitch_rad() / speed_rad_s.abs();
     let Thinned { samples, words } = Thinned::of(samples, f64::min(swing_s(pump.line(port)), pitch_s));
@@ -116,7 +121,6 @@ pub fn identified_line_while(
         .zip(fit.pressures_kpa(pump, &recording, &line)?)
         .map(|(sample, fitted)| Fitted { x: sample.time_s, measured: sample.pressure_kpa, fitted })
         .collect();
-    let moved = |found: Estimate, by: f64| Estimate { value: found.value + by, ..found };
     let angle = moved(fit.angle_rad, angle_rad).times(degrees(1.0));
     let parameters = [
         ("resistance_kpa_s_ml", "resistance", "kPa s/mL", fit.resistance_kpa_s_ml, sought.resistance),
@@ -129,6 +133,11 @@ pub fn identified_line_while(
     .into_iter()
     .map(|(key, name, unit, found, is_sought)| Parameter { key, name, unit, found, is_held: !is_sought });
     let independent = samples.len() as f64 / fit.correlated_samples;
+    let residuals = ResidualSize {
+        rms_kpa: fit.rms_kpa,
+        spread_kpa: fit.spread_kpa,
+        correlated_samples: fit.correlated_samples,
+    };
     Ok(Identified {
         kind: "line",
         port,
@@ -142,11 +151,16 @@ pub fn identified_line_while(
         independent,
         points,
         covariance: covariance(&fit, sought),
-        warnings: doubts(&fit, samples).into_iter().map(Notice::from).collect(),
+        warnings: doubts(&residuals, &line, samples).into_iter().map(Notice::from).collect(),
         line,
         nozzle: None,
     }
     .with_weak_correlation(true))
+}
+
+/// Returns an estimate, moved by a number that is known.
+pub(super) fn moved(found: Estimate, by: f64) -> Estimate {
+    Estimate { value: found.value + by, ..found }
 }
 
 /// Returns the covariances of the parameters that were sought, in the order and the units of the report.
@@ -168,26 +182,36 @@ fn covariance(fit: &LineFit, sought: Sought) -> Vec<f64> {
     found().flat_map(row).collect()
 }
 
+/// Size of the residuals of a fit, beside the samples.
+pub(super) struct ResidualSize {
+    /// RMS of the residuals, in kPa.
+    pub(super) rms_kpa: f64,
+    /// Standard deviation of the samples, in kPa.
+    pub(super) spread_kpa: f64,
+    /// Number of neighbouring samples that say as much as one independent sample.
+    pub(super) correlated_samples: f64,
+}
+
 /// Warns if swings of the line pass between the samples, and if the residuals are no noise.
-fn doubts(fit: &LineFit, samples: &[PressureSample]) -> Vec<String> {
+pub(super) fn doubts(residuals: &ResidualSize, line: &Line, samples: &[PressureSample]) -> Vec<String> {
     let time_s = |sample: Option<&PressureSample>| sample.map_or(0.0, |sample| sample.time_s);
     let interval_s = (time_s(samples.last()) - time_s(samples.first())) / (samples.len() - 1) as f64;
-    let swing_s = swing_s(&fit.line());
+    let swing_s = swing_s(line);
     let mut doubts = Vec::new();
     if swing_s < 4.0 * interval_s {
         doubts.push(format!(
             "a swing of the line takes {swing_s:.4} s, less than four samples; record more often"
         ));
     }
-    let alike_s = fit.correlated_samples * interval_s;
+    let alike_s = residuals.correlated_samples * interval_s;
     // A single sample is always alike to itself.
-    let is_alike = fit.correlated_samples > 2.0 && alike_s > MOST_ALIKE * swing_s;
-    if is_alike && fit.rms_kpa > SMALL_RESIDUALS * fit.spread_kpa {
+    let is_alike = residuals.correlated_samples > 2.0 && alike_s > MOST_ALIKE * swing_s;
+    if is_alike && residuals.rms_kpa > SMALL_RESIDUALS * residuals.spread_kpa {
         doubts.push(format!(
             "the residual of the fit, {:.3} kPa RMS, stays alike for {alike_s:.4} s, too long for noise \
              beside a swing of the line ({swing_s:.4} s): the model misses something that the ± do not \
              contain; check speed, start and the parameters that are held",
-            fit.rms_kpa,
+            residuals.rms_kpa,
         ));
     }
     doubts

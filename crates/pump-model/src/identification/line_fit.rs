@@ -10,7 +10,7 @@ use crate::units::wrap;
 use super::autocorrelation::{LAGS, correlated_samples};
 use super::error::IdentificationError;
 use super::estimate::Estimate;
-use super::least_squares::Found;
+use super::least_squares::{Found, Residuals};
 use super::readings::Readings;
 use super::recording::Recording;
 use super::sought::{ANGLE, N, PRESSURE, SEARCHED, START, Sought, count};
@@ -124,7 +124,7 @@ impl LineFit {
         let found = waveform.best(line)?;
         let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
         let spread_kpa = recording.spread_kpa();
-        converged(sought, &found, rms_kpa, spread_kpa)?;
+        converged(sought, (found.steps, found.converged()), rms_kpa, spread_kpa)?;
         let uncertainty = Uncertainty::of(&waveform, &found)?;
         let estimate = |n, value, unit| uncertainty.estimate(n, value, unit);
         let [resistance, compliance, inertance] =
@@ -189,9 +189,9 @@ impl LineFit {
 }
 
 /// Refuses a fit that explains too little, or whose search did not end.
-fn converged(
+pub(super) fn converged(
     sought: Sought,
-    found: &Found<N>,
+    (steps, has_ended): (u32, bool),
     rms_kpa: f64,
     spread_kpa: f64,
 ) -> Result<(), IdentificationError> {
@@ -203,8 +203,8 @@ fn converged(
             least_percent: 100.0 * LEAST_EXPLAINED,
         });
     }
-    if !found.converged() {
-        return Err(IdentificationError::NotConverged { steps: found.steps, rms_kpa });
+    if !has_ended {
+        return Err(IdentificationError::NotConverged { steps, rms_kpa });
     }
     Ok(())
 }
@@ -227,17 +227,7 @@ impl Uncertainty {
         const NO_EFFECT: &str = "it has no effect on them that others do not have; seek fewer parameters";
         let covariances =
             found.rows.covariances().ok_or(undetermined(found.rows.singular().unwrap_or(0), NO_EFFECT))?;
-        let recording = waveform.recording;
-        let largest_kpa =
-            recording.samples.iter().fold(0.0, |most: f64, sample| most.max(sample.pressure_kpa.abs()));
-        let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
-        // Rounding may repeat itself as the pressure does, but it says nothing of noise.
-        let correlated = if rms_kpa <= ROUNDING * largest_kpa {
-            1.0
-        } else {
-            correlated_samples(waveform.residuals(&line_of(&found.at), &found.at)?)
-                .ok_or(IdentificationError::Alike { samples: LAGS })?
-        };
+        let (correlated, _) = correlated(waveform, &found.at)?;
         let independent = waveform.recording.samples.len() as f64 / correlated;
         let free = independent - count(waveform.flags) as f64;
         if free < 1.0 {
@@ -272,8 +262,25 @@ impl Uncertainty {
     }
 }
 
+/// Returns the number of neighbouring samples that say as much as one independent sample, and the sum of the squares of
+/// the residuals, kPa².
+pub(super) fn correlated(
+    waveform: &WaveformResiduals<'_>,
+    at: &[f64; N],
+) -> Result<(f64, f64), IdentificationError> {
+    let samples = waveform.recording.samples;
+    let largest_kpa = samples.iter().fold(0.0, |most: f64, sample| most.max(sample.pressure_kpa.abs()));
+    let sum_kpa2 = waveform.sum(at)?;
+    // Rounding may repeat itself as the pressure does, but it says nothing of noise.
+    if sqrt(sum_kpa2 / samples.len() as f64) <= ROUNDING * largest_kpa {
+        return Ok((1.0, sum_kpa2));
+    }
+    let correlated = correlated_samples(waveform.residuals(&line_of(at), at)?);
+    Ok((correlated.ok_or(IdentificationError::Alike { samples: LAGS })?, sum_kpa2))
+}
+
 /// Returns the error for a parameter that the samples do not determine.
-fn undetermined(n: usize, why: &'static str) -> IdentificationError {
+pub(super) fn undetermined(n: usize, why: &'static str) -> IdentificationError {
     IdentificationError::Undetermined { of: Readings::Samples, parameter: SEARCHED[n], why }
 }
 

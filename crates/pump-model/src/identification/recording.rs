@@ -62,8 +62,12 @@ pub struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
+    /// Refuses what is no record.
+    ///
+    /// # Errors
+    ///
     /// Refuses samples that are not finite or not in order of time, and motions without legs or speed.
-    pub(super) fn validate(&self) -> Result<(), IdentificationError> {
+    pub fn validate(&self) -> Result<(), IdentificationError> {
         let mut last_s = f64::NEG_INFINITY;
         for (n, sample) in self.samples.iter().enumerate() {
             within((Parameter::Time, Readings::Samples, n), sample.time_s, Allowed::FINITE)?;

@@ -17,8 +17,8 @@ use super::watch::Watch;
 ///
 /// The search also starts from natural frequencies beside the given line's. The sum of squares has other
 /// minima where the line swings too often or too late.
-const ANGLES: u32 = 12;
-const FREQUENCIES: [f64; 5] = [1.0, 0.6, 0.8, 1.25, 1.7];
+pub(super) const ANGLES: u32 = 12;
+pub(super) const FREQUENCIES: [f64; 5] = [1.0, 0.6, 0.8, 1.25, 1.7];
 
 /// Number of starts that are followed to their minimum.
 const FOLLOWED: usize = 3;
@@ -64,7 +64,7 @@ impl WaveformResiduals<'_> {
     }
 
     /// Returns the mean of the residuals and the sum of their squares about it.
-    fn spread(&self, at: &[f64; N]) -> Result<(f64, f64), ModelError> {
+    pub(super) fn spread(&self, at: &[f64; N]) -> Result<(f64, f64), ModelError> {
         let (mut count, mut mean, mut square) = (0.0, 0.0, 0.0);
         for residual in self.residuals(&line_of(at), at)? {
             count += 1.0;

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod dice;
+mod joint;
 mod points;
 mod refusals;
 mod waveforms;

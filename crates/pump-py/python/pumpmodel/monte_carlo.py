@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pumpmodel._pumpmodel import Plan
-from pumpmodel._results.words import number
+from pumpmodel._pumpmodel import Plan, _number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,14 +72,17 @@ class VolumeTrials:
 
         Raises
         ------
+        TypeError
+            If `coverage` is no number.
         ValueError
             If `coverage` is not above 0 and below 1.
         """
-        if not 0 < coverage < 1:
-            message = f"coverage is {coverage:g}; allowed: above 0 and below 1"
+        part = _number("coverage", coverage, "parts of 1")
+        if not 0 < part < 1:
+            message = f"coverage is {part:g}; allowed: above 0 and below 1"
             raise ValueError(message)
         ordered = np.sort(self.volume_ml)
-        within = max(1, math.ceil(coverage * len(ordered)))
+        within = max(1, math.ceil(part * len(ordered)))
         widths = ordered[within - 1 :] - ordered[: len(ordered) - within + 1]
         first = int(np.argmin(widths))
         return float(ordered[first]), float(ordered[first + within - 1])
@@ -108,16 +110,9 @@ class VolumeTrials:
         return plot_trials(self, ax=ax)
 
     def _repr_html_(self) -> str:
-        from pumpmodel._results.notebook.html import table
+        from pumpmodel._results.notebook.knowledge import trials_html
 
-        least_ml, most_ml = self.interval_ml()
-        rows = [
-            ("mean", number(self.mean_ml, "mL", 5)),
-            ("standard deviation", number(self.standard_ml, "mL", 2)),
-            ("95.45 % of the trials", f"{least_ml:.5g} to {most_ml:.5g} mL"),
-            ("expanded uncertainty by the budget", number(self.budget_expanded_ml, "mL", 2)),
-        ]
-        return table(f"{len(self.volume_ml)} trials of a dose", rows)
+        return trials_html(self)
 
     def __repr__(self) -> str:
         """Return the number of trials, their mean and the interval of 95.45 %."""
@@ -156,8 +151,10 @@ def monte_carlo(plan: Plan, *, trials: int = 100_000, seed: int | None = None) -
 
     Raises
     ------
+    TypeError
+        If `plan` is no `Plan`, or `trials` or `seed` is no whole number.
     ValueError
-        If `trials` is out of range.
+        If `trials` or `seed` is out of range.
     MemoryError
         If there is no memory for the trials.
 
@@ -169,12 +166,15 @@ def monte_carlo(plan: Plan, *, trials: int = 100_000, seed: int | None = None) -
     >>> bool(abs(drawn.standard_ml / drawn.budget_standard_ml - 1) < 0.02)
     True
     """
-    if isinstance(trials, bool) or not isinstance(trials, int | np.integer):
-        message = f"trials must be a whole number, not {type(trials).__name__}"
+    if not isinstance(plan, Plan):
+        message = (
+            f"plan must be a Plan, not {type(plan).__name__}; pm.Doser(pump).plan(volume) and"
+            " bench.plan(volume) return one"
+        )
         raise TypeError(message)
-    if not 2 <= trials <= 10_000_000:
-        message = f"trials is {trials}; allowed: 2 to 10,000,000"
-        raise ValueError(message)
+    _whole("trials", trials, 2, 10_000_000)
+    if seed is not None:
+        _whole("seed", seed, 0, 2**64 - 1)
     dice = np.random.default_rng(seed)
     shares = {share["source"]: float(share["standard_ml"]) for share in plan.uncertainty_budget}
     planned_ml = plan.planned_ml
@@ -198,6 +198,18 @@ def monte_carlo(plan: Plan, *, trials: int = 100_000, seed: int | None = None) -
     volumes_ml.flags.writeable = False
     standard_ml = math.sqrt(sum(standard_ml**2 for standard_ml in shares.values()))
     return VolumeTrials(volumes_ml, standard_ml, plan.expanded_uncertainty_ml)
+
+
+def _whole(name: str, given: object, least: int, most: int) -> None:
+    """Refuse what is no whole number within a range."""
+    if isinstance(given, bool) or not isinstance(given, int | np.integer):
+        message = f"{name} must be a whole number, not {type(given).__name__}"
+        raise TypeError(message)
+    number = int(given)
+    if not least <= number <= most:
+        told = str(number) if abs(number) < 2**64 else "a whole number beyond 64 bits"
+        message = f"{name} is {told}; allowed: {least} to {most:,}"
+        raise ValueError(message)
 
 
 def _half_width_rad(plan: Plan) -> float:

@@ -2,6 +2,7 @@
 
 mod choice;
 mod cruise;
+mod flag;
 mod floats;
 mod items;
 mod number;
@@ -12,6 +13,7 @@ mod whole;
 
 pub(crate) use choice::{choice, finish_named, ramps_named, word};
 pub(crate) use cruise::cruise;
+pub(crate) use flag::flag;
 pub(crate) use floats::{_numbers, Floats};
 pub(crate) use items::Items;
 pub(crate) use number::{_number, number, number_of, optional};

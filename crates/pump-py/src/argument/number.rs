@@ -8,7 +8,8 @@ use super::speed::Argument;
 use crate::python::errors::value;
 
 /// Endings of names and the units that they stand for, a longer ending before those that it ends with.
-const UNITS: [(&str, &str); 21] = [
+const UNITS: [(&str, &str); 22] = [
+    ("_ml_deg", "mL over powers of deg"),
     ("_kpa_s2_ml", "kPa s²/mL"),
     ("_kpa_s_ml", "kPa s/mL"),
     ("_ml_kpa", "mL/kPa"),

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::doser::Doser;
 use super::plan::Plan;
-use crate::argument::{Argument, cruise, finish_named, optional, quantity, ramps_named, retracted_ml};
+use crate::argument::{Argument, cruise, finish_named, flag, optional, quantity, ramps_named, retracted_ml};
 use crate::python::errors::value;
 
 #[pymethods]
@@ -62,7 +62,7 @@ impl Doser {
     ///     If the pump cannot make the dose, for example because its rate or pressure is beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
-        volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", ramps="line", retract=None,
+        volume, *, rate=None, speed=None, within=None, smooth=None, finish="any", ramps="line", retract=None,
         start_angle_rad=None, start_half_width_rad=None, carry_in_ml=None
     ), text_signature = "($self, volume, *, rate=None, speed=None, within=None, smooth=False, finish=\"any\", \
         ramps=\"line\", retract=None, start_angle_rad=None, start_half_width_rad=0.0, carry_in_ml=0.0)")]
@@ -72,7 +72,7 @@ impl Doser {
         rate: Option<&Bound<'_, PyAny>>,
         speed: Option<&Bound<'_, PyAny>>,
         within: Option<&Bound<'_, PyAny>>,
-        smooth: bool,
+        smooth: Argument<'_, '_>,
         finish: &str,
         ramps: &str,
         retract: Option<&Bound<'_, PyAny>>,
@@ -91,7 +91,7 @@ impl Doser {
             Weighing::of(&doser.pump.get().file).amount_ml(amount).map_err(value)?,
         )
         .with_cruise(cruise(rate, speed, within)?)
-        .with_smooth(smooth)
+        .with_smooth(flag("smooth", smooth)?)
         .with_finish(finish_named(finish)?)
         .with_ramps(ramps_named(ramps)?)
         .with_retraction(retracted_ml(retract)?)

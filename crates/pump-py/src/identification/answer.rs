@@ -20,11 +20,7 @@ pub(super) fn answer(
     py: Python<'_>,
     found: Result<Identified, IdentificationError>,
 ) -> PyResult<IdentificationAnswer<'_>> {
-    let found = found.map_err(|error| match error {
-        IdentificationError::Model(error) => errors::model(error),
-        IdentificationError::NoMemory { given, .. } => no_memory(given as u64),
-        _ => value(error),
-    })?;
+    let found = found.map_err(refused)?;
     let found = found.worded(advice::words);
     let array = |number: fn(&Fitted) -> f64| {
         frozen(py, collected(found.points.iter().map(number))?).map(|array| array.into_bound(py))
@@ -45,4 +41,13 @@ pub(super) fn answer(
         [array(|point| point.x)?, array(|point| point.measured)?, array(|point| point.fitted)?],
         covariance,
     ))
+}
+
+/// Maps an error of the model, of the samples or of the search.
+pub(super) fn refused(error: IdentificationError) -> PyErr {
+    match error {
+        IdentificationError::Model(error) => errors::model(error),
+        IdentificationError::NoMemory { given, .. } => no_memory(given as u64),
+        _ => value(error),
+    }
 }

@@ -1,17 +1,18 @@
 //! The likelihood of lines for a waveform that was measured.
 
-use pump_bench::identification::{Begin, Turning};
-use pump_model::identification::{IdentificationError, PressureSample, Recording, RotorMotion};
+use pump_bench::identification::Turning;
+use pump_model::identification::{IdentificationError, PressureSample, Recording};
 use pump_model::{Leg, Line as Model, Port};
 use pyo3::prelude::*;
 
+use super::answer::refused;
 use super::column::column;
 use super::waveform::turning;
 use crate::argument::{Argument, number, optional, port_named, speed};
 use crate::line::Line;
 use crate::pump::Pump;
 use crate::python::collected;
-use crate::python::errors::{self, value};
+use crate::python::errors::value;
 
 /// Likelihood of lines, for the pressure over time while a pump turns, with white noise of the sensor.
 ///
@@ -193,11 +194,7 @@ impl LineLikelihood {
 impl LineLikelihood {
     /// Returns the sum of the squares of measured less model, kPa².
     fn squares_kpa2(&self, line: &Model, angle_rad: f64, start_s: f64) -> Result<f64, IdentificationError> {
-        let Turning { begin, angle_rad: at_rad, speed_rad_s, .. } = self.turning;
-        let motion = match begin {
-            Begin::Steady => RotorMotion::Steady { angle_rad: at_rad, speed_rad_s },
-            Begin::Ramp { .. } | Begin::Step => RotorMotion::FromRest(&self.legs),
-        };
+        let motion = self.turning.motion(&self.legs);
         let recording = Recording { port: self.port, samples: &self.samples, motion };
         recording.residual_squares_kpa2(&self.pump, line, angle_rad, start_s)
     }
@@ -209,12 +206,4 @@ fn positive(standard_kpa: f64) -> PyResult<f64> {
         return Ok(standard_kpa);
     }
     Err(value(format_args!("standard_kpa is {standard_kpa}; allowed: a positive number")))
-}
-
-/// Maps an error of the model or of the samples.
-fn refused(error: IdentificationError) -> PyErr {
-    match error {
-        IdentificationError::Model(error) => errors::model(error),
-        _ => value(error),
-    }
 }

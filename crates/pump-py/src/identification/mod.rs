@@ -3,12 +3,14 @@
 mod answer;
 mod column;
 mod compliance;
+mod joint;
 mod likelihood;
 mod metrics;
 mod resistance;
 mod waveform;
 
 pub(crate) use compliance::_identify_compliance;
+pub(crate) use joint::_identify_line_jointly;
 pub(crate) use likelihood::LineLikelihood;
 pub(crate) use metrics::{nrmse, pearson, rmse};
 pub(crate) use resistance::_identify_resistance;

@@ -7,8 +7,7 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use crate::argument::Argument;
-use crate::argument::port_named;
+use crate::argument::{Argument, flag, port_named};
 use crate::pump::Pump;
 use crate::python::collected;
 use crate::python::errors::value;
@@ -24,9 +23,10 @@ pub(crate) fn _identify_resistance<'py>(
     pressure_kpa: Argument<'_, 'py>,
     drop_kpa: Argument<'_, 'py>,
     standard_kpa: Argument<'_, 'py>,
-    offset: bool,
+    offset: &Bound<'py, PyAny>,
 ) -> PyResult<IdentificationAnswer<'py>> {
     let port = port_named(port)?;
+    let offset = flag("offset", Some(offset))?;
     let line = pump.model().line(port);
     let flows = column("flow_ml_s", flow_ml_s, None)?;
     let count = Some(flows.len());

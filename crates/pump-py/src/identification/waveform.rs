@@ -40,21 +40,7 @@ pub(crate) fn _identify_line<'py>(
     let start_angle_rad = optional("start_angle_rad", start_angle_rad)?;
     let speed_rad_s = speed_rad_s(speed_rpm, speed_rad)?;
     let turning = turning(pump, begin, start_s, start_angle_rad, speed_rad_s)?;
-    if fit.is_empty() {
-        let all = PARAMETERS.map(|name| format!("\"{name}\"")).join(", ");
-        return Err(value(format_args!("fit is empty; allowed: one name at least of {all}")));
-    }
-    for name in &fit {
-        choice("a name in fit", name, &PARAMETERS.map(|allowed| (allowed, ())))?;
-    }
-    let has = |name: &str| fit.iter().any(|given| given == name);
-    let sought = Sought::new()
-        .with_resistance(has("R"))
-        .with_compliance(has("C"))
-        .with_inertance(has("L"))
-        .with_angle(start_angle_rad.is_none())
-        .with_start(has("start"))
-        .with_pressure(has("reservoir"));
+    let sought = sought_of(&fit)?.with_angle(start_angle_rad.is_none());
     let times = column("time_s", time_s, None)?;
     let pressures = column("pressure_kpa", pressure_kpa, Some(times.len()))?;
     let samples = times.into_iter().zip(pressures);
@@ -63,6 +49,24 @@ pub(crate) fn _identify_line<'py>(
         identified_line_while(pump.model(), port, &samples, &turning, sought, goes_on)
     })?;
     answer(py, found.map(|found| found.with_nozzle_of(&pump.file)))
+}
+
+/// Reads the parameters that are sought, but for the angle.
+pub(super) fn sought_of(fit: &[String]) -> PyResult<Sought> {
+    if fit.is_empty() {
+        let all = PARAMETERS.map(|name| format!("\"{name}\"")).join(", ");
+        return Err(value(format_args!("fit is empty; allowed: one name at least of {all}")));
+    }
+    for name in fit {
+        choice("a name in fit", name, &PARAMETERS.map(|allowed| (allowed, ())))?;
+    }
+    let has = |name: &str| fit.iter().any(|given| given == name);
+    Ok(Sought::new()
+        .with_resistance(has("R"))
+        .with_compliance(has("C"))
+        .with_inertance(has("L"))
+        .with_start(has("start"))
+        .with_pressure(has("reservoir")))
 }
 
 /// Reads how the rotor came to its speed, and where it stood.

@@ -101,11 +101,17 @@ impl Run {
     /// Returns
     /// -------
     /// dict
-    ///     Read-only arrays of shape (n,), without a copy.
+    ///     Read-only arrays of shape (n,), without a copy. A run with sensitivities has their columns too, as
+    ///     `run.sensitivity.to_dict` names them.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let dict = py.import("pumpmodel._results.renamed")?.call_method0("Columns")?;
         for (name, column) in NAMES.into_iter().zip(self.columns()) {
             dict.set_item(name, column)?;
+        }
+        if !self.sensitivity.is_none(py) {
+            let derivatives = self.sensitivity.bind(py).call_method0("to_dict")?;
+            derivatives.call_method1("pop", (NAMES[0],))?;
+            dict.call_method1("update", (derivatives,))?;
         }
         Ok(dict)
     }
@@ -115,7 +121,8 @@ impl Run {
     /// Parameters
     /// ----------
     /// data : dict
-    ///     Eight columns by their names, or by those of the command's `--trace`; array_like of equal length.
+    ///     Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The
+    ///     columns of sensitivities may stand beside them, all or none.
     ///
     /// Raises
     /// ------
@@ -123,7 +130,16 @@ impl Run {
     ///     If a column is missing, unknown or given by both names, or its length differs.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyDict>) -> PyResult<Self> {
-        if let Some(name) = data.keys().iter().find(|name| !name.extract().is_ok_and(is_column)) {
+        let py = data.py();
+        let sensitivity = py.import("pumpmodel._results.sensitivity")?;
+        let derivatives = sensitivity.getattr("COLUMNS")?;
+        let is_known = |name: &Bound<'_, PyAny>| {
+            Ok::<_, PyErr>(name.extract().is_ok_and(is_column) || derivatives.contains(name)?)
+        };
+        for name in data.keys() {
+            if is_known(&name)? {
+                continue;
+            }
             return Err(value(format_args!(
                 "{name} is not a column of a run; allowed: {}",
                 NAMES.join(", ")
@@ -146,7 +162,9 @@ impl Run {
         if columns.iter().any(|column| column.len() != columns[0].len()) {
             return Err(value("the columns differ in length; a run needs columns of equal length"));
         }
-        Self::new(data.py(), columns, data.py().None(), data.py().None())
+        let run = Self::new(py, columns, py.None(), py.None())?;
+        let derivatives = sensitivity.call_method1("from_columns", (data, run.time_s.bind(py)))?;
+        Ok(run.with_sensitivity(derivatives.unbind()))
     }
 
     /// Deprecated name of `inlet_flow_ml_s`.

@@ -9,7 +9,7 @@ use pyo3::types::PyString;
 use super::motion::{Asked, Motion, Times};
 use super::run::Run;
 use super::sensitivity::{sensitivity as derivatives, starts};
-use crate::argument::{Argument, choice, optional, word};
+use crate::argument::{Argument, choice, flag, optional, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
@@ -102,7 +102,7 @@ impl Pump {
     #[pyo3(signature = (
         *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, output_time_s=None,
         start_angle_rad=None, model="flow-centric", method="auto", initial=None, tolerance=None, segment_scale=None,
-        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None, sensitivity=false
+        distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, closure_rad=None, sensitivity=None
     ), text_signature = "($self, *, speed_rpm=None, speed_rad_s=None, duration_s=None, dt_s=None, time_s=None, \
         output_time_s=None, start_angle_rad=0.0, model=\"flow-centric\", method=\"auto\", initial=\"rest\", \
         tolerance=None, segment_scale=None, distensibility_per_kpa=None, valve_resistance_kpa_s_ml=None, \
@@ -125,8 +125,9 @@ impl Pump {
         distensibility_per_kpa: Argument<'_, 'py>,
         valve_resistance_kpa_s_ml: Argument<'_, 'py>,
         closure_rad: Argument<'_, 'py>,
-        sensitivity: bool,
+        sensitivity: Argument<'_, 'py>,
     ) -> PyResult<Run> {
+        let sensitivity = flag("sensitivity", sensitivity)?;
         let (duration_s, dt_s) = (optional("duration_s", duration_s)?, optional("dt_s", dt_s)?);
         let start_angle_rad = optional("start_angle_rad", start_angle_rad)?.unwrap_or_default();
         let tolerance = optional("tolerance", tolerance)?;
@@ -182,13 +183,17 @@ impl Pump {
         if !sensitivity {
             return Ok(run);
         }
-        let [_, steady] = INITIALS;
-        let is_steady =
-            initial.is_some_and(|initial| initial.extract().is_ok_and(|word: &str| word == steady));
+        let is_steady = is_steady(initial);
         let starts = py.detach(|| starts(&model, &motion, states, is_steady))?;
         let found = derivatives(py, &model, &motion, starts, &run)?;
         Ok(run.with_sensitivity(found.unbind()))
     }
+}
+
+/// Returns true if the state at the start is the word for the steady one.
+fn is_steady(initial: Argument<'_, '_>) -> bool {
+    let [_, steady] = INITIALS;
+    initial.is_some_and(|initial| initial.extract().is_ok_and(|word: &str| word == steady))
 }
 
 /// Computes the samples of a motion.

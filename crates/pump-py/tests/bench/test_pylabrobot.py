@@ -351,3 +351,66 @@ def test_the_channels_of_an_array_dose_at_the_same_time_each_by_its_own_record(t
     run(work())
     again = BenchPumpArray.deserialize(json.loads(json.dumps(array.serialize())))
     assert again.serialize() == array.serialize()
+
+
+def test_an_array_takes_a_rate_and_limits_in_every_call(tmp_path: Path) -> None:
+    backends = [BenchBackend(name, state_dir=tmp_path) for name in ("three-roller", "two-roller")]
+    array = BenchPumpArray(BenchArrayBackend(backends))
+
+    async def work() -> None:
+        async with array:
+            rates = ["8 mL/s", "5 mL/s"]
+            for made in (
+                array.pump_volume(use_channels=[0, 1], volume=3, rate=rates),
+                array.run_revolutions(1, [0, 1], rate=rates),
+                array.run_for_duration(use_channels=[0, 1], duration=2, rate=rates),
+            ):
+                assert [dose.cruise_flow_ml_s for dose in await made] == pytest.approx([8, 5])
+            [reverse] = await array.run_for_duration(use_channels=0, duration=2, rate="8 mL/s", reverse=True)
+            assert reverse.steps < 0
+            await array.run_continuously(use_channels=[0, 1], rate="8 mL/s")
+            await in_motion(array.pumps[0])
+            assert [dose is not None and dose.cruise_flow_ml_s for dose in await array.halt()] == (
+                pytest.approx([8, 8])
+            )
+            tight = pm.Limits(max_outlet_kpa=101.4)
+            for refused in (
+                array.run_revolutions(5, 0, speed=150, limits=tight),
+                array.run_for_duration(150, 0, 10, limits=tight),
+                array.run_continuously(150, 0, limits=tight),
+            ):
+                with pytest.raises(pm.PlanError, match="channel 0: "):
+                    await refused
+            with pytest.raises(
+                TypeError, match=r"use_channels is missing; give channels, as use_channels=\["
+            ):
+                await array.pump_volume(50, volume=1)
+            with pytest.raises(TypeError, match="channel 0: volume is missing; give it in mL"):
+                await array.pump_volume(50, 0)
+            with pytest.raises(ValueError, match="channel 1: neither speed nor rate is given"):
+                await array.run_continuously(None, 1)
+
+    run(work())
+
+
+def test_a_channel_that_runs_on_is_told_to_halt_and_its_run_is_no_dose(tmp_path: Path) -> None:
+    array = BenchPumpArray(BenchArrayBackend([BenchBackend("three-roller", state_dir=tmp_path)]))
+
+    async def work() -> None:
+        async with array:
+            await array.run_continuously(60, 0)
+            await in_motion(array.pumps[0])
+            for call in (array.pump_volume(50, 0, 1), array.run_revolutions(1, 0)):
+                with pytest.raises(
+                    pm.PumpError, match=r"channel 0: .*runs until halt\(\).*await halt\(\) first"
+                ):
+                    await call
+            [made] = await array.halt()
+            assert made is not None
+            assert repr(made).startswith("<Run on 'three-roller' (sim): delivered_ml ")
+            assert "Run on three-roller" in made._repr_html_()
+            assert "99000" not in repr(made) + made._repr_html_()
+            [dose] = await array.pump_volume(50, 0, 1)
+            assert repr(dose).startswith("<Dose of 1.0 mL on 'three-roller'")
+
+    run(work())

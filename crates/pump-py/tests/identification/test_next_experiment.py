@@ -91,7 +91,7 @@ def test_wrong_arguments_are_refused_by_name() -> None:
         pm.next_experiment(pump, [outlet], standard_kpa=0)
     with pytest.raises(ValueError, match="candidates are of 2 ports"):
         pm.next_experiment(pump, [outlet, inlet], standard_kpa=1)
-    with pytest.raises(ValueError, match="candidates are of 0 ports"):
+    with pytest.raises(ValueError, match="candidates is empty; allowed: one Experiment at least"):
         pm.next_experiment(pump, [], standard_kpa=1)
     with pytest.raises(ValueError, match="'speed'"):
         pm.next_experiment(pump, [outlet], standard_kpa=1, unknown=["speed"])  # type: ignore[list-item]
@@ -110,7 +110,7 @@ def test_an_experiment_that_cannot_be_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="duration_s is inf; allowed: a finite number"):
         pm.Experiment(np.float32(100), float("inf"))
     experiment = pm.Experiment(np.float32(100), 1)
-    with pytest.raises(TypeError, match="standard_kpa must be a number, not str"):
+    with pytest.raises(TypeError, match="standard_kpa must be a number in kPa, not str"):
         pm.next_experiment(pm.Pump.three_roller(), [experiment], standard_kpa="0.3")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="standard_kpa is 1e-300; allowed: 1e-9 to 1e9"):
         pm.next_experiment(pm.Pump.three_roller(), [experiment], standard_kpa=1e-300)

@@ -51,6 +51,18 @@ def verification() -> pm.Verification:
 
 
 @cache
+def joint() -> pm.JointlyIdentified:
+    pump = pm.Pump.three_roller()
+    dice = np.random.default_rng(1)
+    records = []
+    for speed_rpm in (30, 100):
+        run = pump.simulate(speed_rpm=speed_rpm, duration_s=0.4, dt_s=2e-3)
+        kpa = run.outlet_kpa + dice.normal(0, 0.3, len(run))
+        records.append(pm.PressureRecord(run.time_s, kpa, speed_rpm, begin="step"))
+    return pm.identify_line_jointly(pump, records)
+
+
+@cache
 def results() -> dict[str, Any]:
     pump = pm.Pump.three_roller()
     plan = pm.Doser(pump).plan("5mL", rate="10 mL/s", start_angle_rad=0.1)
@@ -64,10 +76,19 @@ def results() -> dict[str, Any]:
         "steady states": pump.steady_state(speed_rpm=np.arange(5.0, 171.0)),
         "sweep": pm.sweep([pump, pump.replace(rollers=4)], speed_rpm=range(10, 100)),
         "calibration": pm.Calibration.from_runs(pump, runs()),
+        "single calibration": pm.Calibration.from_runs(pump, runs()[:3], fit="factor"),
         "line": line(),
+        "joint line": joint(),
+        "sensitivity": pump.simulate(speed_rpm=100, duration_s=0.5, sensitivity=True).sensitivity,
+        "expected fit": pm.next_experiment(
+            pump, [pm.Experiment(speed_rpm=60, duration_s=1)], standard_kpa=0.3
+        )[0],
+        "trials": pm.monte_carlo(plan, trials=2000, seed=1),
         "resistance": pm.identify_resistance([10, 20, 40, 60], drop_kpa=[1.11, 2.21, 4.44, 6.64]),
         "compliance": pm.identify_compliance([0, 0.1, 0.2, 0.3, 0.4], [88.6, 91.4, 94.2, 96.9, 99.7]),
         "volume": pm.VolumeFit([0, 10, 20, 30, 40, 50], [0, 0.23, 0.83, 1.49, 1.96, 2.1]),
+        "function": pm.VolumeFit.from_function(lambda deg: 1.05 * (1 - np.cos(np.pi * deg / 50)), 50),
+        "polynomial": pm.VolumePolynomial([-3.2e-5, 0.0024, 0, 0], 50),
         "verification": verification(),
         "pulsation": pump.harmonics(12, speed_rpm=100),
     }

@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def test_every_result_has_a_picture_that_names_its_axes(name: str, monkeypatch: 
     monkeypatch.setattr(plt, "show", lambda: pytest.fail("a window opens"))
     axes = axes_of(results()[name].plot())
     assert axes[-1].get_xlabel()
-    assert all(axis.get_ylabel() or name in ("plan", "dose") for axis in axes)
+    assert all(axis.get_ylabel() or name in ("plan", "dose", "expected fit") for axis in axes)
     axes[0].figure.canvas.draw()
 
 
@@ -205,3 +206,45 @@ def test_a_roller_volume_is_drawn_through_its_points() -> None:
     deg, volume_ml = curve(axis, "spline fit")
     assert np.interp(30, deg, volume_ml) == pytest.approx(1.49, abs=1e-3)
     assert axis.get_title() == "2.1 mL over 50°, residuals 0 µL RMS"
+
+
+def test_a_function_is_drawn_as_a_curve_beside_its_fit() -> None:
+    fit = results()["function"]
+    axis = fit.plot()
+    angle_deg, volume_ml = curve(axis, "function")
+    np.testing.assert_array_equal(angle_deg, fit.angle_deg)
+    np.testing.assert_array_equal(volume_ml, fit.volume_ml)
+    assert {line.get_linestyle() for line in axis.lines} == {"-", "--"}
+    assert {line.get_marker() for line in axis.lines} == {"None"}
+    loaded = pickle.loads(pickle.dumps(fit))
+    assert [line.get_label() for line in loaded.plot().lines] == ["spline fit", "function"]
+
+
+def test_sensitivities_are_drawn_by_parameter_and_port() -> None:
+    found = results()["sensitivity"]
+    axes = found.plot()
+    assert len(axes) == 5
+    for row, axis in enumerate(axes):
+        np.testing.assert_array_equal(axis.lines[0].get_ydata(), found.inlet_kpa_by[row])
+        np.testing.assert_array_equal(axis.lines[1].get_ydata(), found.outlet_kpa_by[row])
+
+
+def test_an_expected_fit_has_a_bar_for_each_parameter() -> None:
+    fit = results()["expected fit"]
+    outlet = pm.Pump.three_roller().outlet
+    widths = [bar.get_width() for bar in fit.plot().patches][::-1]
+    expected = [
+        100 * fit.resistance_kpa_s_ml / outlet.resistance_kpa_s_ml,
+        100 * fit.compliance_ml_kpa / outlet.compliance_ml_kpa,
+        100 * fit.inertance_kpa_s2_ml / outlet.inertance_kpa_s2_ml,
+    ]
+    np.testing.assert_allclose(widths, expected, rtol=1e-12)
+    assert pm.ExpectedFit.from_dict(fit.to_dict()) == fit
+
+
+def test_a_polynomial_is_drawn_with_the_stretches_where_it_is_held() -> None:
+    volume = pm.VolumePolynomial([-1.0e-4, 0.006, 0, 0], 50)
+    axis = volume.plot()
+    assert len(axis.patches) == len(volume.held_deg) == 1
+    angle_deg, drawn_ml = curve(axis, "polynomial of\norder 3")
+    np.testing.assert_array_equal(drawn_ml, volume.displaced_ml(np.radians(angle_deg)))

@@ -1,5 +1,6 @@
 import math
 
+import control
 import numpy as np
 import pytest
 from scipy import signal
@@ -37,6 +38,25 @@ def test_scipys_response_to_the_flow_is_the_simulated_pressure(port: pm.choices.
     flow_ml_s = getattr(run, f"{port}_flow_ml_s")
     _, above_kpa, _ = signal.lsim(signal.StateSpace(*line.state_space(port)), flow_ml_s, run.time_s)
     # lsim takes the flow as straight between the samples, also where it jumps.
+    np.testing.assert_allclose(above_kpa + line.reservoir_kpa, getattr(run, f"{port}_kpa"), atol=3e-3)
+
+
+@pytest.mark.parametrize("port", PORTS)
+def test_python_control_takes_the_line_and_simulates_the_pressure(port: pm.choices.Port) -> None:
+    pump = pm.Pump.three_roller()
+    line = getattr(pump, port)
+    space, transfer = control.ss(*line.state_space(port)), control.tf(*line.transfer_function(port))
+    rad_s = np.geomspace(0.1, 1e4, 60)
+    expected = signal.freqresp(signal.TransferFunction(*line.transfer_function(port)), rad_s)[1]
+    for system in (space, transfer):
+        np.testing.assert_allclose(system(1j * rad_s), expected, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(np.sort(system.poles()), np.sort(np.linalg.eigvals(space.A)))
+    sign = 1 if port == "outlet" else -1
+    assert control.dcgain(space) == pytest.approx(sign * line.resistance_kpa_s_ml)
+    run = pump.simulate(speed_rpm=100, duration_s=1, dt_s=1e-4)
+    flow_ml_s = getattr(run, f"{port}_flow_ml_s")
+    above_kpa = control.forced_response(space, run.time_s, flow_ml_s).outputs
+    # The flow is taken as straight between the samples, also where it jumps.
     np.testing.assert_allclose(above_kpa + line.reservoir_kpa, getattr(run, f"{port}_kpa"), atol=3e-3)
 
 

@@ -2,6 +2,7 @@
 
 import math
 import pickle
+import warnings
 from typing import Any
 
 import numpy as np
@@ -159,3 +160,58 @@ def test_coefficients_of_no_roller_volume_are_value_errors(
 ) -> None:
     with pytest.raises(ValueError, match=match):
         pm.VolumePolynomial(coefficients, engagement_deg)
+
+
+def jumping_ml(deg: Any) -> Any:
+    return smooth_ml(deg) + np.where(deg > 24.9, 0.3, 0.0)
+
+
+def with_outlier_ml(deg: Any) -> Any:
+    return smooth_ml(deg) + np.where(abs(deg - 25) < 0.1, 0.01, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("function", "match"),
+    [
+        (jumping_ml, r"function jumps from 1.0\d+ mL at 24.7\d+ deg to 1.3\d+ mL at 25 deg; the fit smooths"),
+        (
+            lambda deg: np.where(deg > 0, 1.0 + deg / 50, 0.0),
+            r"function jumps from 0 mL at 0 deg to 1.00\d+ mL at 0.2\d+ deg",
+        ),
+        (with_outlier_ml, r"function has an outlier, 1.06 mL at 25 deg between 1.03\d+ and 1.06\d+ mL"),
+        (
+            lambda deg: smooth_ml(np.minimum(1.25 * deg, PHI_DEG)),
+            r"function is constant, 2.1 mL, from 40 deg on; engagement_deg is 50",
+        ),
+        (
+            lambda deg: smooth_ml(np.maximum(1.25 * (deg - 10), 0)),
+            r"function is constant, 0 mL, up to 10 deg; a roller displaces volume from its first",
+        ),
+    ],
+)
+def test_a_doubtful_function_is_warned_of_by_name(function: Any, match: str) -> None:
+    with pytest.warns(UserWarning, match=match) as told:
+        fit = pm.VolumeFit.from_function(function, PHI_DEG)
+    assert fit.total_ml > 1
+    assert {warning.filename for warning in told} == {__file__}
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        smooth_ml,
+        lambda deg: deg / 25,
+        lambda deg: 2 / (1 + np.exp(-(deg - 25) / 2)) - 2 / (1 + np.exp(12.5)),
+        lambda deg: np.sqrt(deg),
+        lambda deg: np.interp(deg, [0, 20, 22, 50], [0, 0.1, 1.9, 2]),
+    ],
+)
+def test_a_steep_function_is_not_doubtful(function: Any) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pm.VolumeFit.from_function(function, PHI_DEG)
+
+
+def test_a_fit_of_many_points_has_a_short_name() -> None:
+    fit = pm.VolumeFit.from_function(smooth_ml, PHI_DEG, samples=5000)
+    assert repr(fit) == "VolumeFit(method='spline', 5000 points, total_ml=2.1, engagement_deg=50)"

@@ -193,6 +193,91 @@ def test_wrong_data_of_a_pump_are_told_by_their_keys_and_not_by_json(data: Any, 
     assert " line " not in str(raised.value)
 
 
+PLAN = DOSER.plan("1mL", start_angle_rad=0.3)
+DOSE = pm.Dose.from_dict(PLAN.to_dict())
+TRIALS = pm.monte_carlo(PLAN, trials=10, seed=1)
+RUN = THREE.simulate(speed_rpm=60, duration_s=0.1)
+ONE = [pm.Experiment(speed_rpm=60, duration_s=1)]
+
+
+NUMBER: Any = 2
+WRONG: Any = DOSE
+WRONG_PUMP: Any = THREE
+
+
+def ranked(**keywords: Any) -> Any:
+    return pm.next_experiment(THREE, **{"candidates": ONE, "standard_kpa": 0.3, **keywords})
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: simulated(sensitivity=1), TypeError, "sensitivity must be True or False, not int"),
+        (lambda: DOSER.plan("1mL", smooth=TEXT), TypeError, "smooth must be True or False, not str"),
+        (
+            lambda: pm.identify_resistance([1, 2], drop_kpa=[1, 2], offset=NUMBER),
+            TypeError,
+            "offset must be True or False, not int",
+        ),
+        (lambda: pm.monte_carlo(WRONG), TypeError, "plan must be a Plan, not Dose; pm.Doser(pump).plan("),
+        (lambda: pm.monte_carlo(PLAN, seed=-1), ValueError, "seed is -1; allowed: 0 to 18,446,744,"),
+        (lambda: pm.monte_carlo(PLAN, seed=TEXT), TypeError, "seed must be a whole number, not str"),
+        (
+            lambda: pm.monte_carlo(PLAN, trials=HUGE),
+            ValueError,
+            "trials is a whole number beyond 64 bits; allowed: 2 to 10,000,000",
+        ),
+        (lambda: TRIALS.interval_ml(TEXT), TypeError, "coverage must be a number in parts of 1, not str"),
+        (lambda: TRIALS.interval_ml(95), ValueError, "coverage is 95; allowed: above 0 and below 1"),
+        (
+            lambda: ranked(unknown="reservoir"),
+            TypeError,
+            "unknown is a text, 'reservoir'; allowed: a sequence of names, as",
+        ),
+        (lambda: ranked(candidates=[100]), TypeError, "candidates[0] must be an Experiment, not int"),
+        (lambda: ranked(candidates=ONE[0]), TypeError, "candidates must be a sequence of Experiments, not"),
+        (lambda: ranked(candidates=[]), ValueError, "candidates is empty; allowed: one Experiment at"),
+        (lambda: ranked(known=THREE), TypeError, "known must be what an identification returned, as"),
+        (lambda: ranked(standard_kpa="1"), TypeError, "standard_kpa must be a number in kPa, not str"),
+        (lambda: pm.VolumePolynomial("abc", 50), TypeError, "coefficients_ml_deg must be a number or an"),
+        (
+            lambda: pm.VolumeFit(["a"], [1]),
+            TypeError,
+            "angle_deg must be a number or an array of numbers in deg",
+        ),
+        (
+            lambda: pm.VolumeFit([0, 1], ["a", "b"]),
+            TypeError,
+            "volume_ml must be a number or an array of numbers in mL",
+        ),
+    ],
+)
+def test_an_argument_of_an_analysis_is_refused_by_its_name(
+    call: Callable[[], Any], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error) as raised:
+        call()
+    assert str(raised.value).startswith(message)
+    assert len(str(raised.value)) < 300
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: pm.plot_dose_error(THREE, TEXT), "volume_ml must be a number or an array of numbers in mL"),
+        (lambda: THREE.plot(angle_rad=TEXT), "angle_rad must be a number in rad, not str"),
+        (lambda: pm.plot_budget(WRONG_PUMP), "dose must be a Dose or a Plan, not Pump"),
+        (lambda: THREE.animate(RUN, frames_per_s=TEXT), "frames_per_s must be a number in 1/s, not str"),
+        (lambda: THREE.animate(RUN, slower=TEXT), "slower must be a number in times the run, not str"),
+    ],
+)
+def test_an_argument_of_a_picture_is_refused_by_its_name(call: Callable[[], Any], message: str) -> None:
+    pytest.importorskip("matplotlib")
+    with pytest.raises(TypeError) as raised:
+        call()
+    assert str(raised.value).startswith(message)
+
+
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [

@@ -136,3 +136,26 @@ def test_derivatives_go_into_tables_and_pickles() -> None:
     again = pickle.loads(pickle.dumps(run))
     assert again == run
     np.testing.assert_array_equal(again.sensitivity.outlet_kpa_by, found.outlet_kpa_by)
+
+
+def test_derivatives_are_columns_of_a_run_that_from_dict_takes() -> None:
+    run = pm.Pump.two_roller().simulate(speed_rpm=60, duration_s=0.2, sensitivity=True)
+    columns = run.to_dict()
+    assert len(columns) == 8 + 15
+    np.testing.assert_array_equal(columns["outlet_kpa_by_start_angle_rad"], run.sensitivity.outlet_kpa_by[3])
+    again = pm.Run.from_dict({name: numbers.tolist() for name, numbers in columns.items()})
+    assert again == run
+    for name in ("time_s", "inlet_kpa_by", "outlet_kpa_by", "delivered_ml_by"):
+        np.testing.assert_array_equal(getattr(again.sensitivity, name), getattr(run.sensitivity, name))
+    assert not again.sensitivity.inlet_kpa_by.flags.writeable
+    # Tables of the run keep their columns; the sensitivity has its own.
+    assert len(run.to_dataframe().columns) == 8
+    assert len(run.to_xarray().data_vars) == 7
+    with pytest.raises(
+        ValueError, match="the column inlet_kpa_by_inertance_kpa_s2_ml is missing; allowed: all"
+    ):
+        pm.Run.from_dict({k: v for k, v in columns.items() if k != "inlet_kpa_by_inertance_kpa_s2_ml"})
+    with pytest.raises(ValueError, match=r"delivered_ml_by_roller_volume_ml has the shape \(3,\); allowed: "):
+        pm.Run.from_dict({**columns, "delivered_ml_by_roller_volume_ml": [1, 2, 3]})
+    with pytest.raises(ValueError, match="outlet_kpa_by_luck is not a column of a run"):
+        pm.Run.from_dict({**columns, "outlet_kpa_by_luck": columns["time_s"]})

@@ -7,13 +7,13 @@ use crate::error::ModelError;
 use super::triangle::Triangle;
 
 /// Steps that a search may take; it takes about ten.
-const MOST_STEPS: u32 = 200;
+pub(in super::super) const MOST_STEPS: u32 = 200;
 
 /// Part of the sum of squares: a search ends where a step could gain less.
-const GAIN: f64 = 1e-14;
+pub(in super::super) const GAIN: f64 = 1e-14;
 
 /// Change of a parameter: a search ends where a step changes every parameter by less.
-const STEP: f64 = 1e-10;
+pub(in super::super) const STEP: f64 = 1e-10;
 
 /// Measurements and a model with N parameters, some of them held.
 pub trait Residuals<const N: usize> {

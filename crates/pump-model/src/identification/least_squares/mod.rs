@@ -5,5 +5,6 @@ mod straight_line;
 mod triangle;
 
 pub use marquardt::{Found, Residuals, search};
+pub(super) use marquardt::{GAIN, MOST_STEPS, STEP};
 pub use straight_line::{EstimatedLine, StraightLine, Term, Terms};
 pub use triangle::Triangle;

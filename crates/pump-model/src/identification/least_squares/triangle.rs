@@ -53,6 +53,11 @@ impl<const N: usize> Triangle<N> {
         self.left += right * right;
     }
 
+    /// Returns the rows of the triangle with their right sides.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (&[f64; N], f64)> {
+        self.r.iter().zip(self.right)
+    }
+
     /// Returns the sum of squares that the best x leaves.
     pub fn left(&self) -> f64 {
         self.left

@@ -18,6 +18,7 @@ from .functions import _hose_reynolds as _hose_reynolds
 from .functions import _hose_volume as _hose_volume
 from .functions import _identify_compliance as _identify_compliance
 from .functions import _identify_line as _identify_line
+from .functions import _identify_line_jointly as _identify_line_jointly
 from .functions import _identify_resistance as _identify_resistance
 from .functions import _law_check as _law_check
 from .functions import _law_published as _law_published
@@ -69,6 +70,7 @@ __all__ = [
     "_hose_volume",
     "_identify_compliance",
     "_identify_line",
+    "_identify_line_jointly",
     "_identify_resistance",
     "_law_check",
     "_law_published",

@@ -21,6 +21,12 @@ _Law: TypeAlias = tuple[float, float, float, float]
 _Points: TypeAlias = Sequence[tuple[float, float]]
 # JSON and text, the line, then the varied, the measured and the fitted numbers, and the covariances.
 _Identified: TypeAlias = tuple[str, str, Line, list[_Array], _Array]
+# Name, value, standard uncertainty, and whether the parameter was held.
+_Told: TypeAlias = tuple[str, float, float, bool]
+# Parameters of the line, the recordings, the covariances, the warnings and the line.
+_Jointly: TypeAlias = tuple[
+    list[_Told], list[tuple[list[_Told], int, float, list[_Array]]], _Array, list[str], Line
+]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 
 def _number(name: str, argument: object, unit: str | None = None) -> float:
@@ -82,6 +88,14 @@ def _identify_line(
     start_angle_rad: _Number | None,
 ) -> _Identified:
     """Finds R, C and L from a waveform."""
+
+def _identify_line_jointly(
+    pump: Pump,
+    port: Port,
+    recordings: Sequence[tuple[Any, ...]],
+    fit: Sequence[LineParameter],
+) -> _Jointly:
+    """Finds R, C and L from several waveforms."""
 
 def rmse(model: ArrayLike, measured: ArrayLike) -> float:
     """Return the root of the mean square of model less measured.

@@ -87,7 +87,8 @@ class Run:
         Parameters
         ----------
         data : dict
-            Eight columns by their names, or by those of the command's `--trace`; array_like of equal length.
+            Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The
+            columns of sensitivities may stand beside them, all or none.
 
         Raises
         ------
@@ -100,7 +101,8 @@ class Run:
         Returns
         -------
         dict
-            Read-only arrays of shape (n,), without a copy.
+            Read-only arrays of shape (n,), without a copy. A run with sensitivities has their columns too, as
+            `run.sensitivity.to_dict` names them.
         """
     def to_dataframe(self) -> DataFrame:
         """Return the columns as a table. Needs pandas.

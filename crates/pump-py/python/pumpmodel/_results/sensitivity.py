@@ -1,11 +1,15 @@
 """Derivatives of a run by the parameters of the pump and its lines."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pumpmodel._pumpmodel import _numbers
+
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from pandas import DataFrame
     from xarray import Dataset
 
@@ -17,6 +21,11 @@ PARAMETERS = {
     "start_angle_rad": ("rad", "angle at the start"),
     "roller_volume_ml": ("mL", "roller volume"),
 }
+
+
+# Quantities, and the columns of their derivatives, in the order of the rows.
+_QUANTITIES = ("inlet_kpa_by", "outlet_kpa_by", "delivered_ml_by")
+COLUMNS = tuple(f"{quantity}_{parameter}" for quantity in _QUANTITIES for parameter in PARAMETERS)
 
 
 class Sensitivity(NamedTuple):
@@ -63,3 +72,64 @@ class Sensitivity(NamedTuple):
 
         dataset: Dataset = sensitivity_xarray(self)
         return dataset
+
+    def plot(self, *, ax: "Axes | Sequence[Axes] | None" = None) -> "list[Axes]":
+        """Draw the derivatives of both pressures over time, one panel for each parameter.
+
+        Parameters
+        ----------
+        ax : Axes or sequence of Axes, optional
+            Axes for each of the five parameters, or axes for the first alone. By default a new figure.
+
+        Returns
+        -------
+        list of Axes
+            Axes over the time, s, in the order of `parameters`.
+
+        Raises
+        ------
+        ValueError
+            If the number of axes is neither 1 nor 5.
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+        from pumpmodel.plotting.knowledge import plot_sensitivity
+
+        return plot_sensitivity(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.notebook.knowledge import sensitivity_html
+
+        return sensitivity_html(self)
+
+
+def from_columns(columns: dict[str, Any], time_s: NDArray[np.float64]) -> Sensitivity | None:
+    """Return the derivatives among the columns of a run, or None without any.
+
+    Raises
+    ------
+    ValueError
+        If some are missing, or their lengths differ from that of the run.
+    """
+    given = [name for name in COLUMNS if name in columns]
+    if not given:
+        return None
+    missing = [name for name in COLUMNS if name not in columns]
+    if missing:
+        message = (
+            f"the column {missing[0]} is missing; allowed: all {len(COLUMNS)} of the sensitivity, or none"
+        )
+        raise ValueError(message)
+    arrays = []
+    for quantity in _QUANTITIES:
+        rows = np.empty((len(PARAMETERS), len(time_s)))
+        for row, parameter in zip(rows, PARAMETERS, strict=True):
+            name = f"{quantity}_{parameter}"
+            numbers = np.asarray(_numbers(name, columns[name]))
+            if numbers.shape != row.shape:
+                message = f"{name} has the shape {numbers.shape}; allowed: {row.shape}, as the other columns"
+                raise ValueError(message)
+            row[:] = numbers
+        rows.setflags(write=False)
+        arrays.append(rows)
+    return Sensitivity(time_s, *arrays)

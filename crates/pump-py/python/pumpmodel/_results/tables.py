@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Plan, Run, SteadyState
 from pumpmodel._results.optional import optional
+from pumpmodel._results.sensitivity import COLUMNS as SENSITIVITIES
 from pumpmodel._results.sensitivity import PARAMETERS, Sensitivity
 
 # Unit ("1" is none) and description of each column.
@@ -53,12 +54,20 @@ def _dataset(
     )
 
 
+def _columns(run: Run) -> dict[str, Any]:
+    """Return the columns of a run without those of its sensitivity, which has tables of its own."""
+    columns = run.to_dict()
+    for name in SENSITIVITIES:
+        columns.pop(name, None)
+    return columns
+
+
 def run_dataframe(run: Run) -> Any:
     """Return the columns of a run as a table."""
     optional("pandas", "dataframe")
     from pumpmodel._results.frame import RunFrame
 
-    return _dataframe(run.to_dict(), RunFrame)
+    return _dataframe(_columns(run), RunFrame)
 
 
 def run_xarray(run: Run) -> Any:
@@ -66,7 +75,7 @@ def run_xarray(run: Run) -> Any:
     optional("xarray", "xarray")
     from pumpmodel._results.dataset import RunDataset
 
-    columns = run.to_dict()
+    columns = _columns(run)
     return _dataset(("time_s",), {"time_s": columns.pop("time_s")}, columns, RunDataset)
 
 

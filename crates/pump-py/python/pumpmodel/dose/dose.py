@@ -303,6 +303,10 @@ class Dose(Record):
 
         return dose_html(self)
 
+    def _title(self, volume_ml: str) -> str:
+        """Return the purpose in words. A run until it is stopped is planned for the longest volume."""
+        return "Run" if self.purpose == "run" else f"Dose of {volume_ml} mL"
+
     def __repr__(self) -> str:
         """Tell the requested and the delivered volume, from an unknown angle the range of it."""
         made = "planned" if self.delivered_ml is None else f"delivered_ml {self.delivered_ml:.6f}"
@@ -310,6 +314,6 @@ class Dose(Record):
             range_ml = f"between {self.volume_least_ml:.4f} and {self.volume_most_ml:.4f} mL"
             made = f"{range_ml}, planned_ml {self.planned_ml:.4f}"
         return (
-            f"<Dose of {self.requested_ml!r} mL on '{self.pump}' ({self.driver}): {made}, "
+            f"<{self._title(repr(self.requested_ml))} on '{self.pump}' ({self.driver}): {made}, "
             f"expanded_uncertainty_ml {self.expanded_uncertainty_ml:.4f}, completed {self.completed}>"
         )

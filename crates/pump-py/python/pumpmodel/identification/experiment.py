@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from numbers import Real
-from typing import Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 from pumpmodel.choices import Initial, Port
 from pumpmodel.identification.identified import Identified
+from pumpmodel.identification.joint import JointlyIdentified
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _Array: TypeAlias = NDArray[np.float64]
 
@@ -70,6 +74,25 @@ class ExpectedFit(Record):
     compliance_ml_kpa: float
     #: Expected standard uncertainty of L, kPa s²/mL.
     inertance_kpa_s2_ml: float
+    #: Those three over the values of R, C and L, %. A line without resistance has that of critical damping in
+    #: place of R.
+    relative_percent: tuple[float, float, float]
+
+    _records: ClassVar[dict[str, type[Record]]] = {"experiment": Experiment}
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the expected standard uncertainties of R, C and L, % of their values.
+
+        `ax` takes axes. The default is a new figure. Needs matplotlib.
+        """
+        from pumpmodel.plotting.knowledge import plot_expected
+
+        return plot_expected(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.notebook.knowledge import expected_html
+
+        return expected_html(self)
 
 
 def next_experiment(
@@ -77,7 +100,7 @@ def next_experiment(
     candidates: Iterable[Experiment],
     *,
     standard_kpa: Number,
-    known: Identified | None = None,
+    known: Identified | JointlyIdentified | None = None,
     unknown: Iterable[Literal["start_angle", "reservoir"]] = (),
 ) -> tuple[ExpectedFit, ...]:
     """Rank experiments by what their records are expected to tell of a line (D-optimal design).
@@ -94,7 +117,7 @@ def next_experiment(
     standard_kpa : float
         Standard deviation of the noise of a sample, kPa, 1e-9 to 1e9. The noise of different samples is
         taken as independent.
-    known : Identified, optional
+    known : Identified or JointlyIdentified, optional
         Earlier identification of this line: its values stand in place of the pump's, and its covariances are
         the knowledge before. Parameters that it held are known exactly. Without it each parameter is known
         to within its own size.
@@ -109,7 +132,7 @@ def next_experiment(
     Raises
     ------
     TypeError
-        If `standard_kpa` is no number.
+        If `standard_kpa` is no number, or another argument is of another type.
     ValueError
         If an argument is not allowed, or a candidate cannot be simulated.
 
@@ -121,19 +144,25 @@ def next_experiment(
     >>> [fit.experiment.speed_rpm for fit in pm.next_experiment(pump, speeds, standard_kpa=0.3)]
     [150, 60, 20]
     """
+    if not isinstance(pump, Pump):
+        raise TypeError(f"pump must be a Pump, not {type(pump).__name__}")
     if isinstance(standard_kpa, bool) or not isinstance(standard_kpa, Real):
-        raise TypeError(f"standard_kpa must be a number, not {type(standard_kpa).__name__}")
+        raise TypeError(f"standard_kpa must be a number in kPa, not {type(standard_kpa).__name__}")
     if not 1e-9 <= standard_kpa <= 1e9:
         raise ValueError(f"standard_kpa is {standard_kpa}; allowed: 1e-9 to 1e9")
-    wanted = list(unknown)
+    wanted = _named(unknown)
     for name in wanted:
         if name not in ("start_angle", "reservoir"):
             raise ValueError(f'{name!r} is not a quantity of unknown; allowed: "start_angle", "reservoir"')
-    experiments = list(candidates)
+    experiments = _experiments(candidates)
     ports = {experiment.port for experiment in experiments}
     if len(ports) != 1:
         raise ValueError(f"the candidates are of {len(ports)} ports; allowed: candidates of one port")
     port = ports.pop()
+    if known is not None and not isinstance(known, Identified | JointlyIdentified):
+        raise TypeError(
+            f"known must be what an identification returned, as pm.identify_line, not {type(known).__name__}"
+        )
     if known is not None and known.port != port:
         raise ValueError(
             f"known is of the {known.port}, but the candidates are of the {port}; allowed: one port"
@@ -148,8 +177,31 @@ def next_experiment(
         gain = 0.5 * (np.linalg.slogdet(after)[1] - np.linalg.slogdet(before)[1])
         standards = np.zeros(3)
         standards[free] = np.sqrt(np.diag(np.linalg.inv(after))) * _sizes(line)[free]
-        fits.append(ExpectedFit(experiment, float(gain), *map(float, standards)))
+        resistance, compliance, inertance = (100 * standards / _sizes(line)).tolist()
+        relative = (resistance, compliance, inertance)
+        fits.append(ExpectedFit(experiment, float(gain), *map(float, standards), relative))
     return tuple(sorted(fits, key=lambda fit: -fit.gain_nats))
+
+
+def _named(unknown: object) -> list[Any]:
+    """Return the names of the unknown quantities."""
+    if isinstance(unknown, str) or not isinstance(unknown, Iterable):
+        told = f"a text, {unknown[:40]!r}" if isinstance(unknown, str) else f"a {type(unknown).__name__}"
+        raise TypeError(f'unknown is {told}; allowed: a sequence of names, as ["start_angle", "reservoir"]')
+    return list(unknown)
+
+
+def _experiments(candidates: object) -> list[Experiment]:
+    """Return the candidates, one at least."""
+    if not isinstance(candidates, Iterable):
+        raise TypeError(f"candidates must be a sequence of Experiments, not {type(candidates).__name__}")
+    experiments = list(candidates)
+    for place, experiment in enumerate(experiments):
+        if not isinstance(experiment, Experiment):
+            raise TypeError(f"candidates[{place}] must be an Experiment, not {type(experiment).__name__}")
+    if not experiments:
+        raise ValueError("candidates is empty; allowed: one Experiment at least")
+    return experiments
 
 
 def _sizes(line: Line) -> _Array:
@@ -158,7 +210,7 @@ def _sizes(line: Line) -> _Array:
     return np.array([line.resistance_kpa_s_ml or critical, line.compliance_ml_kpa, line.inertance_kpa_s2_ml])
 
 
-def _before(line: Line, known: Identified | None) -> tuple[list[int], _Array]:
+def _before(line: Line, known: Identified | JointlyIdentified | None) -> tuple[list[int], _Array]:
     """Return the parameters that are not known exactly, and the information on them over their sizes."""
     if known is None:
         return [0, 1, 2], np.eye(3)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pumpmodel._pumpmodel import Plan, Pump, Run
+from pumpmodel._pumpmodel import Plan, Pump, Run, _number
 from pumpmodel._results.optional import optional
 from pumpmodel.plotting.axes import BLUE, VERMILION, finish, ink
 from pumpmodel.plotting.envelope import envelope
@@ -59,6 +59,8 @@ def animate(
     if not isinstance(result, Run | Plan):
         message = f"a Run or a Plan can be animated, not {type(result).__name__}"
         raise TypeError(message)
+    slower = _number("slower", slower, "times the run")
+    frames_per_s = _number("frames_per_s", frames_per_s, "1/s")
     for name, value in (("slower", slower), ("frames_per_s", frames_per_s)):
         if not (value > 0 and math.isfinite(value)):
             message = f"{name} is {value:g}; allowed: a finite number above 0"

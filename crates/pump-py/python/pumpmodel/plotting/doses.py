@@ -8,12 +8,13 @@ import numpy as np
 
 from pumpmodel._pumpmodel import Plan
 from pumpmodel._results.words import number
+from pumpmodel.dose import Dose
 from pumpmodel.plotting.axes import BLUE, GREEN, VERMILION, axes_for, finish, ink
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pumpmodel.dose import Dose, Verification
+    from pumpmodel.dose import Verification
     from pumpmodel.monte_carlo import VolumeTrials
 
 # Below this standard uncertainty microlitres are easier to read, mL.
@@ -37,9 +38,14 @@ def plot_budget(dose: Dose | Plan, *, ax: Axes | None = None) -> Axes:
 
     Raises
     ------
+    TypeError
+        If `dose` is neither.
     ImportError
         If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
     """
+    if not isinstance(dose, Dose | Plan):
+        message = f"dose must be a Dose or a Plan, not {type(dose).__name__}"
+        raise TypeError(message)
     if isinstance(dose, Plan):
         shares = [
             (share["source"], share["standard_ml"], share["variance_percent"])

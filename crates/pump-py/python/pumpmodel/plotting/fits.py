@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from pumpmodel.identification.identified import Identified
-    from pumpmodel.volume_fit import VolumeFit
+    from pumpmodel.identification.joint import JointlyIdentified
+    from pumpmodel.volume_fit import VolumeFit, VolumePolynomial
 
 # Name and label of what was varied, and label of what was measured.
 _OVER = {
@@ -78,6 +79,55 @@ def plot_identified(found: Identified, *, ax: Axes | Sequence[Axes] | None = Non
     return axes
 
 
+def plot_jointly(found: JointlyIdentified, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
+    """Draw measurement and fit of each recording of a line, one below the other.
+
+    Parameters
+    ----------
+    found : JointlyIdentified
+        Result of `identify_line_jointly`.
+    ax : Axes or sequence of Axes, optional
+        Axes for each recording, or axes for the first alone. By default a new figure.
+
+    Returns
+    -------
+    list of Axes
+        Axes over the time, s, one for each recording.
+
+    Raises
+    ------
+    ValueError
+        If the number of axes is not that of the recordings.
+    ImportError
+        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+    """
+    axes = panels_for([f"recording {place}" for place in range(len(found.recordings))], ax)
+    colour = BLUE if found.port == "inlet" else VERMILION
+    for place, (axis, fit) in enumerate(zip(axes, found.recordings, strict=False)):
+        size = 3 if len(fit.time_s) > 50 else 5
+        axis.plot(
+            *envelope(fit.time_s, fit.measured_kpa),
+            ".",
+            color=ink(axis, 0.45),
+            markersize=size,
+            label=f"measured, {place}",
+        )
+        axis.plot(
+            *envelope(fit.time_s, fit.fitted_kpa), color=colour, linewidth=1.2, label=f"{found.port}, fitted"
+        )
+        axis.set_ylabel("pressure\n(kPa absolute)")
+        finish(axis)
+        axis.margins(x=0.02)
+    if ax is None:
+        told = [
+            " ".join(parameter(name, value)) for name, value in found.parameters.items() if not value.held
+        ]
+        lines = [", ".join(told[at : at + 2]) for at in range(0, len(told), 2)]
+        axes[0].set_title("\n".join(lines), fontsize="small")
+    axes[-1].set_xlabel("time (s)")
+    return axes
+
+
 def plot_volume(fit: VolumeFit, *, ax: Axes | None = None) -> Axes:
     """Draw the volume of a roller over its angle: measured points, and the fitted curve.
 
@@ -109,6 +159,12 @@ def plot_volume(fit: VolumeFit, *, ax: Axes | None = None) -> Axes:
         linewidth=1.2,
         label=f"{fit.method} fit",
     )
+    if fit._is_function:
+        # A function is a curve: it has every volume between its samples.
+        axis.plot(
+            measured_deg - first, volume_ml, "--", color=ink(axis, 0.7), linewidth=1.6, label="function"
+        )
+        measured_deg, volume_ml = measured_deg[:0], volume_ml[:0]
     runs = np.asarray(fit.run if fit.run is not None else [""] * len(measured_deg))
     markers = "osD^vP*Xh"
     for place, run in enumerate(dict.fromkeys(runs.tolist())):
@@ -128,6 +184,47 @@ def plot_volume(fit: VolumeFit, *, ax: Axes | None = None) -> Axes:
         f"residuals {number(1000 * fit.rms_ml, digits=2)} µL RMS",
         fontsize="medium",
     )
+    finish(axis)
+    axis.margins(x=0.02)
+    return axis
+
+
+def plot_polynomial(volume: VolumePolynomial, *, ax: Axes | None = None) -> Axes:
+    """Draw the volume of a roller by a polynomial over its angle.
+
+    Parameters
+    ----------
+    volume : VolumePolynomial
+        Volume by coefficients.
+    ax : Axes, optional
+        Axes to draw in. By default a new figure.
+
+    Returns
+    -------
+    Axes
+        Axes over the angle since the first contact, deg.
+
+    Raises
+    ------
+    ImportError
+        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+    """
+    (axis,) = panels_for(("volume",), ax)
+    angle_deg = np.linspace(0, volume.engagement_deg, 400)
+    for place, (from_deg, to_deg) in enumerate(volume.held_deg):
+        label = None if place else "held, where\nit falls"
+        axis.axvspan(from_deg, to_deg, color=ink(axis, 0.12), zorder=0, label=label)
+    order = len(volume.coefficients_ml_deg) - 1
+    axis.plot(
+        angle_deg,
+        volume.displaced_ml(np.radians(angle_deg)),
+        color=GREEN,
+        linewidth=1.2,
+        label=f"polynomial of\norder {order}",
+    )
+    axis.set_xlabel("angle since the first contact (deg)")
+    axis.set_ylabel("displaced volume (mL)")
+    axis.set_title(f"{number(volume.total_ml)} mL over {number(volume.engagement_deg)}°", fontsize="medium")
     finish(axis)
     axis.margins(x=0.02)
     return axis

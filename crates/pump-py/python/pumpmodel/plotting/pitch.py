@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pumpmodel._pumpmodel import Pump
+from pumpmodel._pumpmodel import Pump, _numbers
 from pumpmodel.plotting.axes import BLUE, GREEN, ORANGE, VERMILION, WIDE, axes_for, finish, ink
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def plot_dose_error(
         If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
     """
     _check(pump)
-    volumes = np.atleast_1d(np.asarray(volume_ml, dtype=np.float64)).ravel()
+    volumes = np.atleast_1d(np.asarray(_numbers("volume_ml", volume_ml), dtype=np.float64)).ravel()
     for volume in volumes:
         if not math.isfinite(volume) or volume == 0:
             message = f"volume_ml is {volume:g}; allowed: a finite volume, not 0"

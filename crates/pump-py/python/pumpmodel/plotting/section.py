@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pumpmodel._pumpmodel import Pump
+from pumpmodel._pumpmodel import Pump, _number
 from pumpmodel.plotting.axes import BLUE, GREEN, VERMILION, axes_for, ink, paper
 from pumpmodel.plotting.dimensions import draw_dimensions
 
@@ -70,6 +70,7 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     if not isinstance(pump, Pump):
         message = f"pump must be a Pump, not {type(pump).__name__}"
         raise TypeError(message)
+    angle_rad = _number("angle_rad", angle_rad)
     if not math.isfinite(angle_rad):
         message = f"angle_rad is {angle_rad}; allowed: a finite number"
         raise ValueError(message)

@@ -107,9 +107,9 @@ class BenchPumpArray(bases.PumpArray):
 
     async def pump_volume(
         self,
-        speed: Number | Sequence[Number] | None,
-        use_channels: int | Sequence[int],
-        volume: Number | Sequence[Number],
+        speed: Number | Sequence[Number] | None = None,
+        use_channels: int | Sequence[int] | None = None,
+        volume: Number | Sequence[Number] | None = None,
         *,
         rate: str | Sequence[str] | None = None,
         retract: str | None = None,
@@ -119,12 +119,12 @@ class BenchPumpArray(bases.PumpArray):
 
         Parameters
         ----------
-        speed : float, sequence of float or None
-            Speed of every pump head, or of each, r/min; None with a `rate`.
+        speed : float or sequence of float, optional
+            Speed of every pump head, or of each, r/min. Give exactly one of `speed` and `rate`.
         use_channels : int or sequence of int
-            Channels, from 0.
+            Channels, from 0. They are always needed.
         volume : float or sequence of float
-            Volume of every channel, or of each, mL; negative in reverse.
+            Volume of every channel, or of each, mL; negative in reverse. It is always needed.
         rate : str or sequence of str, optional
             Average flow of every channel, or of each, as "10 mL/s".
         retract : str, optional
@@ -159,41 +159,58 @@ class BenchPumpArray(bases.PumpArray):
         use_channels: int | Sequence[int],
         *,
         speed: Number | Sequence[Number] | None = None,
+        rate: str | Sequence[str] | None = None,
+        limits: Limits | None = None,
     ) -> list[Dose]:
         """Turn each channel's pump head by revolutions, as `BenchPump.run_revolutions` does."""
         return await self._made(
             use_channels,
-            lambda turns, speed: motions.revolutions_of(turns, speed, None),
+            lambda turns, speed, rate: motions.revolutions_of(turns, speed, rate, limits),
             num_revolutions=num_revolutions,
             speed=speed,
+            rate=rate,
         )
 
     async def run_for_duration(
         self,
-        speed: Number | Sequence[Number] | None,
-        use_channels: int | Sequence[int],
-        duration: Number,
+        speed: Number | Sequence[Number] | None = None,
+        use_channels: int | Sequence[int] | None = None,
+        duration: Number | None = None,
         *,
         rate: str | Sequence[str] | None = None,
+        reverse: bool = False,
+        limits: Limits | None = None,
     ) -> list[Dose]:
         """Run each channel for `duration` seconds, as `BenchPump.run_for_duration` does."""
         return await self._made(
             use_channels,
-            lambda speed, rate: motions.duration_of(speed, duration, rate),
+            lambda speed, rate: motions.duration_of(speed, duration, rate, reverse, limits),
             speed=speed,
             rate=rate,
         )
 
     async def run_continuously(
-        self, speed: Number | Sequence[Number], use_channels: int | Sequence[int]
+        self,
+        speed: Number | Sequence[Number] | None = None,
+        use_channels: int | Sequence[int] | None = None,
+        *,
+        rate: str | Sequence[str] | None = None,
+        reverse: bool = False,
+        limits: Limits | None = None,
     ) -> None:
-        """Run each channel at a speed, r/min, until `halt`. Speed 0 halts a channel.
+        """Run each channel at a speed, r/min, or at a `rate`, until `halt`. Speed 0 halts a channel.
 
-        Runs of these channels that are under way are halted before.
+        Runs of these channels that are under way are halted before. Arguments are those of
+        `BenchPump.run_continuously`.
         """
-        rows = self._rows(use_channels, speed=speed)
-        await self._at_once([(channel, self.pumps[channel].halt()) for channel, _ in rows])
-        runs = [(channel, motions.continuous_of(speed, None)) for channel, speed in rows if speed != 0]
+        rows = self._rows(use_channels, speed=speed, rate=rate)
+        runs = []
+        for channel, of_channel, rate_of_channel in rows:
+            if of_channel != 0:
+                with _naming(channel):
+                    motion = motions.continuous_of(of_channel, rate_of_channel, reverse, limits)
+                runs.append((channel, motion))
+        await self._at_once([(channel, self.pumps[channel].halt()) for channel, *_ in rows])
         await self._plan(runs)
         await self._at_once([(channel, self.pumps[channel].begin(run)) for channel, run in runs])
 
@@ -208,7 +225,10 @@ class BenchPumpArray(bases.PumpArray):
         return list(await asyncio.gather(*(pump.halt() for pump in self.pumps)))
 
     async def _made(
-        self, use_channels: int | Sequence[int], motion_of: Callable[..., motions.Motion], **values: Any
+        self,
+        use_channels: int | Sequence[int] | None,
+        motion_of: Callable[..., motions.Motion],
+        **values: Any,
     ) -> list[Dose]:
         """Plan the motion of each channel with its values, then make them at the same time."""
         made = []
@@ -218,8 +238,11 @@ class BenchPumpArray(bases.PumpArray):
         await self._plan(made)
         return await self._at_once([(channel, self.pumps[channel].made(motion)) for channel, motion in made])
 
-    def _rows(self, use_channels: int | Sequence[int], **values: Any) -> list[tuple[Any, ...]]:
+    def _rows(self, use_channels: int | Sequence[int] | None, **values: Any) -> list[tuple[Any, ...]]:
         """Return each channel with its values."""
+        if use_channels is None:
+            message = "use_channels is missing; give channels, as use_channels=[0, 1]"
+            raise TypeError(message)
         channels = [use_channels] if isinstance(use_channels, int) else list(use_channels)
         for channel in channels:
             if not 0 <= channel < len(self.pumps):
@@ -235,6 +258,7 @@ class BenchPumpArray(bases.PumpArray):
         """Plan the motion of every channel, so that one that is refused moves none."""
         for channel, motion in planned:
             with _naming(channel):
+                self.pumps[channel].refuse_running()
                 unfinished = (await self.pumps[channel].backend.awaited.status()).unfinished
                 if unfinished is not None:
                     message = "a dose is unfinished; its pump's resume() makes the rest, discard() accepts it"

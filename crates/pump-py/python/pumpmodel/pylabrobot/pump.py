@@ -129,13 +129,13 @@ class BenchPump(bases.Pump):
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        self._refuse_running()
+        self.refuse_running()
         return await self._until_done(lambda bench: bench.resume())
 
     async def discard(self) -> None:
         """Accept an unfinished dose with the volume that was delivered."""
         bench = self.backend.awaited
-        self._refuse_running()
+        self.refuse_running()
         async with self._moving:
             await bench.discard()
 
@@ -299,7 +299,7 @@ class BenchPump(bases.Pump):
             If a run goes on until `halt`.
         """
         bench = self.backend.awaited
-        self._refuse_running()
+        self.refuse_running()
         async with self._moving:
             return await motion(bench, True)
 
@@ -311,11 +311,17 @@ class BenchPump(bases.Pump):
         PumpError
             If a run goes on until `halt`.
         """
-        self._refuse_running()
+        self.refuse_running()
         return await self._until_done(lambda bench: motion(bench, False))
 
-    def _refuse_running(self) -> None:
-        """Refuse a call that would wait for a run without end."""
+    def refuse_running(self) -> None:
+        """Refuse a call that would wait for a run without end.
+
+        Raises
+        ------
+        PumpError
+            If a run goes on until `halt`.
+        """
         if self._running is not None and not self._running.done() and not self._halts:
             message = "the pump runs until halt(), as run_continuously() began it; await halt() first"
             raise PumpError(message)

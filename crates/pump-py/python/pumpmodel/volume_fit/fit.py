@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,7 @@ from pumpmodel._results.numbers import Number
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
 from pumpmodel.choices import VolumeMethod
+from pumpmodel.volume_fit.doubts import doubts_of
 from pumpmodel.volume_fit.engagement import engagement_of
 
 if TYPE_CHECKING:
@@ -84,6 +86,8 @@ class VolumeFit(Record):
     angle_deg: tuple[float, ...]
     volume_ml: tuple[float, ...]
     run: tuple[str, ...] | None = None
+    # True if the points are samples of a function, which is a curve in the picture.
+    _is_function: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -109,6 +113,13 @@ class VolumeFit(Record):
         object.__setattr__(self, "angle_deg", tuple(angles.tolist()))
         object.__setattr__(self, "volume_ml", tuple(volumes.tolist()))
         core._volume_fit(*self._fit)
+
+    def __repr__(self) -> str:
+        """Return method, number of points, volume and angle: the points may be thousands."""
+        return (
+            f"VolumeFit(method={self.method!r}, {len(self.angle_deg)} points, total_ml={self.total_ml:.6g}, "
+            f"engagement_deg={self.engagement_deg:.6g})"
+        )
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str], *, method: VolumeMethod = "spline") -> Self:
@@ -168,6 +179,12 @@ class VolumeFit(Record):
             If an argument is outside its range, or the function is not finite, is not 0 at 0 deg, falls, or
             gives another number of volumes than of angles.
 
+        Warns
+        -----
+        UserWarning
+            If the function jumps, has an outlier, or is constant at its beginning or its end: the fit smooths
+            the first two, and the engagement is shorter than a constant says.
+
         Examples
         --------
         >>> import math
@@ -183,7 +200,11 @@ class VolumeFit(Record):
         if samples not in _ALLOWED_SAMPLES:
             raise ValueError(f"samples is {samples:.6g}; allowed: 26 to 10000")
         angles = np.linspace(0, engagement_of(engagement_deg), int(samples))
-        return cls(angles, _sampled(function, angles))
+        fit = cls(angles, _sampled(function, angles))
+        object.__setattr__(fit, "_is_function", True)
+        for warning in doubts_of(angles, np.asarray(fit.volume_ml)):
+            warnings.warn(warning, UserWarning, stacklevel=2)
+        return fit
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:

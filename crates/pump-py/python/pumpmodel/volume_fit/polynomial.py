@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from pumpmodel import _pumpmodel as core
 from pumpmodel._results.record import Record
 from pumpmodel.volume_fit.engagement import engagement_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Coefficients of a polynomial of the highest degree.
 _MOST = 6
@@ -95,6 +98,33 @@ class VolumePolynomial(Record):
             If an angle is not finite.
         """
         return core._volume_polynomial_at(*self._polynomial, angle_rad)
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Draw the volume that a roller displaces over its angle.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Axes to draw in. By default a new figure.
+
+        Returns
+        -------
+        Axes
+            Axes over the angle since the first contact, deg. Stretches where the volume is held are grey.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        """
+        from pumpmodel.plotting.fits import plot_polynomial
+
+        return plot_polynomial(self, ax=ax)
+
+    def _repr_html_(self) -> str:
+        from pumpmodel._results.notebook.knowledge import polynomial_html
+
+        return polynomial_html(self)
 
     @property
     def _polynomial(self) -> tuple[tuple[float, ...], float]:

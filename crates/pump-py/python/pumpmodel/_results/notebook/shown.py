@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pumpmodel._results.harmonics import Harmonics
     from pumpmodel.dose import Dose, Verification
     from pumpmodel.identification.identified import Identified
+    from pumpmodel.identification.joint import JointlyIdentified
     from pumpmodel.sweeps import Sweep
     from pumpmodel.volume_fit import VolumeFit
     from pumpmodel.weighed import PhaseFit
@@ -96,7 +97,14 @@ def steady_html(steady: SteadyState[Any]) -> str:
             ("ripple, peak to peak", number(100 * columns["ripple_peak_to_peak"][0], "%", 3)),
             ("ripple, root mean square", number(100 * columns["ripple_rms"][0], "%", 3)),
         ]
-        return table(f"Steady state at {speeds[0]:.5g} r/min", rows)
+        drawn_bars = [
+            Bar(f"{port}, {word}", float(kpa), number(float(kpa), "kPa"))
+            for port in ("inlet", "outlet")
+            for word, edge in (("smallest", "min"), ("mean", "mean"), ("largest", "max"))
+            for kpa in columns[f"{port}_{edge}_kpa"]
+        ]
+        picture = bars("pressures, absolute", drawn_bars)
+        return table(f"Steady state at {speeds[0]:.5g} r/min", rows, picture)
     rows.append(
         ("mean flow", between(columns["mean_flow_ml_s"].min(), columns["mean_flow_ml_s"].max(), "mL/s"))
     )
@@ -153,8 +161,10 @@ def calibration_html(calibration: Calibration) -> str:
         if speeds and factor is not None:
             standard = calibration.standard_uncertainty(speed_rpm=middle)
             rows.append((f"factor at {middle:.4g} r/min", f"{give_or_take(factor, 2 * standard)} (k = 2)"))
-        if len(speeds) > 1:
-            rpm = np.linspace(speeds[0], speeds[-1], 60)
+        if speeds:
+            # A single speed has its factor on either side too.
+            wide = 1.0 if len(speeds) > 1 else 1.2
+            rpm = np.linspace(min(speeds) / wide, max(speeds) * wide, 60)
             mean = np.asarray(calibration.displacement_factor(speed_rpm=rpm))
             twice = 2 * np.asarray(calibration.standard_uncertainty(speed_rpm=rpm))
             drawn = [
@@ -184,6 +194,27 @@ def identified_html(found: "Identified") -> str:
     ]
     picture = curves(label, "pressure drop (kPa)" if found.kind == "resistance" else "pressure (kPa)", drawn)
     return table(f"Identified {found.kind} at the {found.port} (± k = 2)", rows, picture, found.warnings)
+
+
+def jointly_html(found: "JointlyIdentified") -> str:
+    """Return what a notebook shows of a line that was identified from several recordings."""
+    rows = [parameter(name, estimate) for name, estimate in found.parameters.items()]
+    rows.append(("RMSE", number(found.rmse_kpa, "kPa", 3)))
+    rows.append(("log likelihood", number(found.log_likelihood, digits=6)))
+    colour = BLUE if found.port == "inlet" else VERMILION
+    picture = "".join(
+        curves(
+            "time (s)",
+            "pressure (kPa)",
+            [
+                Curve("measured", "#888888", fit.time_s, fit.measured_kpa, dots=len(fit.time_s) <= 100),
+                Curve("fitted", colour, fit.time_s, fit.fitted_kpa),
+            ],
+        )
+        for fit in found.recordings[:_CURVES]
+    )
+    title = f"Identified line at the {found.port}, {len(found.recordings)} recordings (± k = 2)"
+    return table(title, rows, picture, found.warnings)
 
 
 def volume_html(fit: "VolumeFit") -> str:
@@ -222,7 +253,7 @@ def dose_html(dose: "Dose") -> str:
         if share.standard_ml > 0
     ]
     picture = bars("standard uncertainty by source", drawn)
-    return table(f"Dose of {dose.requested_ml:.6g} mL on {dose.pump}", rows, picture, dose.warnings)
+    return table(f"{dose._title(f'{dose.requested_ml:.6g}')} on {dose.pump}", rows, picture, dose.warnings)
 
 
 def verification_html(found: "Verification") -> str:
