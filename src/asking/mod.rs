@@ -67,12 +67,13 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     let named = typed.and_then(|pump| pump.to_str()).or(config.named_default_pump());
     let pump = if is_rack { "" } else { named.unwrap_or(config.default_pump()) };
     if let Some(service) = Service::beside(&state_dir) {
-        if is_status {
+        if is_status || is_at_url {
+            // Its records are here, and each command reads and writes them by itself.
             if service.answers() {
-                service.warn_of_schedule();
+                is_status.then(|| service.warn_of_schedule());
                 return None;
             }
-        } else if !is_at_url {
+        } else {
             let begun = match is_clear {
                 true => service.begin("/api/v1/command/order", &order::of(leaf, &path, pump, json)),
                 false => service.begin("/api/v1/command", &typed_words(pump, words)?),

@@ -48,6 +48,18 @@ fn a_command_beside_a_service_says_how_long_its_motion_takes_yet() {
 }
 
 #[test]
+fn a_pump_file_is_cleared_by_itself_beside_a_service() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    for word in ["stand", "clear"] {
+        let made = laboratory.run(&["safety", word, "./acid.toml", "--reason", "the hose"]);
+        assert_eq!(made.status.code(), Some(0), "{word}: {}", String::from_utf8_lossy(&made.stderr));
+        assert_eq!(laboratory.status("acid")["safety"]["stand"].is_null(), word == "clear");
+    }
+    assert_eq!(service.get("/api/v1/orders").1, json!([]), "the service was not asked");
+}
+
+#[test]
 fn an_interrupt_stops_the_motion_that_the_service_makes() {
     let laboratory = Laboratory::new(&["acid"], "");
     let service = laboratory.serve(&[]);

@@ -225,4 +225,8 @@ fn a_url_where_no_service_is_refuses_and_moves_nothing() {
     let _service = here.serve(&["--pace", "fast"]);
     assert_eq!(here.run(&["1mL"]).status.code(), Some(0));
     assert_eq!(here.log("acid").len(), 2);
+    for words in [&["safety", "stand", "acid", "--reason", "x"][..], &["vessel", "emptied"]] {
+        assert_eq!(here.run(words).status.code(), Some(0), "{words:?}");
+    }
+    assert_eq!(here.status("acid")["safety"]["stand"]["reason"], "x");
 }

@@ -92,6 +92,8 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
     }
     if !matches!(order.task, Task::Rack { .. }) {
         order.pump = named(order.pump, &shared.service);
+        // A pump file is no pump of the service, and the command may use it by itself.
+        shared.service.pump(&order.pump)?;
     }
     let mut words = order.words().map_err(Refusal::from)?;
     if !json {
