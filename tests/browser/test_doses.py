@@ -49,6 +49,12 @@ def test_the_options_of_a_dose_are_those_that_were_typed(laboratory, service, op
     options = {"rate": "2.5mL/s", "retract": "0.1mL", "temperature": "20degC", "fluid": "water", "smooth": True}
     assert order["options"] == options | {"dry-run": True}
     assert order["volume"] == "12mL"
+    # Advice names the page's button in place of a command.
+    form.get_by_label("Rate", exact=True).fill("0.05")
+    form.get_by_label("Fluid", exact=True).fill("glycerol 90%")
+    form.get_by_role("button", name="Plan").click()
+    expect(form.locator(".plan li").last).to_contain_text("“Calibrate…” weighs")
+    assert "dose calibrate" not in form.inner_text()
 
 
 def test_what_the_command_refuses_is_said_beside_the_form(service, open_page):
