@@ -50,6 +50,9 @@ fn main() -> ExitCode {
         Err(failure) => {
             // The error stays the last line of standard error.
             on_fail.iter().for_each(|on_fail| on_fail.tell(&failure));
+            if !json {
+                progress::supervised::failed(&failure.json());
+            }
             terminal::say_error(&failure, json);
             ExitCode::from(failure.exit_code())
         }

@@ -7,18 +7,26 @@ mod order;
 mod service;
 
 use std::env;
+use std::io::{IsTerminal, stdin};
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::ArgMatches;
 use pump_bench::config::Config;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use self::service::Service;
 use crate::terminal::say_error;
 
 /// Commands that the service carries out; the empty one is a dose.
 const ASKED: [&str; 6] = ["", "prime", "purge", "run", "resume", "accept"];
+
+/// Commands that the service carries out by their words as an order: a pump whose input is not well is not cleared.
+const CLEAR: &str = "safety clear";
+
+/// Commands that a service at the url of the configuration carries out too. Beside a service of these records the record
+/// itself takes them.
+const ASKED_AT_URL: [&str; 2] = ["safety stand", "vessel emptied"];
 
 /// Command that a service at the url of the configuration answers. That of these records has nothing else to tell.
 const STATUS: &str = "status";
@@ -43,9 +51,11 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
         let known = leaf.ids().any(|known| known == id);
         known && leaf.value_source(id) == Some(clap::parser::ValueSource::CommandLine)
     };
-    let is_status = path == [STATUS];
+    let command = path.join(" ");
+    let (is_status, is_clear) = (command == STATUS, command == CLEAR);
+    let is_at_url = ASKED_AT_URL.contains(&command.as_str());
     let is_here = BY_ITSELF.into_iter().any(is_typed) || (is_status && is_typed("state_dir"));
-    if is_here || !(is_status || ASKED.contains(&path.join(" ").as_str())) {
+    if is_here || !(is_status || is_clear || is_at_url || ASKED.contains(&command.as_str())) {
         return None;
     }
     let text = |id: &str| leaf.try_get_raw(id).ok().flatten().and_then(|mut values| values.next());
@@ -53,16 +63,24 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     let config = Config::of_user(text("config").map(Path::new)).ok()?;
     let state_dir = text("state_dir").map(Into::into).or_else(|| config.state_dir().ok())?;
     let is_rack = path == ["run"] && text("rack").is_some();
-    let named = text("pump").and_then(|pump| pump.to_str()).or(config.named_default_pump());
+    let typed = if path.first() == Some(&"safety") { text("name") } else { text("pump") };
+    let named = typed.and_then(|pump| pump.to_str()).or(config.named_default_pump());
     let pump = if is_rack { "" } else { named.unwrap_or(config.default_pump()) };
     if let Some(service) = Service::beside(&state_dir) {
-        if is_status {
+        if is_status || is_at_url {
+            // Its records are here, and each command reads and writes them by itself.
             if service.answers() {
-                service.warn_of_schedule();
+                is_status.then(|| service.warn_of_schedule());
                 return None;
             }
-        } else if let Some(answer) = service.begin(pump, words) {
-            return Some(service.follow(answer, json));
+        } else {
+            let begun = match is_clear {
+                true => service.begin("/api/v1/command/order", &order::of(leaf, &path, pump, json)),
+                false => service.begin("/api/v1/command", &typed_words(pump, words)?),
+            };
+            if let Some(answer) = begun {
+                return Some(service.follow(answer, json));
+            }
         }
     }
     // Where nobody names a pump, that service takes the default of its own configuration.
@@ -81,4 +99,11 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
             ExitCode::from(failure.exit_code())
         }
     })
+}
+
+/// Returns the body that has a service of this user's records carry out these words. `None` where nobody knows in which
+/// folder they were typed.
+fn typed_words(pump: &str, words: &[String]) -> Option<Value> {
+    let folder = env::current_dir().ok()?;
+    Some(json!({"pump": pump, "words": words, "folder": folder, "attended": stdin().is_terminal()}))
 }

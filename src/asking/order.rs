@@ -8,7 +8,7 @@ use crate::cli;
 
 /// Options and words that say where the pump is or how the report is printed, or that are the task itself: by clap's
 /// ids.
-const NO_OPTIONS: [&str; 6] = ["pump", "config", "state_dir", "format", "verbose", "rack"];
+const NO_OPTIONS: [&str; 8] = ["pump", "config", "state_dir", "format", "verbose", "rack", "reason", "by"];
 
 /// Returns the body that orders what `leaf`, the command at `path`, asks of `pump`. Its options are those that were
 /// typed; the service refuses those that are for no order. An empty `pump` is the service's default.
@@ -34,11 +34,14 @@ pub(super) fn of(leaf: &ArgMatches, path: &[&str], pump: &str, json: bool) -> Va
         };
         options.insert(name.to_owned(), choice);
     }
-    let mut order = json!({"pump": pump, "task": path.first().unwrap_or(&"dose"), "options": options});
+    let mut order = json!({"pump": pump, "task": path.last().unwrap_or(&"dose"), "options": options});
     if path == ["run"] && typed("rack") {
         (order["task"], order["rack"]) = ("rack".into(), words("rack").into());
     } else if path != ["run"] && typed("volume") {
         order["volume"] = words("volume").into();
+    }
+    for text in ["reason", "by"].into_iter().filter(|text| typed(text)) {
+        order[text] = words(text).into();
     }
     let attended = std::io::IsTerminal::is_terminal(&std::io::stdin());
     json!({"order": order, "json": json, "verbose": typed("verbose"), "attended": attended})

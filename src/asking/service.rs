@@ -86,12 +86,9 @@ impl Service {
         request.header("content-type", "application/json").send(body.to_string())
     }
 
-    /// Begins the command. Returns none if no service answers, or if it does not have the pump.
-    pub(super) fn begin(&self, pump: &str, words: &[String]) -> Option<Begun> {
-        let folder = env::current_dir().ok()?;
-        let attended = std::io::IsTerminal::is_terminal(&std::io::stdin());
-        let body = json!({"pump": pump, "words": words, "folder": folder, "attended": attended});
-        let mut answer = match self.post("/api/v1/command", &body) {
+    /// Begins the command of a body. Returns none if no service answers, or if it does not have the pump.
+    pub(super) fn begin(&self, path: &str, body: &Value) -> Option<Begun> {
+        let mut answer = match self.post(path, body) {
             Ok(answer) => answer,
             // A file that an earlier service left behind names nobody who answers.
             Err(error) if is_nobody(&error) => return None,
@@ -305,8 +302,11 @@ fn show(bar: &mut Option<MotionBar>, whole_s: &mut Option<f64>, progress: &Value
     else {
         return;
     };
-    let of_ml = number("of_ml").unwrap_or(f64::INFINITY);
-    let bar = bar.get_or_insert_with(|| MotionBar::new("", of_steps as u64, of_ml, *whole_s, false));
+    let of_ml = number("of_ml");
+    // A run until it is stopped has no end that a plan could tell.
+    let whole_s = whole_s.filter(|_| of_ml.is_some());
+    let of_ml = of_ml.unwrap_or(f64::INFINITY);
+    let bar = bar.get_or_insert_with(|| MotionBar::new("", of_steps as u64, of_ml, whole_s, false));
     bar.made(steps as u64, || Reached { delivered_ml, angle_rad: 0.0 });
     let _ = std::io::stderr().flush();
 }

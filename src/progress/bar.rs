@@ -39,8 +39,9 @@ impl MotionBar {
     pub(crate) fn of(pump: &str, prepared: &Prepared, json: bool) -> Self {
         let whole_ml = prepared.plan.planned_ml();
         match prepared.request.end {
-            RunEnd::Stop if !json => {
-                let bar = waiting("running until stopped by Ctrl-C");
+            RunEnd::Stop => {
+                let bar =
+                    if json { ProgressBar::hidden() } else { waiting("running until stopped by Ctrl-C") };
                 let lines = Lines::of(pump, 0, f64::INFINITY);
                 Self { bar, whole_ml: f64::INFINITY, whole_s: None, steps: 0, lines }
             }

@@ -15,6 +15,7 @@ use pump_bench::DoseReport;
 use pump_bench::rack::RackReport;
 use pump_model::units::degrees;
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::interrupt;
 use crate::terminal::print_json;
@@ -45,7 +46,7 @@ pub(crate) fn begin() {
                 interrupt::stop_for(reason.trim());
             }
         }
-        interrupt::stop_for("the supervising program ended");
+        interrupt::stop_for("the end of the service");
     });
 }
 
@@ -81,6 +82,8 @@ enum Told<'a> {
     Moving { steps: u64, of_steps: u64, delivered_ml: f64, of_ml: Option<f64>, angle_deg: f64 },
     /// A batch waits for its next dose.
     Waiting { next_s: f64, number: u64, count: u64 },
+    /// The command has failed, and has told that in words. `error` is its `error/1`.
+    Failed { error: Value },
 }
 
 #[derive(Debug, Serialize)]
@@ -144,6 +147,12 @@ pub(crate) fn waits(pump: &str, left: Duration, number: u64, count: u64) {
     if tells() {
         tell(pump, Told::Waiting { next_s: left.as_secs_f64(), number, count });
     }
+}
+
+/// Tells the `error/1` of a failure that is told to a person in words.
+pub(crate) fn failed(error: &str) {
+    let error = serde_json::from_str(error).ok().filter(|_| tells());
+    error.into_iter().for_each(|error| tell("", Told::Failed { error }));
 }
 
 fn tell(pump: &str, told: Told<'_>) {

@@ -49,6 +49,12 @@ def test_the_options_of_a_dose_are_those_that_were_typed(laboratory, service, op
     options = {"rate": "2.5mL/s", "retract": "0.1mL", "temperature": "20degC", "fluid": "water", "smooth": True}
     assert order["options"] == options | {"dry-run": True}
     assert order["volume"] == "12mL"
+    # Advice names the page's button in place of a command.
+    form.get_by_label("Rate", exact=True).fill("0.05")
+    form.get_by_label("Fluid", exact=True).fill("glycerol 90%")
+    form.get_by_role("button", name="Plan").click()
+    expect(form.locator(".plan li").last).to_contain_text("“Calibrate…” weighs")
+    assert "dose calibrate" not in form.inner_text()
 
 
 def test_what_the_command_refuses_is_said_beside_the_form(service, open_page):
@@ -61,6 +67,33 @@ def test_what_the_command_refuses_is_said_beside_the_form(service, open_page):
     card.get_by_role("button", name="Dose").click()
     expect(card.get_by_role("alert")).to_have_text("Enter a volume, such as 25mL.")
     expect(card.get_by_label("Volume")).to_be_focused()
+
+
+def test_a_refusal_of_a_pump_in_use_goes_with_the_motion(service, open_page):
+    page = open_page(service.url)
+    service.dose("acid", "200mL")
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("1mL")
+    card.get_by_role("button", name="Dose").click()
+    expect(card.get_by_role("alert")).to_have_text(
+        "In use: pump acid is dosing 200mL (by http); wait until it is done, or stop it"
+    )
+    service.stop()
+    expect(state(page, "acid")).to_have_text("A dose is unfinished")
+    expect(card.get_by_role("alert")).to_have_count(0)
+
+
+def test_a_run_until_it_is_stopped_shows_no_end(service, open_page):
+    page = open_page(service.url + "/#/pump/acid")
+    form = page.get_by_role("form", name="Run: acid")
+    form.get_by_label("Rate").fill("1")
+    form.get_by_role("button", name="Run").click()
+    expect(state(page, "acid")).to_have_text("Running")
+    below = page.locator(".read .what")
+    expect(below).to_have_text("so far")
+    assert not page.locator(".read .time").is_visible()
+    service.stop()
+    expect(below).to_contain_text("last run: until stopped, ±")
 
 
 def test_a_lost_answer_doses_once(laboratory, service, make_network, open_page):

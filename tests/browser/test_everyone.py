@@ -126,6 +126,15 @@ def test_the_keyboard_alone_doses_and_stops(service, open_page):
     expect(state(page, "acid")).to_have_text("A dose is unfinished")
 
 
+def test_a_dialog_closes_with_its_view(service, open_page):
+    page = open_page(service.url + "/#/pump/acid")
+    page.get_by_role("button", name="Calibrate…").click()
+    expect(page.get_by_role("dialog")).to_be_visible()
+    page.evaluate("location.hash = '#/log'")
+    expect(page.get_by_role("heading", name="Log")).to_be_focused()
+    expect(page.get_by_role("dialog")).to_have_count(0)
+
+
 def test_a_page_without_its_script_says_what_works(service, chromium):
     page = watch(chromium, service.url, java_script_enabled=False)
     expect(page.locator("noscript p")).to_contain_text("The command dose works without it.")

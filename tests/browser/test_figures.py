@@ -1,11 +1,15 @@
 """Sizes and times of the page."""
 
+import json
+import os
+import re
+import signal
 from itertools import pairwise
 
 from playwright.sync_api import expect
 
 from laboratory import ROOT
-from watching import SLOWER, frames, state
+from watching import SLOWER, frames, is_too_wide, state
 
 
 def test_the_page_is_small(service, open_page):
@@ -15,6 +19,33 @@ def test_the_page_is_small(service, open_page):
     assert sum(sizes.values()) < 100_000, sizes
     kept = {file.name for file in (ROOT / "crates/pump-service/src/page").iterdir()}
     assert kept == set(sizes), "each file of the page is counted"
+
+
+def test_the_figure_fits_the_narrowest_phones(service, open_page):
+    service.dose("acid", "9.693mL", rate="9mL/s")
+    service.ended("acid")
+    for view in ("", "/#/pump/acid"):
+        page = open_page(service.url + view, size={"width": 360, "height": 740})
+        for width in (360, 320):
+            page.set_viewport_size({"width": width, "height": 740})
+            figure = page.locator(".face .big")
+            expect(figure).to_have_text("9.693 mL")
+            shown, needed = figure.evaluate("(el) => [el.clientWidth, el.scrollWidth]")
+            assert needed <= shown, f"{view} at {width} px: {needed} of {shown}"
+            assert not is_too_wide(page)
+
+
+def test_the_bounds_of_a_killed_dose_fit_the_narrowest_phones(laboratory, service, open_page):
+    service.dose("acid", "90mL", rate="4mL/s")
+    holder = json.loads(laboratory.run("status", "--format", "json"))["in_use_by"]
+    os.kill(int(re.sub(r"\D", "", holder)), signal.SIGKILL)
+    service.ended("acid")
+    page = open_page(service.url + "/#/pump/acid", size={"width": 320, "height": 740})
+    figure = page.locator(".face .big")
+    expect(figure).to_have_text(re.compile(r"^[\d.]+ to [\d.]+ mL$"))
+    shown, needed = figure.evaluate("(el) => [el.clientWidth, el.scrollWidth]")
+    assert needed <= shown
+    assert not is_too_wide(page)
 
 
 def test_eight_turning_heads_are_drawn_smoothly_by_a_slow_phone(make_laboratory, open_page, capsys):

@@ -48,9 +48,9 @@ def test_a_reading_that_is_refused_is_said_in_plain_words(service, open_page):
     page.get_by_role("button", name="Calibrate…").click()
     box = page.get_by_role("dialog", name="Calibrate acid")
     box.get_by_role("button", name="Weigh the last dose instead").click()
-    box.get_by_label("Reading").fill("1.02")
+    box.get_by_label("Reading").fill("1.02 pints")
     page.keyboard.press("Enter")
-    expect(box.get_by_role("alert")).to_contain_text("`1.02` has no unit; write for example 25g or 25mL")
+    expect(box.get_by_role("alert")).to_contain_text("unknown mass or volume unit `pints`")
     assert "READING" not in box.inner_text()
 
 
@@ -60,7 +60,8 @@ def test_a_reading_far_from_what_was_expected_is_taken_by_a_word_of_the_page(lab
     page.get_by_role("button", name="Calibrate…").click()
     box = page.get_by_role("dialog", name="Calibrate acid")
     box.get_by_role("button", name="Weigh the last dose instead").click()
-    box.get_by_label("Reading").fill("12.5g")
+    # A number alone is in g, as the hint says.
+    box.get_by_label("Reading").fill("12.5")
     page.keyboard.press("Enter")
     word = "Use it although it is far from what was expected"
     expect(box.get_by_role("alert")).to_contain_text(f"if it is right, tick “{word}” under “More options”")
@@ -108,6 +109,23 @@ def test_a_pump_that_was_put_to_stand_shows_the_reason(make_laboratory, open_pag
     box = page.get_by_role("dialog", name="Clear base")
     expect(box).to_contain_text("base was put to stand")
     expect(box).to_contain_text("leak: water under the rack")
+
+
+def test_a_pump_whose_input_is_not_well_is_not_cleared(make_laboratory, open_page):
+    service = make_laboratory(more='[[service.input]]\nname = "leak"\nsilent = "10min"\n').serve()
+    page = open_page(service.url)
+    service.post("/api/v1/inputs/leak", {"ok": False, "reason": "water"})
+    expect(state(page, "acid")).to_have_text("Put to stand")
+    panel(page, "acid").get_by_role("button", name="Clear…").click()
+    box = page.get_by_role("dialog", name="Clear acid")
+    for label, words in (("Name of the pump", "acid"), ("Reason", "it is dry"), ("Your name", "Anna")):
+        box.get_by_label(label).fill(words)
+    page.keyboard.press("Enter")
+    expect(box.get_by_role("alert")).to_have_text("input leak is not well: water; pump acid stands until it is")
+    service.post("/api/v1/inputs/leak", {"ok": True})
+    page.keyboard.press("Enter")
+    expect(box).to_have_count(0)
+    expect(state(page, "acid")).to_have_text("Ready")
 
 
 def test_an_unknown_angle_is_shown_as_unknown(laboratory, open_page):

@@ -97,6 +97,31 @@ def test_the_keyboard_adds_an_entry_sees_its_next_runs_and_removes_it(page, plan
     assert not found, "\n".join(found)
 
 
+def test_the_form_names_the_clock_of_its_times_and_asks_for_a_name(laboratory, plan, open_page):
+    service = laboratory.serve("--schedule", str(plan))
+    page = open_page(service.url + "/#/schedule", timezone_id="America/New_York")
+    page.get_by_role("button", name="Add an entry…").click()
+    box = page.get_by_role("dialog", name="Add an entry")
+    expect(box).to_contain_text("Times are by the clock of Europe/Berlin.")
+    for label, words in (("Volume", "2"), ("Times of day", "12:00"), ("Dates, in place of days", "2030-01-09")):
+        if label.startswith("Dates"):
+            box.locator("summary").click()
+        box.get_by_label(label, exact=True).fill(words)
+    page.keyboard.press("Enter")
+    refused = box.get_by_role("alert")
+    expect(refused).to_contain_text("name is ``")
+    assert "quotes" not in refused.inner_text()
+    expect(box.get_by_label("Name", exact=True)).to_be_focused()
+    page.keyboard.type("noon")
+    page.keyboard.press("Enter")
+    expect(box.locator("ol li")).to_have_text("2030-01-09 12:00:00, here 2030-01-09 06:00:00")
+    expect(box).to_contain_text("By the clock of Europe/Berlin; here is America/New_York.")
+    box.get_by_label("Time zone").fill("Asia/Kathmandu")
+    expect(box).to_contain_text("Times are by the clock of Asia/Kathmandu.")
+    page.keyboard.press("Enter")
+    expect(box.locator("ol li")).to_have_text("2030-01-09 12:00:00, here 2030-01-09 01:15:00")
+
+
 def test_the_form_has_every_key_of_an_entry_and_changes_what_was_changed(page, plan):
     page.get_by_role("button", name="Edit… feed").click()
     box = page.get_by_role("dialog", name="Edit feed")

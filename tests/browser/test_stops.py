@@ -105,6 +105,17 @@ def test_a_stop_that_reaches_nobody_says_so_and_tries_again(service, make_networ
     expect(state(live(page), "acid")).to_have_text("A dose is unfinished")
 
 
+def test_a_page_says_within_5_s_that_a_service_hangs(service, open_page):
+    page = open_page(service.url)
+    # A quiet service is heard all the same.
+    page.wait_for_timeout(6000)
+    expect(page.locator("#link")).to_have_text("Live")
+    service.signal(signal.SIGSTOP)
+    expect(page.locator("#link")).to_contain_text("Reconnecting", timeout=5500)
+    service.signal(signal.SIGCONT)
+    live(page)
+
+
 def test_a_service_that_hangs_is_not_taken_for_a_stop(service, open_page):
     page = open_page(service.url)
     wait_for_dose(page, service, "acid", volume="200mL")

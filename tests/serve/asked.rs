@@ -48,6 +48,18 @@ fn a_command_beside_a_service_says_how_long_its_motion_takes_yet() {
 }
 
 #[test]
+fn a_pump_file_is_cleared_by_itself_beside_a_service() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    for word in ["stand", "clear"] {
+        let made = laboratory.run(&["safety", word, "./acid.toml", "--reason", "the hose"]);
+        assert_eq!(made.status.code(), Some(0), "{word}: {}", String::from_utf8_lossy(&made.stderr));
+        assert_eq!(laboratory.status("acid")["safety"]["stand"].is_null(), word == "clear");
+    }
+    assert_eq!(service.get("/api/v1/orders").1, json!([]), "the service was not asked");
+}
+
+#[test]
 fn an_interrupt_stops_the_motion_that_the_service_makes() {
     let laboratory = Laboratory::new(&["acid"], "");
     let service = laboratory.serve(&[]);
@@ -57,7 +69,13 @@ fn an_interrupt_stops_the_motion_that_the_service_makes() {
     signal(child.id(), "INT");
     let ended = child.wait_with_output().unwrap();
     assert_eq!(ended.status.code(), Some(130), "{}", String::from_utf8_lossy(&ended.stderr));
-    assert!(String::from_utf8_lossy(&ended.stderr).contains("stopped by the user"));
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert!(said.contains("stopped by the user") && !said.contains("error/1"), "{said}");
+    // The order has the error as programs read it, although the command told it to a person.
+    let order = service.get("/api/v1/orders").1[0].clone();
+    let error = &order["error"];
+    assert_eq!((&order["state"], &error["schema"]), (&json!("failed"), &json!("error/1")), "{order}");
+    assert_eq!((&error["code"], &error["kind"]), (&json!(130), &json!("stopped")), "{order}");
     let log = laboratory.log("acid");
     assert_eq!((log.len(), &log[0]["cause"]), (1, &json!("SIGINT")));
 }
@@ -75,6 +93,12 @@ fn a_command_that_is_killed_leaves_no_motion_behind() {
     let log = laboratory.log("acid");
     assert_eq!((log.len(), &log[0]["cause"]), (1, &json!("the end of the command that ordered it")));
     assert!(!laboratory.status("acid")["unfinished"].is_null());
+    let order = service.get("/api/v1/orders").1[0].clone();
+    assert_eq!(
+        (&order["error"]["code"], &order["error"]["kind"]),
+        (&json!(143), &json!("stopped")),
+        "{order}"
+    );
 }
 
 #[test]

@@ -81,14 +81,20 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
     assert_eq!(service.get(&format!("/api/v1/orders/{base}")).1["state"], "running");
     assert_eq!(laboratory.status("base")["safety"]["stand"], Value::Null);
 
-    // A clearing while there is still water does not help, and the good word alone does not either.
-    clear(&service, "acid");
+    // A clearing while there is still water is refused, also that of the command, and one by the record alone does not
+    // help. The good word alone does not either.
+    let (status, refused) =
+        service.post("/api/v1/pumps/acid/clear", &json!({"reason": "looked", "by": "Ada"}));
+    let why = "input leak is not well: water under the rack; pump acid stands until it is";
+    assert_eq!((status, &refused["code"], &refused["message"]), (423, &json!(5), &json!(why)), "{refused}");
+    let words = ["safety", "clear", "acid", "--reason", "looked at it", "--by", "Ada"];
+    let typed = laboratory.run(&words);
+    assert_eq!(typed.status.code(), Some(5));
+    assert_eq!(String::from_utf8_lossy(&typed.stderr), format!("error: {why}\n"));
+    assert_ne!(laboratory.status("acid")["safety"]["stand"], Value::Null);
+    let alone = laboratory.run(&[&words[..], &["--no-service"]].concat());
+    assert_eq!(alone.status.code(), Some(0), "{}", String::from_utf8_lossy(&alone.stderr));
     noted(&service, "acid was cleared while its input was not well, so it stands again: leak: water under");
-    let cleared = wait_for("the clearing", || {
-        let (_, orders) = service.get("/api/v1/orders?pump=acid");
-        orders.as_array().unwrap().iter().find(|order| order["task"] == "clear").cloned()
-    });
-    assert_eq!((&cleared["reason"], &cleared["by"]), (&json!("looked at it"), &json!("Ada")), "{cleared}");
     let journal = fs::read_to_string(laboratory.path("records/acid/sim/journal.jsonl")).unwrap();
     assert!(journal.contains("looked at it (by Ada)"), "{journal}");
     stands(&laboratory, "acid");
@@ -99,7 +105,13 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
         assert_eq!((status, &refused["code"]), (423, &json!(5)), "{refused}");
         refused["message"].as_str().unwrap().contains("stands by order since").then_some(())
     });
-    clear(&service, "acid");
+    let typed = laboratory.run(&words);
+    assert_eq!(typed.status.code(), Some(0), "{}", String::from_utf8_lossy(&typed.stderr));
+    assert!(
+        String::from_utf8_lossy(&typed.stdout).starts_with("acid may go on, and your reason is on record")
+    );
+    let orders = service.get("/api/v1/orders?pump=acid").1;
+    assert!(orders[0]["words"].to_string().contains("\"safety\",\"clear\",\"acid\""), "{orders}");
     let (status, accepted) = service.post("/api/v1/pumps/acid/accept", &json!({}));
     assert_eq!(status, 202, "{accepted}");
     service.ended(accepted["id"].as_str().unwrap());
@@ -191,6 +203,8 @@ fn a_pump_is_put_to_stand_over_http() {
     assert_eq!(status, 423);
     assert!(refused["message"].as_str().unwrap().contains("the hose is off"), "{refused}");
     clear(&service, "acid");
+    let (_, orders) = service.get("/api/v1/orders?pump=acid&limit=1");
+    assert_eq!((&orders[0]["reason"], &orders[0]["by"]), (&json!("looked at it"), &json!("Ada")), "{orders}");
     service.ended(&service.dose("acid", "1mL", &json!({})));
 }
 

@@ -68,6 +68,17 @@ fn a_killed_service_loses_nothing_and_doubles_nothing() {
 }
 
 #[test]
+fn the_log_says_that_a_killed_service_ended_the_dose() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let mut service = laboratory.serve(&[]);
+    service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
+    service.moves("acid");
+    service.kill();
+    wait_for("the pump to stand", || laboratory.status("acid")["in_use_by"].is_null().then_some(()));
+    assert_eq!(laboratory.log("acid")[0]["cause"], "the end of the service");
+}
+
+#[test]
 fn an_ended_service_leaves_every_motor_standing_with_its_record_written() {
     let laboratory = Laboratory::new(&["acid", "base"], "");
     let mut service = laboratory.serve(&[]);

@@ -13,6 +13,7 @@ mod input_topics;
 mod kills;
 mod laboratory;
 mod mqtt;
+mod openapi;
 mod orders;
 mod proxy;
 mod racks;

@@ -70,6 +70,44 @@ fn a_dose_whose_process_is_killed_is_told_to_everyone() {
 }
 
 #[test]
+fn a_run_until_it_is_stopped_tells_no_end() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let (status, run) = service.post("/api/v1/pumps/acid/run", &json!({"options": {"rate": "1mL/s"}}));
+    assert_eq!(status, 202, "{run}");
+    service.moves("acid");
+    let (_, view) = service.get("/api/v1/pumps/acid");
+    let progress = &view["progress"];
+    assert_eq!((&progress["of_ml"], &progress["of_steps"]), (&Value::Null, &json!(0)), "{progress}");
+    assert_eq!(view["pitch_deg"], 120.0, "{view}");
+    let (status, refused) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL"}));
+    let busy = "pump acid is running (by http); wait until it is done, or stop it";
+    assert_eq!((status, &refused["message"]), (409, &json!(busy)), "{refused}");
+    service.post("/api/v1/stop", &json!({}));
+    assert!(service.ended(run["id"].as_str().unwrap())["reports"][0]["delivered_ml"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn an_option_that_is_no_text_is_refused_by_its_name() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    for (options, told) in [
+        (json!({"rate": 5}), "the option rate is `5`; write a text with its unit, as \"5mL/min\""),
+        (json!({"repeat": 2}), "the option repeat is `2`; write a text, as \"5\""),
+        (
+            json!({"smooth": [1]}),
+            "the option smooth is `[1]`; write a text with its unit, or true for an option",
+        ),
+    ] {
+        let (status, error) =
+            service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL", "options": options}));
+        assert_eq!((status, &error["schema"]), (422, &json!("error/1")), "{error}");
+        assert!(error["message"].as_str().unwrap().contains(told), "{error}");
+    }
+    assert!(laboratory.log("acid").is_empty(), "nothing moved");
+}
+
+#[test]
 fn the_usual_flow_of_a_pump_is_the_one_that_the_configuration_sets() {
     let laboratory = Laboratory::new(&["acid"], "[defaults]\nrate = \"1.5mL/min\"\n");
     let service = laboratory.serve(&["--pace", "fast"]);

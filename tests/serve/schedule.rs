@@ -124,6 +124,9 @@ fn a_doubt_comes_and_goes_with_the_files_that_its_trial_reads() {
     };
     limited("10.0");
     becomes("the limit that was lowered", [true, false, false]);
+    // The trial leaves the record out, so it cannot say what was pumped.
+    let doubt = service.get("/api/v1/schedule").1["next"][0]["doubt"].to_string();
+    assert!(doubt.contains("mL were planned, and the limit of 24 h is 10 mL"), "{doubt}");
     limited("100.0");
     becomes("the limit that was raised", [false; 3]);
     let config = fs::read_to_string(laboratory.path("config.toml")).unwrap();

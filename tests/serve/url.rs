@@ -119,6 +119,35 @@ fn a_command_without_a_name_takes_the_default_pump_of_the_service_at_the_url() {
 }
 
 #[test]
+fn a_pump_is_put_to_stand_and_cleared_at_the_service_of_the_url() {
+    let (there, service, here) = places("");
+    let run = |words: &[&str]| {
+        let told = here.dose(words).env("DOSE_SERVICE_TOKEN", TOKEN).output().unwrap();
+        (told.status.code(), String::from_utf8(told.stdout.clone()).unwrap(), errors(&told))
+    };
+    let stands = || !there.status("acid")["safety"]["stand"].is_null();
+    let (code, told, error) = run(&["safety", "stand", "acid", "--reason", "the hose is off"]);
+    assert!(
+        code == Some(0) && told.starts_with("acid stands, and your reason is on record"),
+        "{told}{error}"
+    );
+    assert!(stands());
+    let (_, own, _) = run(&["status", "--no-service", "--format", "json"]);
+    assert!(serde_json::from_str::<Value>(&own).unwrap()["safety"]["stand"].is_null(), "{own}");
+    let (code, _, error) = run(&["1mL"]);
+    assert!(code == Some(5) && error.contains("clear it with `dose safety clear acid --reason"), "{error}");
+    let (code, told, error) = run(&["safety", "clear", "acid", "--reason", "it is on again", "--by", "Ada"]);
+    assert!(code == Some(0) && told.starts_with("acid may go on"), "{told}{error}");
+    assert!(!stands());
+    let journal = fs::read_to_string(there.path("records/acid/sim/journal.jsonl")).unwrap();
+    assert!(journal.contains("it is on again (by Ada)"), "{journal}");
+    let (code, told, error) = run(&["vessel", "emptied"]);
+    assert!(code == Some(0) && told.starts_with("the vessel of acid is empty on record"), "{told}{error}");
+    assert_eq!(run(&["safety", "clear", "dye", "--reason", "x"]).0, Some(2));
+    drop(service);
+}
+
+#[test]
 fn an_interrupt_stops_the_motion_at_the_url() {
     let (there, _service, here) = places("");
     let mut command = here.dose(&["200mL", "--rate", "0.5mL/s"]);
@@ -196,4 +225,8 @@ fn a_url_where_no_service_is_refuses_and_moves_nothing() {
     let _service = here.serve(&["--pace", "fast"]);
     assert_eq!(here.run(&["1mL"]).status.code(), Some(0));
     assert_eq!(here.log("acid").len(), 2);
+    for words in [&["safety", "stand", "acid", "--reason", "x"][..], &["vessel", "emptied"]] {
+        assert_eq!(here.run(words).status.code(), Some(0), "{words:?}");
+    }
+    assert_eq!(here.status("acid")["safety"]["stand"]["reason"], "x");
 }

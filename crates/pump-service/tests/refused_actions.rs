@@ -37,7 +37,7 @@ fn an_entry_does_one_thing() {
         ),
         (
             "pump = \" \"\ndose = \"1mL\"",
-            "pump is ` `; allowed: a text of one line; write it in quotes, as \"ph-down\"",
+            "pump is ` `; allowed: a text of one line; write one, as \"ph-down\"",
         ),
     ] {
         assert_eq!(of_entry(keys), told, "{keys}");

@@ -28,6 +28,9 @@ pub(crate) struct ClearArgs {
     record: RecordOption,
     #[command(flatten)]
     driver: DriverOption,
+    /// Clear the pump by the record of this computer, also while `dose serve` has it
+    #[arg(long, hide_short_help = true)]
+    no_service: bool,
     #[command(flatten)]
     format: FormatOption,
 }

@@ -24,6 +24,9 @@ pub(crate) struct StandArgs {
     record: RecordOption,
     #[command(flatten)]
     driver: DriverOption,
+    /// Put the pump to stand by the record of this computer, also where the configuration names a service by its url
+    #[arg(long, hide_short_help = true)]
+    no_service: bool,
     #[command(flatten)]
     format: FormatOption,
 }

@@ -104,6 +104,9 @@ impl fmt::Display for Stand {
                 "a run until it is stopped ends at the limit: the vessel has received {used} mL since it was emptied, \
                  and it holds {allowed} mL"
             ),
+            SafetyLimit::Day if self.used_ml == 0.0 => {
+                write!(to, "{planned} mL were planned, and the limit of 24 h is {allowed} mL")
+            }
             SafetyLimit::Day => write!(
                 to,
                 "{planned} mL were planned, {used} mL were pumped in the last 24 h, and the limit of 24 h is \
@@ -113,6 +116,9 @@ impl fmt::Display for Stand {
                 to,
                 "the vessel had received {used} mL and holds {allowed} mL, and it was emptied since"
             ),
+            SafetyLimit::Vessel if self.used_ml == 0.0 => {
+                write!(to, "{planned} mL were planned, and the vessel holds {allowed} mL")
+            }
             SafetyLimit::Vessel => write!(
                 to,
                 "{planned} mL were planned, the vessel has received {used} mL since it was emptied, and it holds \

@@ -44,9 +44,9 @@ struct Watch {
 }
 
 impl Watch {
-    /// Returns the reason of the first input that has a pump stand. `None` if all of its inputs are well.
-    fn reason(&self, pump: &str) -> Option<String> {
-        self.inputs.iter().filter(|input| input.guards(pump)).find_map(Input::reason)
+    /// Returns the first input that has a pump stand. `None` if all of its inputs are well.
+    fn unwell(&self, pump: &str) -> Option<&Input> {
+        self.inputs.iter().find(|input| input.guards(pump) && input.fault().is_some())
     }
 }
 
@@ -185,7 +185,11 @@ impl Guard {
         let changed = tell_changes(&mut watch, now);
         let (mut still, mut stops) = (BTreeMap::new(), Vec::new());
         for pump in service.pumps() {
-            let (name, reason) = (pump.name().to_owned(), watch.reason(pump.name()));
+            let (name, unwell) = (pump.name().to_owned(), watch.unwell(pump.name()));
+            let (reason, fault) = (unwell.and_then(Input::reason), unwell.and_then(Input::fault));
+            let fault = unwell
+                .zip(fault)
+                .map(|(input, fault)| format!("input {} is not well: {fault}", input.name()));
             match &reason {
                 None => drop(watch.stood.remove(&name)),
                 Some(_) if watch.pending.contains_key(&name) => {}
@@ -201,7 +205,7 @@ impl Guard {
             let pending = watch.pending.get(&name);
             if let Some(why) = reason.as_ref().or(pending.map(|(reason, _)| reason)) {
                 let reason = format!("{why}; it stands until the input is well and a person clears it");
-                still.insert(name, Stillness { reason, is_pending: pending.is_some() });
+                still.insert(name, Stillness { reason, fault, is_pending: pending.is_some() });
             }
         }
         service.keep_still(still);

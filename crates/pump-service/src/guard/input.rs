@@ -156,18 +156,22 @@ impl Input {
         is_news
     }
 
-    /// Returns the reason why it is not well. `None` while it is.
-    pub(super) fn reason(&self) -> Option<String> {
-        let name = &self.table.name;
+    /// Returns what is wrong by its last word, or by its silence. `None` while it is well.
+    pub(super) fn fault(&self) -> Option<String> {
         match &self.state {
             State::Waiting | State::Well => None,
-            State::Bad(reason) => Some(format!("{name}: {reason}")),
+            State::Bad(reason) => Some(reason.clone()),
             State::Silent => {
                 let trouble = self.trouble.as_ref().map_or(String::new(), |why| format!(" ({why})"));
                 let silent = self.table.silent();
-                Some(format!("{name}: silent, not once in {silent:?} it said that all is well{trouble}"))
+                Some(format!("silent, not once in {silent:?} it said that all is well{trouble}"))
             }
         }
+    }
+
+    /// Returns the reason why it is not well, with its name. `None` while it is.
+    pub(super) fn reason(&self) -> Option<String> {
+        Some(format!("{}: {}", self.table.name, self.fault()?))
     }
 
     /// Returns what people and programs are shown at `now`.

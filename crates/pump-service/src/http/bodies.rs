@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::failure::Failure;
-use crate::order::Options;
+use crate::order::{Options, read_options};
 
 /// Volume and options of a dose, a prime or a purge.
 #[derive(Debug, Deserialize, Serialize, ToSchema)]
@@ -17,7 +17,7 @@ pub(super) struct VolumeBody {
     #[schema(example = "25mL")]
     pub(super) volume: String,
     /// Options of the command by their names without dashes: texts with units, or true.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "read_options")]
     #[schema(value_type = Object, example = json!({"rate": "5mL/s", "smooth": true}))]
     pub(super) options: Options,
 }
@@ -27,7 +27,7 @@ pub(super) struct VolumeBody {
 #[serde(deny_unknown_fields)]
 pub(super) struct OptionsBody {
     /// Options of the command by their names without dashes: texts with units, or true.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "read_options")]
     #[schema(value_type = Object)]
     pub(super) options: Options,
 }
@@ -69,7 +69,7 @@ pub(super) struct ReadingBody {
     #[schema(example = "23.8g")]
     pub(super) reading: String,
     /// Options of `dose calibrate last`.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "read_options")]
     #[schema(value_type = Object)]
     pub(super) options: Options,
 }

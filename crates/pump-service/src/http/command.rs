@@ -92,6 +92,8 @@ pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<
     }
     if !matches!(order.task, Task::Rack { .. }) {
         order.pump = named(order.pump, &shared.service);
+        // A pump file is no pump of the service, and the command may use it by itself.
+        shared.service.pump(&order.pump)?;
     }
     let mut words = order.words().map_err(Refusal::from)?;
     if !json {
@@ -123,7 +125,10 @@ pub(super) async fn status(State(shared): State<Shared>, bytes: Bytes) -> Result
     let mut lines = String::new();
     let (_never, stops) = unbounded_channel();
     let worker = Worker::start(shared.service.program(), &words, &Seat::default()).map_err(Refusal::Start)?;
-    let ended = worker.run(stops, |line, text| lines += &format!("{}\n", told(line, text.to_owned()))).await;
+    let mut tell = |line: &Line, text: &str| {
+        told(line, text.to_owned()).iter().for_each(|told| lines += &format!("{told}\n"));
+    };
+    let ended = worker.run(stops, &mut tell).await;
     let code = ended.map_err(Refusal::Start)?.code;
     lines += &format!("{}\n", json!({"code": code}));
     Ok(([(CONTENT_TYPE, "application/x-ndjson")], lines).into_response())
@@ -149,7 +154,8 @@ fn follow(service: Service, pump: &str, words: Vec<String>, seat: Seat) -> Resul
                 line = lines.recv() => line,
             };
             let Some((line, text)) = line else { break };
-            if give.send(Ok(format!("{}\n", told(&line, text)))).await.is_err() {
+            let Some(told) = told(&line, text) else { continue };
+            if give.send(Ok(format!("{told}\n"))).await.is_err() {
                 break;
             }
         }
@@ -170,11 +176,12 @@ async fn end(service: &Service, id: &OrderId, give: &Sender<Result<String, std::
     let _ = give.send(Ok(format!("{}\n", json!({"code": code})))).await;
 }
 
-/// A line of the command as the answer tells it.
-fn told(line: &Line, text: String) -> Value {
-    match line {
+/// A line of the command as the answer tells it. `None` for one whose words are told already.
+fn told(line: &Line, text: String) -> Option<Value> {
+    Some(match line {
         Line::Progress(value) => json!({"progress": value}),
         Line::Report(_) | Line::Words(_) => json!({"out": text}),
         Line::Message(_) | Line::Error(_) => json!({"err": text}),
-    }
+        Line::Failed(_) => return None,
+    })
 }

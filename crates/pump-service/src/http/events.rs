@@ -17,13 +17,13 @@ use crate::guard::Guard;
 use crate::service::Service;
 
 /// Time between two signs of life.
-const ALIVE: Duration = Duration::from_secs(5);
+const ALIVE: Duration = Duration::from_secs(2);
 
 /// Events that wait for a slow watcher. One that is slower is told everything anew.
 const WAITING: usize = 64;
 
 /// Events from now on: first `hello` with the state of every pump and of every input, then `pump`, `progress`, `order`,
-/// `input` and `note`, and `alive` after each 5 s without another.
+/// `input` and `note`, and `alive` after each 2 s without another.
 /// A watcher that was too slow gets `hello` again.
 #[utoipa::path(get, path = "/events", tag = "events",
     responses((status = 200, description = "Server-sent events", content_type = "text/event-stream")))]

@@ -48,7 +48,7 @@ impl From<Refusal> for Failure {
         let status = match &refusal {
             Refusal::UnknownPump { .. } => StatusCode::NOT_FOUND,
             Refusal::Busy { .. } => StatusCode::CONFLICT,
-            Refusal::Guarded { .. } => StatusCode::LOCKED,
+            Refusal::Guarded { .. } | Refusal::NotWell { .. } => StatusCode::LOCKED,
             Refusal::Order(_) | Refusal::KeyReused { .. } => StatusCode::UNPROCESSABLE_ENTITY,
             Refusal::Key(_) => StatusCode::BAD_REQUEST,
             Refusal::Ending => StatusCode::SERVICE_UNAVAILABLE,

@@ -8,6 +8,7 @@ mod api;
 mod assets;
 mod bodies;
 mod command;
+mod description;
 mod events;
 mod failure;
 mod metrics;

@@ -17,7 +17,7 @@ use utoipa_axum::routes;
 use super::api::{inputs, log, orders, pumps, schedule};
 use super::failure::Failure;
 use super::shared::Shared;
-use super::{assets, command, events, metrics};
+use super::{assets, command, description, events, metrics};
 
 /// Largest body of a request, in bytes.
 const LARGEST_BODY: usize = 256 << 10;
@@ -71,10 +71,12 @@ fn described() -> (Router<Shared>, utoipa::openapi::OpenApi) {
 
 /// All paths, with the checks.
 pub(super) fn router(shared: Shared) -> Router {
-    let (programs, description) = described();
-    let description = Arc::new(description);
+    let (programs, described) = described();
+    let described = serde_json::to_value(described);
+    let described = described.unwrap_or_else(|error| unreachable!("a description is JSON: {error}"));
+    let described = Arc::new(description::completed(described));
     let guarded = programs
-        .route("/openapi.json", get(move || async move { Json((*description).clone()) }))
+        .route("/openapi.json", get(move || async move { Json((*described).clone()) }))
         .route("/api/v1/command", post(command::command))
         .route("/api/v1/command/order", post(command::order))
         .route("/api/v1/command/status", post(command::status))

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::topics::STOP;
-use crate::order::{Options, Task};
+use crate::order::{Options, Task, read_options};
 
 /// Payload of a button of Home Assistant.
 pub(super) const PRESS: &str = "PRESS";
@@ -29,7 +29,7 @@ pub(super) enum Asked {
 #[serde(deny_unknown_fields)]
 struct VolumeBody {
     volume: String,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "read_options")]
     options: Options,
     key: Option<String>,
 }
@@ -37,7 +37,7 @@ struct VolumeBody {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OptionsBody {
-    #[serde(default)]
+    #[serde(default, deserialize_with = "read_options")]
     options: Options,
     key: Option<String>,
 }

@@ -15,7 +15,7 @@ pub use self::error::OrderError;
 pub use self::id::OrderId;
 pub(crate) use self::id::random_hex;
 pub use self::options::{Choice, Options};
-pub(crate) use self::options::{option, switch};
+pub(crate) use self::options::{option, read_options, switch};
 pub use self::order::Order;
 pub use self::origin::Origin;
 pub use self::task::Task;

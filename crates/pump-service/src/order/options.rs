@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 
 use super::error::OrderError;
 use super::task::{Task, text};
@@ -11,13 +13,35 @@ use super::task::{Task, text};
 pub type Options = BTreeMap<String, Choice>;
 
 /// Value of an option.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum Choice {
     /// An option with a value, as it was typed.
     Text(String),
     /// An option without a value: `true`, or `false` for one that is left out.
     Switch(bool),
+}
+
+/// Reads options. A value of another type is refused by the name of its option.
+///
+/// # Errors
+///
+/// The deserializer's error, and that of such a value.
+pub(crate) fn read_options<'de, D: Deserializer<'de>>(from: D) -> Result<Options, D::Error> {
+    let values = BTreeMap::<String, Value>::deserialize(from)?;
+    let read = |(name, value): (String, Value)| match value {
+        Value::String(text) => Ok((name, Choice::Text(text))),
+        Value::Bool(on) => Ok((name, Choice::Switch(on))),
+        other => {
+            let instead = match name.as_str() {
+                "rate" => "write a text with its unit, as \"5mL/min\"",
+                "repeat" => "write a text, as \"5\"",
+                _ => "write a text with its unit, or true for an option without a value",
+            };
+            Err(D::Error::custom(format!("the option {name} is `{other}`; {instead}")))
+        }
+    };
+    values.into_iter().map(read).collect()
 }
 
 /// Options of motions that have a value.

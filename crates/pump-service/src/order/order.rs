@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::OrderError;
-use super::options::{Options, option};
+use super::options::{Options, option, read_options};
 use super::task::{Task, name};
 
 /// Order to a pump, or to a rack.
@@ -29,7 +29,7 @@ pub struct Order {
     #[serde(flatten)]
     pub task: Task,
     /// Options of the command by their names.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "read_options")]
     pub options: Options,
 }
 

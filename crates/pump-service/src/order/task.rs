@@ -85,6 +85,24 @@ impl Task {
         }
     }
 
+    /// Returns what a pump is doing that carries the task out, as `dosing 25mL`.
+    pub(crate) fn doing(&self) -> String {
+        match self {
+            Self::Dose { volume } => format!("dosing {volume}"),
+            Self::Prime { volume } => format!("priming {volume}"),
+            Self::Purge { volume } => format!("purging {volume}"),
+            Self::Run => "running".to_owned(),
+            Self::Resume => "delivering the rest of a dose".to_owned(),
+            Self::Accept => "having its dose accepted".to_owned(),
+            Self::Stand { .. } => "being put to stand".to_owned(),
+            Self::Clear { .. } => "being cleared".to_owned(),
+            Self::Emptied => "having its vessel emptied on record".to_owned(),
+            Self::Calibrate { .. } => "being calibrated".to_owned(),
+            Self::Rack { rack } => format!("running in rack {rack}"),
+            Self::Command { words } => format!("carrying out `dose {}`", words.join(" ")),
+        }
+    }
+
     /// Returns true if the task turns a motor.
     pub fn moves(&self) -> bool {
         match self {
@@ -93,7 +111,9 @@ impl Task {
             | Self::Clear { .. }
             | Self::Emptied
             | Self::Calibrate { .. } => false,
-            Self::Command { words } => words.first().is_none_or(|word| word != "accept"),
+            Self::Command { words } => {
+                words.first().is_none_or(|word| !["accept", "safety", "vessel"].contains(&word.as_str()))
+            }
             Self::Dose { .. }
             | Self::Prime { .. }
             | Self::Purge { .. }
@@ -101,6 +121,22 @@ impl Task {
             | Self::Resume
             | Self::Rack { .. } => true,
         }
+    }
+
+    /// Returns true if the task puts a pump to stand.
+    pub(crate) fn stands(&self) -> bool {
+        matches!(self, Self::Stand { .. }) || self.is_typed(&["safety", "stand"])
+    }
+
+    /// Returns true if the task lets a pump go on that stands.
+    pub(crate) fn clears(&self) -> bool {
+        matches!(self, Self::Clear { .. }) || self.is_typed(&["safety", "clear"])
+    }
+
+    /// Returns true for a typed command that begins with these words.
+    fn is_typed(&self, begin: &[&str]) -> bool {
+        let Self::Command { words } = self else { return false };
+        words.iter().map(String::as_str).take(begin.len()).eq(begin.iter().copied())
     }
 
     /// Returns the words of the command before its options, for `pump`.

@@ -27,6 +27,9 @@ const alarm = (text) => h('p', { class: 'error', role: 'alert', text });
 const head2 = (text) => h('h2', { text });
 const inRow = (...kids) => h('div', { class: 'row' }, kids);
 const head1 = (text) => h('h1', { tabindex: '-1', text });
+/** A form whose fields this page checks. */
+const formOf = (send, props, ...kids) => h('form', { novalidate: true, ...props, onsubmit: (event) => { event.preventDefault(); send(); } }, kids);
+const firstly = (text, onclick) => h('button', { class: 'first', text, onclick });
 const submit = (text) => h('button', { type: 'submit', class: 'first', text });
 const moreOf = (...kids) => h('details', {}, h('summary', { text: 'More options' }), kids);
 const fields = (...kids) => h('div', { class: 'fields' }, kids);
@@ -167,7 +170,7 @@ const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Runnin
   retract: 'Retracting' };
 /** Tasks that turn no motor. */
 const STANDING = ['accept', 'clear', 'stand', 'emptied', 'calibrate'];
-const isDose = (report) => report && report.schema === 'dose/1';
+const isDose = (report) => report?.schema === 'dose/1';
 
 /** The doses of an order with the names of their pumps: those of a rack are within its report. */
 const dosesOf = (order) => (order.reports || []).flatMap((report) => {
@@ -180,18 +183,18 @@ const dosesOf = (order) => (order.reports || []).flatMap((report) => {
 function take(view) {
   const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
   pumps.set(view.name, pump);
-  const stoodBefore = pump.view && pump.view.status && pump.view.status.safety.stand;
+  const stoodBefore = pump.view?.status?.safety.stand;
   pump.view = view;
-  const isHeld = view.status && view.status.in_use_by;
+  const isHeld = view.status?.in_use_by;
   if (view.order) {
-    const old = pump.motion && pump.motion.order === view.order ? pump.motion : { order: view.order };
+    const old = pump.motion?.order === view.order ? pump.motion : { order: view.order };
     pump.motion = { ...old, task: view.task, plan: view.plan || old.plan };
     const told = view.progress;
-    if (told && told.state === 'moving' && !old.progress) pump.motion.progress = told;
-  } else if (!isHeld || !(pump.motion && pump.motion.ofRack)) {
+    if (told?.state === 'moving' && !old.progress) pump.motion.progress = told;
+  } else if (!isHeld || !pump.motion?.ofRack) {
     pump.motion = null;
   }
-  const stand = view.status && view.status.safety.stand;
+  const stand = view.status?.safety.stand;
   if (stand && pump.known && !stoodBefore) alertOf(standWords(pump));
   pump.known = true;
   return pump;
@@ -212,7 +215,7 @@ function takeProgress(told) {
     motion.wait = { until: Date.now() + told.next_s * 1000, number: told.number, count: told.count };
     motion.progress = null;
   } else if (told.state === 'moving') {
-    if (motion.progress && motion.progress.steps === told.steps && told.steps === told.of_steps) return;
+    if (motion.progress?.steps === told.steps && told.steps === told.of_steps) return;
     const wasMoving = motion.progress && !motion.wait;
     Object.assign(motion, { progress: told, wait: null });
     for (const panel of pump.panels) panel.head.sample(told.angle_deg, performance.now());
@@ -240,7 +243,7 @@ function showNext() {
   changed.delete(pump);
   for (const panel of pump.panels) {
     panel.figures();
-    if (pump.motion && pump.motion.progress) panel.head.go(performance.now());
+    if (pump.motion?.progress) panel.head.go(performance.now());
   }
   tellProgress();
   setTimeout(showNext, APART_MS);
@@ -250,7 +253,7 @@ function takeOrder(order) {
   const own = pumps.get(order.pump);
   const isOver = order.state !== 'running';
   if (own && !isOver) Object.assign(own.view, { order: order.id, task: order.task });
-  if (own && !isOver && !(own.motion && own.motion.order === order.id)) {
+  if (own && !isOver && own.motion?.order !== order.id) {
     own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
     own.fault = null;
     own.stale.splice(0).forEach((line) => line.remove());
@@ -261,17 +264,17 @@ function takeOrder(order) {
     return;
   }
   tellEnd(order);
-  const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion && pump.motion.order === order.id);
+  const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion?.order === order.id);
   for (const pump of of) {
-    if (pump.motion && pump.motion.order === order.id) pump.motion = null;
+    if (pump.motion?.order === order.id) pump.motion = null;
     if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null });
     const { error } = order;
     if (order.state === 'failed' && error && error.kind !== 'stopped') {
       pump.fault = { time: order.ended, message: error.message };
       alertOf(`${pump.name} failed: ${error.message}`);
     } else if (!isDry(order)) {
-      const stopped = error && error.kind === 'stopped';
-      const dose = pump.last && pump.last.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
+      const stopped = error?.kind === 'stopped';
+      const dose = pump.last?.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
       politely(`${pump.name}: ${order.task} ${stopped ? 'stopped' : order.state}${dose}`, true);
     }
     refresh(pump);
@@ -291,11 +294,11 @@ function tellEnd(order) {
   const form = taken.get(order.id);
   taken.delete(order.id);
   if (!form) return;
-  const isStopped = order.error && order.error.kind === 'stopped';
+  const isStopped = order.error?.kind === 'stopped';
   const how = order.state === 'done' ? 'Done' : isStopped ? 'Stopped' : 'Not done';
   const pump = pumps.get(order.pump);
   const { last } = pump || {};
-  const volume = order.state !== 'done' && last && last.order === order.id ? `; ${volumeWords(last.report)}` : '';
+  const volume = order.state !== 'done' && last?.order === order.id ? `; ${volumeWords(last.report)}` : '';
   say(form.line, `${how}: ${form.words}${volume}.`);
   if (!pump || order.state === 'done') return;
   // The rest is offered above the form, where a phone does not show it, and the line goes once the pump moves on.
@@ -319,7 +322,7 @@ function takeReports(order) {
     if (report.delivered_ml == null || !report.time) continue;
     const pump = pumps.get(name);
     if (!pump || (pump.last && new Date(pump.last.report.time) > new Date(report.time))) continue;
-    pump.last = { report, order: order.id, ended: order.ended, stopped: order.error && order.error.kind === 'stopped',
+    pump.last = { report, order: order.id, ended: order.ended, stopped: order.error?.kind === 'stopped',
       resumed: order.task === 'resume' };
   }
 }
@@ -349,7 +352,7 @@ function alertOf(text) {
 }
 function tellProgress() {
   if (Date.now() - politeAt < 10000) return;
-  const moving = [...pumps.values()].filter((pump) => pump.motion && pump.motion.progress);
+  const moving = [...pumps.values()].filter((pump) => pump.motion?.progress);
   politely(moving.map((pump) => `${pump.name}: ${readOf(pump).words}`).join('. '));
 }
 
@@ -450,15 +453,15 @@ function watchNotes(most, showNotes, fail = () => {}) {
 
 // A stream can end without a word, as when a phone leaves its network. Silence is asked about.
 setInterval(async () => {
-  if (!isLive || document.hidden || Date.now() - heard < 12000) return;
+  if (!isLive || document.hidden || Date.now() - heard < 2500) return;
   try {
-    await call('GET', '/login', { timeout: 3000 });
-    if (Date.now() - heard > 60000) connect();
+    await call('GET', '/login', { timeout: 1500 });
+    if (Date.now() - heard > 20000) connect();
   } catch {
     lose();
     connect();
   }
-}, 4000);
+}, 1000);
 addEventListener('offline', () => lose());
 addEventListener('pageshow', (event) => { if (event.persisted) begin(); });
 addEventListener('online', () => { if (!isLive) begin(); });
@@ -487,7 +490,7 @@ async function stopAll() {
     try {
       const answer = await call('POST', '/api/v1/stop', { body: '{}', timeout: 1500 });
       const count = answer.stopped.length;
-      const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status && pump.view.status.in_use_by);
+      const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status?.in_use_by);
       const also = others.length
         ? ` In use by another program, which this page cannot stop: ${others.map((pump) => pump.name).join(', ')}.` : '';
       const told = count ? `The service is stopping ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
@@ -675,7 +678,7 @@ function stateOf(pump) {
       const left = span((motion.wait.until - Date.now()) / 1000);
       return ['wait', `Waiting: dose ${motion.wait.number} of ${motion.wait.count} begins in ${left}`];
     }
-    const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan && motion.plan.purpose : null;
+    const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan?.purpose : null;
     const word = motion.task === 'rack' ? TASKS.rack : TASKS[purpose] || TASKS[motion.task] || 'Busy';
     if (motion.progress) return ['move', word];
     return ['wait', STANDING.includes(motion.task) || motion.task === 'rack' ? word : `${word}: beginning`];
@@ -691,6 +694,7 @@ function stateOf(pump) {
 const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${spread(u)}\u00a0mL (k\u00a0=\u00a02)`;
 const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
 /** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
+const isEndless = ({ asked }) => asked === 'until stopped';
 const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
   : `${short(own)} mL${asked ? ` (${asked})` : ''}`);
 const purposeWord = (purpose) => (purpose === 'calibrate' ? 'calibration run' : purpose === 'retract' ? 'retraction' : purpose);
@@ -716,8 +720,8 @@ function endOf(seconds) {
 }
 function readOf(pump) {
   const { view, motion, last } = pump;
-  const unfinished = view.status && view.status.unfinished;
-  if (motion && motion.progress) {
+  const unfinished = view.status?.unfinished;
+  if (motion?.progress) {
     const { plan } = motion;
     const { delivered_ml: delivered, of_ml: of } = motion.progress;
     const u = plan ? plan.expanded_uncertainty_ml : 0;
@@ -730,9 +734,9 @@ function readOf(pump) {
     return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
       bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
   }
-  if (motion && motion.plan && !motion.wait) {
+  if (motion?.plan && !motion.wait) {
     const { plan } = motion;
-    return { figure: ml(0, plan.expanded_uncertainty_ml), below: `of ${askedWords(plan)} asked`, words: 'beginning',
+    return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} asked`, words: 'beginning',
       bar: null };
   }
   if (unfinished && !motion) {
@@ -746,7 +750,7 @@ function readOf(pump) {
   if (done) {
     const u = done.expanded_uncertainty_ml || 0;
     const { delivered_least_ml: least, delivered_most_ml: most } = done;
-    const what = done.resumed ? `the rest of ${askedWords(done)}` : `last ${purposeWord(done.purpose)}: ${askedWords(done)} asked`;
+    const what = done.resumed ? `the rest of ${askedWords(done)}` : `last ${purposeWord(done.purpose)}: ${askedWords(done)}${isEndless(done) ? '' : ' asked'}`;
     return { figure: least == null ? ml(done.delivered_ml, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`, words: '',
       below: `${what}${least == null && u ? `, ${plusMinus(done)}` : ''}${ENDS[done.end] || ''}; began ${date(new Date(done.time))}`,
       bar: done.resumed || done.purpose === 'run' ? null
@@ -761,7 +765,7 @@ const between = (least, most, u) => (least == null ? 'unknown: the pump file doe
 function angleWords({ view, motion }) {
   const { status } = view;
   if (!status.angle_known) return 'unknown';
-  const isTurning = motion && motion.progress;
+  const isTurning = motion?.progress;
   const angle = isTurning ? motion.progress.angle_deg : status.angle_deg;
   const within = status.half_width_deg > 0.005 && !isTurning ? ` ± ${short(status.half_width_deg, 2)}°` : '';
   return `${fixed(((angle % 360) + 360) % 360, 1)}°${within}`;
@@ -771,13 +775,13 @@ function factsOf(pump, isWide) {
   const { view, motion, last } = pump;
   const { status } = view;
   if (!status) return [];
-  const plan = (motion && motion.plan) || (last && last.report);
+  const plan = motion?.plan || last?.report;
   const facts = [];
   facts.push(['Angle', angleWords(pump)]);
   const within = status.carry_half_width_ml > 0 ? ` ± ${small(status.carry_half_width_ml)}` : '';
   facts.push(['Carry', `${small(status.carry_ml)}${within}`]);
   if (plan) {
-    const when = motion && motion.plan ? '' : ', last';
+    const when = motion?.plan ? '' : ', last';
     facts.push([`Inlet${when}`, between(plan.inlet_min_kpa, plan.inlet_max_kpa, plan.inlet_pressure_uncertainty_kpa)],
       [`Outlet${when}`, between(plan.outlet_min_kpa, plan.outlet_max_kpa, plan.outlet_pressure_uncertainty_kpa)]);
   } else {
@@ -816,6 +820,7 @@ function showFacts(list, facts) {
 
 /* Forms. */
 
+const isBusy = ({ motion, view: { status } }) => Boolean(motion || status?.in_use_by);
 /** What a form was answered. */
 function showError(said, error, name) {
   const pump = pumps.get(name);
@@ -827,25 +832,34 @@ function showError(said, error, name) {
     if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
     if (pump && error.code === 5) kids.push(...standActions(pump));
     // The message goes once its reason has gone.
-    if (pump && (error.code === 4 || error.code === 5)) pump.refused.set(said, error.code);
+    if (pump && [4, 5, isBusy(pump) && 3].includes(error.code)) pump.refused.set(said, error.code);
   }
   said.replaceChildren(h('div', { class: 'notice bad', role: 'alert' }, kids));
 }
 
-/** Sends an order from a form or button, and shows its answer in `said`. */
-async function send(button, said, slot, name, path, body, done) {
+/** Acts unless the button is at it already. */
+async function once(button, act, fail) {
   if (button.getAttribute('aria-disabled') === 'true') return;
-  button.setAttribute('aria-disabled', 'true');
-  said.replaceChildren(para('Sent…'));
-  try {
-    await done(await give(slot, path, body));
-  } catch (error) {
-    showError(said, error, name);
-  } finally {
-    button.setAttribute('aria-disabled', 'false');
-  }
+  attr(button, 'aria-disabled', 'true');
+  await act().catch(fail);
+  attr(button, 'aria-disabled', 'false');
 }
+/** Sends an order from a form or button, and shows its answer in `said`. */
+const send = (button, said, slot, name, path, body, done) => once(button, async () => {
+  said.replaceChildren(para('Sent…'));
+  await done(await give(slot, path, body));
+}, (error) => showError(said, error, name));
 const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
+/** Throws the error of an order that failed. */
+function sound(order) {
+  if (order.state === 'failed') throw orderError(order);
+}
+/** Waits for the end of an order that must be done. */
+async function completed(order) {
+  order = await ended(order);
+  if (order.state !== 'done') throw orderError(order);
+  return order;
+}
 function orderError(order) {
   const error = order.error || { code: order.code, message: `the order ended with exit code ${order.code}` };
   return new Refused(error, 422);
@@ -888,7 +902,7 @@ function planList(report) {
   return [list, warningsOf(report)];
 }
 function warningsOf(report) {
-  const warnings = (report.warnings || []).map((text) => h('li', { text: String(text) }));
+  const warnings = (report.warnings || []).map((text) => h('li', { text: String(text).replace('`dose calibrate run`', '“Calibrate…”') }));
   return warnings.length ? h('ul', { class: 'plain' }, warnings) : null;
 }
 function showPlans(said, order) {
@@ -914,7 +928,7 @@ function roughly(pump, { volume, options }) {
   if (options.repeat) return NaN;
   if (options.within) return quantity(options.within, SECONDS);
   const [flow, per] = (options.rate || '').split('/');
-  return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per && per.trim()] : pump.view.default_flow_ml_s);
+  return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per?.trim()] : pump.view.default_flow_ml_s);
 }
 /** Doses, but plans one that may be long first, and asks once more before one that takes over an hour: it may be a slip. */
 function sendDose(button, said, slot, pump, body, done) {
@@ -923,13 +937,11 @@ function sendDose(button, said, slot, pump, body, done) {
   const { repeat, every, ...options } = body.options;
   const path = ofPump(pump.name, 'dose');
   return send(button, said, {}, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
-    order = await ended(order);
-    if (order.state !== 'done') throw orderError(order);
-    const [{ report }] = dosesOf(order);
+    const [{ report }] = dosesOf(await completed(order));
     const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
     const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
     if (lasts <= 3600) return setTimeout(() => go(button), 0);
-    const sure = h('button', { class: 'first', text: `Dose for ${span(lasts)}`, onclick: () => go(sure) });
+    const sure = firstly(`Dose for ${span(lasts)}`, () => go(sure));
     said.replaceChildren(h('div', { class: 'notice' },
       para(`This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`), inRow(sure)));
     sure.focus();
@@ -967,27 +979,25 @@ function doseForm(pump, isWide) {
     for (const [name, part] of Object.entries(parts)) {
       if (!part) continue;
       if (part.input.type === 'checkbox') { if (part.input.checked) options[name] = true; }
-      else if (part.input.value.trim()) options[name] = text(part, { rate: 'mL/s', retract: 'mL', 'max-per-day': 'mL' }[name]);
+      else if (text(part)) options[name] = text(part, { rate: 'mL/s', retract: 'mL', 'max-per-day': 'mL' }[name]);
     }
     if (dry) options['dry-run'] = true;
     return { volume: text(volume, 'mL'), options };
   };
-  const form = h('form', { novalidate: true, 'aria-label': `Dose with ${pump.name}`, onsubmit: (event) => {
-    event.preventDefault();
-    if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
+  const isEmpty = () => !text(volume) && (needs(volume, said, 'Enter a volume, such as 25mL.'), true);
+  const form = formOf(() => {
+    if (isEmpty()) return;
     sendDose(button, said, slot, pump, body(false), (order) => {
-      if (order.state === 'failed') throw orderError(order);
+      sound(order);
       tellTaken(said, order, `dose ${order.volume}`);
     });
-  } }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
+  }, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
   isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
   if (plan) {
     plan.addEventListener('click', () => {
-      if (!volume.input.value.trim()) return needs(volume, said, 'Enter a volume, such as 25mL.');
+      if (isEmpty()) return;
       send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
-        order = await ended(order);
-        if (order.state !== 'done') throw orderError(order);
-        showPlans(said, order);
+        showPlans(said, await completed(order));
       });
     });
   }
@@ -1003,15 +1013,14 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
   const said = saidBox();
   const slot = {};
   const button = h('button', { type: 'submit', text: label });
-  return h('form', { novalidate: true, 'aria-label': `${label}: ${pump.name}`, onsubmit: (event) => {
-    event.preventDefault();
-    const missing = boxes.find((box) => box.input.required && !box.input.value.trim());
+  return formOf(() => {
+    const missing = boxes.find((box) => box.input.required && !text(box));
     if (missing) return needs(missing, said, 'Fill this in first.');
     send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
-      if (order.state === 'failed') throw orderError(order);
+      sound(order);
       tellTaken(said, order, word);
     });
-  } }, h('h3', { text: label }), aside(hint),
+  }, { 'aria-label': `${label}: ${pump.name}` }, h('h3', { text: label }), aside(hint),
   inRow(boxes.map((box) => box.el), button), said);
 }
 
@@ -1022,28 +1031,28 @@ function orderButton(pump, word, label, isFirst, bodyOf, done) {
   const button = h('button', { class: isFirst ? 'first' : null, text: label });
   button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
     async (order) => {
-      if (order.state === 'failed') throw orderError(order);
+      sound(order);
       tellTaken(said, order, word);
       if (done) done(order);
     }));
   return { button, said };
 }
 function unfinishedActions(pump) {
-  const unfinished = pump.view.status && pump.view.status.unfinished;
-  const isOverTime = unfinished && unfinished.over_time;
+  const unfinished = pump.view.status?.unfinished;
+  const isOverTime = unfinished?.over_time;
   const resume = orderButton(pump, 'resume', 'Resume', true);
   const accept = h('button', { text: 'Accept…', onclick: () => askAccept(pump) });
   const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
-    : unfinished && unfinished.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
+    : unfinished?.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
       : 'Resume delivers the rest. Accept leaves the dose as it is.';
   return [para(words), inRow(isOverTime ? null : resume.button, accept), resume.said];
 }
 function standActions(pump) {
-  const { stand } = (pump.view.status && pump.view.status.safety) || {};
-  const emptied = stand && stand.limit === 'vessel'
+  const { stand } = pump.view.status?.safety || {};
+  const emptied = stand?.limit === 'vessel'
     ? h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
   return [para('The pump will not move until somebody clears it.'),
-    inRow(emptied, h('button', { class: 'first', text: 'Clear…', onclick: () => askClear(pump) }))];
+    inRow(emptied, firstly('Clear…', () => askClear(pump)))];
 }
 
 /* Dialogs. Each has the stop, since it covers the page's. */
@@ -1059,6 +1068,7 @@ function dialog(title, kids) {
   box.showModal();
   return box;
 }
+const closeAll = () => document.querySelectorAll('dialog').forEach((box) => box.close());
 const pumpStop = (pump) => async () => {
   try {
     await call('POST', ofPump(pump.name, 'stop'), { body: '{}', timeout: 1500 });
@@ -1086,19 +1096,17 @@ function askClear(pump) {
   const said = saidBox();
   const slot = {};
   const button = submit('Clear the pump');
-  const box = dialog(`Clear ${pump.name}`, [para(pump.view.status && pump.view.status.safety.stand ? standWords(pump) : ''),
-    h('form', { novalidate: true, onsubmit: (event) => {
-      event.preventDefault();
-      if (name.input.value.trim() !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
+  const box = dialog(`Clear ${pump.name}`, [para(pump.view.status?.safety.stand ? standWords(pump) : ''),
+    formOf(() => {
+      if (text(name) !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
       const missing = [reason, by].find((box) => !text(box));
       if (missing) return needs(missing, said, 'Fill this in first.');
       send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason), by: text(by) }, async (order) => {
-        order = await ended(order);
-        if (order.state !== 'done') throw orderError(order);
+        await completed(order);
         box.close();
         politely(`${pump.name} is cleared.`, true);
       });
-    } }, name.el, reason.el, by.el, inRow(button), said)]);
+    }, {}, name.el, reason.el, by.el, inRow(button), said)]);
 }
 
 /** Guided calibration: dose, weigh, enter the reading, and see the factor. */
@@ -1117,10 +1125,9 @@ function calibrate(pump) {
     const slot = {};
     const button = submit('Dose');
     put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
-      h('form', { novalidate: true, onsubmit: (event) => {
-        event.preventDefault();
-        sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, (order) => second(order));
-      } }, volume.el, inRow(button, h('button', { text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
+      formOf(() => {
+        sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, second);
+      }, {}, volume.el, inRow(button, h('button', { text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
   };
   const second = async (order) => {
     const figure = h('p', { class: 'big' });
@@ -1145,45 +1152,42 @@ function calibrate(pump) {
     showError(said, orderError(order), pump.name);
   };
   const third = (report) => {
-    const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows, with the unit: the last digit tells how fine the scale is.' });
+    const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
     const anyway = check(ANYWAY);
     const anew = check('Start a new calibration with it');
     const said = saidBox();
     const slot = {};
     const button = submit('Calibrate');
     put(3, 'weigh', report ? para(`${volumeWords(report)}. Wait until the last drop has fallen.`) : para('Enter the reading of the last dose.'),
-      h('form', { novalidate: true, onsubmit: (event) => {
-        event.preventDefault();
-        if (!reading.input.value.trim()) return needs(reading, said, 'Enter the reading, such as 23.8g.');
+      formOf(() => {
+        if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
         const options = {};
         if (anyway.input.checked) options.anyway = true;
         if (anew.input.checked) options.anew = true;
-        send(button, said, slot, pump.name, ofPump(pump.name, 'calibrate'), { reading: text(reading), options }, async (order) => {
-          order = await ended(order);
-          if (order.state !== 'done') throw orderError(order);
-          last(order.reports.find((one) => one && one.schema === 'calibration/1'));
+        send(button, said, slot, pump.name, ofPump(pump.name, 'calibrate'), { reading: text(reading, 'g'), options }, async (order) => {
+          last((await completed(order)).reports.find((one) => one?.schema === 'calibration/1'));
         });
-      } }, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
+      }, {}, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
     reading.input.focus();
   };
   const last = (made) => {
     const facts = [];
-    if (made && made.displacement) {
+    if (made?.displacement) {
       facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
         ['Revolution', `${short(made.revolution_ml * made.displacement.factor)} mL`], ['Doses weighed', String(made.runs.length)]);
     }
-    if (made && made.next_weighing) {
+    if (made?.next_weighing) {
       const next = made.next_weighing;
       facts.push(['Uncertainty now', `one dose ± ${short(next.dose_percent, 2)} %, the mean of many ± ${short(next.mean_percent, 2)} %`],
         ['After one more', `one dose ± ${short(next.then_dose_percent, 2)} %, the mean of many ± ${short(next.then_mean_percent, 2)} %`]);
     }
     const list = h('dl', { class: 'facts' });
     showFacts(list, facts);
-    const used = made && made.used === false
+    const used = made?.used === false
       ? 'Not in use yet: the model is still more accurate than this calibration. Weigh one more dose.'
       : 'Doses use it from now on.';
     put(0, 'Calibration saved', para(used), list, made && warningsOf(made),
-    inRow(h('button', { class: 'first', text: 'Weigh one more dose', onclick: first })));
+    inRow(firstly('Weigh one more dose', first)));
   };
   first();
 }
@@ -1239,8 +1243,8 @@ class Panel {
           plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs backwards.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
           plainForm(pump, 'run', 'Run', 'Runs at a rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
             const options = {};
-            if (rate.input.value.trim()) options.rate = text(rate, 'mL/s');
-            if (time.input.value.trim()) options.for = text(time);
+            if (text(rate)) options.rate = text(rate, 'mL/s');
+            if (text(time)) options.for = text(time);
             return { options };
           }))),
       block(head2('Last doses'), log));
@@ -1256,8 +1260,8 @@ class Panel {
     this.sim.hidden = !view.simulated;
     this.stop.classList.toggle('calm', !motion);
     const unfinished = !motion && status && !status.in_use_by && status.unfinished;
-    const stand = status && status.safety.stand;
-    const busy = Boolean(motion || (status && status.in_use_by));
+    const stand = status?.safety.stand;
+    const busy = isBusy(pump);
     remake(this.notice, [view.error, fault, stand, unfinished && [unfinished.began_unix_s, unfinished.delivered_most_ml], busy], () => [
       view.error && danger(bad(view.error)),
       fault && danger(bad(`The last order failed: ${fault.message}`)),
@@ -1271,27 +1275,27 @@ class Panel {
       this.notice.scrollIntoView({ block: 'center' });
     }
     for (const [said, code] of pump.refused) {
-      if (!status || (code === 4 ? status.unfinished && !motion : stand)) continue;
+      if (!status || (code === 3 ? busy : code === 4 ? status.unfinished && !motion : stand)) continue;
       said.replaceChildren();
       pump.refused.delete(said);
     }
     this.figures();
     showFacts(this.facts, factsOf(pump, this.isWide));
-    const angleKnown = Boolean(status && status.angle_known);
+    const angleKnown = Boolean(status?.angle_known);
     this.head.know(angleKnown);
-    if (!(motion && motion.progress) && angleKnown) {
+    if (!motion?.progress && angleKnown) {
       if (this.stoodAt !== status.angle_deg || this.wasTurning) this.head.stand(status.angle_deg);
       this.stoodAt = status.angle_deg;
     }
-    this.wasTurning = Boolean(motion && motion.progress);
+    this.wasTurning = Boolean(motion?.progress);
     const turns = this.wasTurning ? 'turning' : 'standing';
     attr(this.head.el, 'aria-label', angleKnown
       ? `Pump head with ${view.rollers} rollers, ${this.wasTurning ? turns : `${turns} at ${fixed(status.angle_deg, 1)}°`}`
       : `Pump head with ${view.rollers} rollers, ${turns}; the angle is unknown`);
     if (this.isWide) {
       const report = pump.last && !motion ? pump.last.report : null;
-      remake(this.warnings, report && report.warnings, () => report && warningsOf(report));
-      const shown = pump.last && pump.last.order;
+      remake(this.warnings, report?.warnings, () => report && warningsOf(report));
+      const shown = pump.last?.order;
       if (!motion && this.logged !== shown) {
         this.logged = shown;
         this.log();
@@ -1304,6 +1308,7 @@ class Panel {
     const { pump } = this;
     const read = readOf(pump);
     say(this.figure.firstChild, read.figure);
+    this.figure.classList.toggle('long', read.figure.length > 8);
     say(this.below, read.below);
     say(this.time, read.time || '');
     if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
@@ -1330,7 +1335,7 @@ function refresh(pump) {
   for (const panel of pump.panels) panel.update();
 }
 // What counts down by itself: a batch that waits.
-setInterval(() => pumps.forEach((pump) => { if (pump.motion && pump.motion.wait) refresh(pump); }), 1000);
+setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait) refresh(pump); }), 1000);
 
 /* The log. */
 
@@ -1434,17 +1439,15 @@ function viewPumps() {
     const path = `/api/v1/racks/${inPath(name)}/run`;
     const plan = h('button', { text: 'Plan', 'aria-label': `Plan rack ${name}` });
     plan.addEventListener('click', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
-      order = await ended(order);
-      if (order.state !== 'done') throw orderError(order);
-      showPlans(said, order);
+      showPlans(said, await completed(order));
     }));
     const run = h('button', { text: 'Run…', 'aria-label': `Run rack ${name}` });
     run.addEventListener('click', () => {
       const answer = saidBox();
-      const go = h('button', { class: 'first', text: 'Run the rack' });
+      const go = firstly('Run the rack');
       const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
       go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
-        if (order.state === 'failed') throw orderError(order);
+        sound(order);
         box.close();
         tellTaken(said, order, `rack ${name}`);
       }));
@@ -1465,7 +1468,7 @@ function panelOf(pump, isWide) {
   const panel = new Panel(pump, isWide);
   pump.panels.add(panel);
   panel.update();
-  const told = pump.motion && pump.motion.progress;
+  const told = pump.motion?.progress;
   if (told) panel.head.sample(told.angle_deg, performance.now());
   return panel;
 }
@@ -1536,15 +1539,15 @@ function viewSchedule() {
     load();
   };
   const rowOf = ({ doubt: own, ...entry }, one) => {
-    const at = one && one.at ? new Date(one.at) : null;
+    const at = one?.at ? new Date(one.at) : null;
     const isOff = entry.enabled === false;
     const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
     const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
       entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
-    const doubt = own || (one && one.doubt);
+    const doubt = own || one?.doubt;
     const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name, onclick: run });
     const row = [doubt ? h('span', { class: 'error', text: `${entry.name}: its runs will be refused: ${doubt}` }) : entry.name, when,
-      entryWords(entry), timeWords(entry, one && one.zone), word,
+      entryWords(entry), timeWords(entry, one?.zone), word,
       h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(isOff ? 'Switch on' : 'Switch off', () => turn(entry, isOff)))];
     row.isBad = Boolean(doubt);
     return row;
@@ -1552,7 +1555,7 @@ function viewSchedule() {
   const put = () => {
     if (!told.schedule) return box.replaceChildren(para('The service has no schedule. Start it with --schedule FILE.'));
     const next = new Map(told.next.map((one) => [one.entry, one]));
-    const at = ({ name }) => { const one = next.get(name); return one && one.at ? new Date(one.at).getTime() : Infinity; };
+    const at = ({ name }) => { const one = next.get(name); return one?.at ? new Date(one.at).getTime() : Infinity; };
     const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
     const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
     box.replaceChildren(told.error ? bad(told.error) : '',
@@ -1610,6 +1613,7 @@ function editEntry(told, entry, done) {
   };
   const days = WEEK.map((word) => [word, check(word)]);
   const value = (key) => parts[key].input.value.trim();
+  const zone = () => value('zone') || told.schedule.zone || 'the service’s machine';
   parts.days.el = parts.days.input;
   parts.days.input.append(inRow(days.map(([, part]) => part.el)));
   const kind = old.rack ? 'rack' : old.prime ? 'prime' : 'dose';
@@ -1621,12 +1625,14 @@ function editEntry(told, entry, done) {
   for (const [word, part] of days) part.input.checked = listed(old.days).includes(word);
   parts.enabled.input.checked = old.enabled !== false;
 
+  const clockOf = aside('');
   const fit = () => {
     const [what, when] = [value('what'), value('when')];
     const on = { pump: what !== 'rack', volume: what !== 'rack', rack: what === 'rack', repeat: what === 'dose', apart: what === 'dose',
       at: when === 'at', every: when !== 'at', between: when === 'between', anchor: when === 'anchor', days: when !== 'anchor',
       dates: when !== 'anchor', missed_within: value('missed') !== '' };
     for (const [key, isOn] of Object.entries(on)) parts[key].el.hidden = !isOn;
+    say(clockOf, `Times are by the clock of ${zone()}.`);
   };
   /** The entry as the file has it. */
   const keys = () => {
@@ -1687,31 +1693,28 @@ function editEntry(told, entry, done) {
     if (error.status === 409) told = await call('GET', '/api/v1/schedule').catch(() => told);
   };
   const showRuns = ({ next, entry: made }) => {
-    const runs = next.map(({ at, words }) => h('li', { text: date(new Date(at)) + ((/ \(.*\)$/.exec(words) || [''])[0]) }));
+    const runs = next.map(({ at, words }) => {
+      // The words have the time by the clock of the entry, and how a change of the clock moved it.
+      const [[, there, moved], here] = [/ at (\S+ \S+) \S+(.*)/.exec(words), date(new Date(at))];
+      return h('li', { text: `${there}${there === here ? '' : `, here ${here}`}${moved}` });
+    });
     said.replaceChildren(h('div', { class: 'plan' },
       h('h3', { text: made.enabled === false ? 'It is switched off, so nothing runs' : runs.length ? 'Next runs' : 'It has no further run' }),
-      h('ol', { class: 'plain' }, runs), aside(`By the clock of this device (${ownZone()}). Nothing is saved yet.`)));
+      h('ol', { class: 'plain' }, runs), aside(`By the clock of ${zone()}; here is ${ownZone()}. Nothing is saved yet.`)));
   };
-  const ask = async (act) => {
-    if (button.getAttribute('aria-disabled') === 'true') return;
-    button.setAttribute('aria-disabled', 'true');
+  const ask = (act) => once(button, () => {
     unmark();
-    try {
-      await act();
-    } catch (error) {
-      isChecked(null);
-      await refuse(error);
-    } finally {
-      button.setAttribute('aria-disabled', 'false');
-    }
-  };
+    return act();
+  }, (error) => {
+    isChecked(null);
+    return refuse(error);
+  });
   const close = (words) => {
     box.close();
     politely(words, true);
     done();
   };
-  const save = (event) => {
-    event.preventDefault();
+  const save = () => {
     const body = JSON.stringify(keys());
     const isDry = checked !== body;
     ask(async () => {
@@ -1723,19 +1726,19 @@ function editEntry(told, entry, done) {
     });
   };
   const remove = () => {
-    const sure = h('button', { class: 'first', text: `Remove ${old.name}`, onclick: () => ask(async () => {
+    const sure = firstly(`Remove ${old.name}`, () => ask(async () => {
       await call('DELETE', ofEntry(old.name), { match: told.etag });
       close(`${old.name} is removed.`);
       $('main').querySelector('h1').focus();
-    }) });
+    }));
     said.replaceChildren(h('div', { class: 'notice' }, para('The file loses the entry and the comment above it.'), inRow(sure)));
     sure.focus();
   };
   const group = (...names) => fields(names.map((name) => parts[name].el));
-  const form = h('form', { novalidate: true, onsubmit: save, oninput: () => {
+  const form = formOf(save, { oninput: () => {
     isChecked(null);
     fit();
-  } }, group('name', 'what', 'pump', 'rack', 'volume', 'when', 'at', 'every', 'between', 'anchor'), parts.days.el,
+  } }, group('name', 'what', 'pump', 'rack', 'volume', 'when', 'at', 'every', 'between', 'anchor'), clockOf, parts.days.el,
   moreOf(
     group('dates', 'from', 'until', 'zone', 'repeat', 'apart', 'options', 'missed', 'missed_within', 'unfinished', 'busy')),
   parts.enabled.el, said,
@@ -1746,7 +1749,7 @@ function editEntry(told, entry, done) {
 
 function showLogin() {
   if ($('main').dataset.view === 'login') return;
-  for (const box of document.querySelectorAll('dialog')) box.close();
+  closeAll();
   if (source) source.close();
   source = null;
   clearTimeout(retryTimer);
@@ -1757,8 +1760,7 @@ function showLogin() {
   const token = field('Token', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with (--token-file).' });
   const said = saidBox();
   const button = submit('Log in');
-  const form = h('form', { novalidate: true, onsubmit: async (event) => {
-    event.preventDefault();
+  const form = formOf(async () => {
     try {
       await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }) });
       delete $('main').dataset.view;
@@ -1766,7 +1768,7 @@ function showLogin() {
     } catch (error) {
       needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
     }
-  } }, token.el, inRow(button), said);
+  }, {}, token.el, inRow(button), said);
   $('main').replaceChildren(h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
   document.title = 'Log in · pump-dose';
   token.input.focus();
@@ -1791,6 +1793,7 @@ function show(isMoved) {
     else link.removeAttribute('aria-current');
   }
   if (isMoved !== true) return;
+  closeAll();
   scrollTo(0, 0);
   const heading = $('main').querySelector('h1');
   if (heading) heading.focus({ preventScroll: true });

@@ -72,7 +72,8 @@ impl<'a> Keys<'a> {
             _ => String::new(),
         };
         let is_plain = !text.is_empty() && !text.contains(char::is_control);
-        let instead = format!("write it in quotes, as \"{example}\"");
+        let way = if value.is_str() { "write one" } else { "write it in quotes" };
+        let instead = format!("{way}, as \"{example}\"");
         if is_plain { Ok(text) } else { Err(self.wrong(key, shown(value), "a text of one line", instead)) }
     }
 

@@ -74,7 +74,8 @@ impl Service {
         self.check_still(order)?;
         let is_of_it = |other: &&Live| !order.pump.is_empty() && other.record.order.pump == order.pump;
         live.values().find(is_of_it).map_or(Ok(()), |other| {
-            Err(Refusal::Busy { pump: order.pump.clone(), order: other.record.id.clone() })
+            let (doing, origin) = (other.record.order.task.doing(), other.record.origin.clone());
+            Err(Refusal::Busy { pump: order.pump.clone(), doing, origin })
         })
     }
 

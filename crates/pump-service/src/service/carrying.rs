@@ -86,7 +86,7 @@ impl Service {
                 }
                 self.tell("progress", &value);
             }
-            Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) => {
+            Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) | Line::Failed(_) => {
                 self.tell("order", &order.shown().brief());
             }
         }

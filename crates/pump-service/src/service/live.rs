@@ -118,7 +118,7 @@ impl Live {
                 }
                 self.record.messages.push(text.clone());
             }
-            Line::Error(error) => self.record.error = Some(error.clone()),
+            Line::Error(error) | Line::Failed(error) => self.record.error = Some(error.clone()),
         }
     }
 }

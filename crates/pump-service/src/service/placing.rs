@@ -4,7 +4,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::history::{HistoryError, OrderRecord};
-use crate::order::{OrderError, OrderId};
+use crate::order::OrderError;
 use crate::worker::error_report;
 
 /// Order that was taken. It runs, or has ended already.
@@ -29,12 +29,14 @@ pub enum Refusal {
         known: String,
     },
     /// The pump carries out another order.
-    #[error("pump {pump} carries out order {order}; wait until it is done, or stop it")]
+    #[error("pump {pump} is {doing} (by {origin}); wait until it is done, or stop it")]
     Busy {
         /// Name of the pump.
         pump: String,
-        /// Order that it carries out.
-        order: OrderId,
+        /// Task that it carries out, as `dosing 25 mL`.
+        doing: String,
+        /// Giver of the order that it carries out.
+        origin: String,
     },
     /// The guard has the pump stand.
     #[error("pump {pump} does not move: {reason}")]
@@ -43,6 +45,14 @@ pub enum Refusal {
         pump: String,
         /// Input that is not well, what it says, and what to do.
         reason: String,
+    },
+    /// The pump is not cleared: an input of it is not well.
+    #[error("{fault}; pump {pump} stands until it is")]
+    NotWell {
+        /// Name of the pump.
+        pump: String,
+        /// Input, and what it says.
+        fault: String,
     },
     /// The order cannot be put into words of the command.
     #[error(transparent)]
@@ -77,7 +87,7 @@ impl Refusal {
     pub fn code(&self) -> u8 {
         match self {
             Self::Busy { .. } => 3,
-            Self::Guarded { .. } => 5,
+            Self::Guarded { .. } | Self::NotWell { .. } => 5,
             _ => 2,
         }
     }
@@ -87,7 +97,7 @@ impl Refusal {
         match self {
             Self::UnknownPump { .. } => "pump",
             Self::Busy { .. } => "busy",
-            Self::Guarded { .. } => "safety",
+            Self::Guarded { .. } | Self::NotWell { .. } => "safety",
             Self::Order(_) | Self::Key(_) => "usage",
             Self::KeyReused { .. } => "key",
             Self::Ending => "stopped",

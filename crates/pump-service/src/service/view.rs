@@ -57,7 +57,7 @@ impl PumpView {
         last: Option<Value>,
     ) -> Self {
         let (bench, model) = (pump.bench(), pump.bench().model());
-        let pitch_deg = degrees(model.pitch_rad());
+        let pitch_deg = rounded(degrees(model.pitch_rad()));
         Self {
             schema: "pump-view/1",
             name: pump.name().to_owned(),
@@ -78,4 +78,10 @@ impl PumpView {
             progress: None,
         }
     }
+}
+
+/// Rounds an angle in deg to twelve digits: a pitch of a third of a turn is 120.
+fn rounded(angle_deg: f64) -> f64 {
+    let unit = 10f64.powi(11 - angle_deg.abs().log10().floor() as i32);
+    (angle_deg * unit).round() / unit
 }

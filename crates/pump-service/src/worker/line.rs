@@ -15,13 +15,18 @@ pub enum Line {
     Message(String),
     /// The reason of a failure, `error/1`.
     Error(Value),
+    /// The reason of a failure, `error/1`, of a command that has told it to a person in words.
+    Failed(Value),
 }
 
 impl Line {
     /// Reads a line of standard output: a report or progress in JSON, or else words.
     pub(super) fn of_output(line: &str) -> Self {
         match object(line) {
-            Some(value) if has_schema(&value, "progress/1") => Self::Progress(value),
+            Some(mut value) if has_schema(&value, "progress/1") => match value.get_mut("error") {
+                Some(error) => Self::Failed(error.take()),
+                None => Self::Progress(value),
+            },
             Some(value) => Self::Report(value),
             None => Self::Words(line.to_owned()),
         }

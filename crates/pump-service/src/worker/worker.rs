@@ -109,7 +109,7 @@ impl Worker {
                 line = self.lines.recv() => match line {
                     Some((line, text)) => {
                         tell(&line, &text);
-                        if let Line::Error(value) = line {
+                        if let Line::Error(value) | Line::Failed(value) = line {
                             error = Some(value);
                         }
                     }
