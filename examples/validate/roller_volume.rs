@@ -77,7 +77,8 @@ pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
 fn beside_the_means(found: &[f64; 6]) -> String {
     let mut text = String::from(
         "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither \
-         points nor coefficients. Its theta is the angle by which a roller is engaged, x in our model. The means of the seven and the coefficients come from the data of the \
+         points nor coefficients. Its theta is the angle by which a roller is engaged, x in our model. \
+         The means of the seven and the coefficients come from the data of the \
          authors' code. The means are rounded to seven decimals here, so a new fit differs from the \
          coefficients by the deviations above. The table sets our fit beside each mean, mL:\n\n| \
          x, deg | measured | fit | fit \
