@@ -87,8 +87,8 @@ fn times() -> String {
 fn interpolation() -> String {
     "**A cubic of the fifth order (Section 2.1.2 and Fig. 9).** The volume of a roller is said to be cubically \
      interpolated as a polynomial of the fifth order, and Fig. 9 calls its curve a cubically interpolated \
-     polynomial. A cubic has four coefficients, and the authors' code has six. They are a fit by least squares, which goes through \
-     none of the means. This model uses the six."
+     polynomial. A cubic has four coefficients, and the authors' code has six. They are a fit by least squares, \
+     which goes through none of the means. This model uses the six."
         .to_owned()
 }
 
