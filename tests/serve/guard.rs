@@ -1,5 +1,7 @@
 //! Inputs that must be alive: one that is not well stops its pumps and puts them to stand until a person clears them.
 
+mod input_topics;
+
 use std::fs;
 use std::process::Stdio;
 

@@ -6,8 +6,8 @@ use std::process::Stdio;
 
 use tokio::process::Command;
 
-/// Variables by which the allocator of the GNU C library gives freed memory back to the system. Clap's definitions take a
-/// megabyte while a process reads its words, and each pump that moves has a process. Other C libraries ignore them.
+/// Variables by which the allocator of the GNU C library gives freed memory back to the system. Clap's definitions take
+/// a megabyte while a process reads its words, and each pump that moves has a process. Other C libraries ignore them.
 const MEMORY: [(&str, &str); 3] =
     [("MALLOC_MMAP_THRESHOLD_", "4096"), ("MALLOC_TRIM_THRESHOLD_", "0"), ("MALLOC_TOP_PAD_", "0")];
 
