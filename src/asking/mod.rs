@@ -24,8 +24,8 @@ const ASKED: [&str; 6] = ["", "prime", "purge", "run", "resume", "accept"];
 /// Commands that the service carries out by their words as an order: a pump whose input is not well is not cleared.
 const CLEAR: &str = "safety clear";
 
-/// Commands that a service at the url of the configuration carries out too. Beside a service of these records the record
-/// itself takes them.
+/// Commands that a service at the url of the configuration carries out too. Beside a service of these records the
+/// record itself takes them.
 const ASKED_AT_URL: [&str; 2] = ["safety stand", "vessel emptied"];
 
 /// Command that a service at the url of the configuration answers. That of these records has nothing else to tell.

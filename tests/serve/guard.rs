@@ -1,5 +1,7 @@
 //! Inputs that must be alive: one that is not well stops its pumps and puts them to stand until a person clears them.
 
+mod input_topics;
+
 use std::fs;
 use std::process::Stdio;
 
@@ -42,6 +44,25 @@ fn noted(service: &Service, words: &str) {
     });
 }
 
+/// Words that clear the pump `acid`.
+const CLEAR: [&str; 7] = ["safety", "clear", "acid", "--reason", "looked at it", "--by", "Ada"];
+
+/// Clears the pump `acid` in vain while there is still water: by the service and by the command that asks it, which
+/// refuse, and by the record alone, which does not help.
+fn clear_in_vain(laboratory: &Laboratory, service: &Service) {
+    let (status, refused) =
+        service.post("/api/v1/pumps/acid/clear", &json!({"reason": "looked", "by": "Ada"}));
+    let why = "input leak is not well: water under the rack; pump acid stands until it is";
+    assert_eq!((status, &refused["code"], &refused["message"]), (423, &json!(5), &json!(why)), "{refused}");
+    let typed = laboratory.run(&CLEAR);
+    assert_eq!(typed.status.code(), Some(5));
+    assert_eq!(String::from_utf8_lossy(&typed.stderr), format!("error: {why}\n"));
+    assert_ne!(laboratory.status("acid")["safety"]["stand"], Value::Null);
+    let alone = laboratory.run(&[&CLEAR[..], &["--no-service"]].concat());
+    assert_eq!(alone.status.code(), Some(0), "{}", String::from_utf8_lossy(&alone.stderr));
+    noted(service, "acid was cleared while its input was not well, so it stands again: leak: water under");
+}
+
 #[test]
 fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
     let told = input("name = \"leak\"\npumps = [\"acid\"]\nsilent = \"10min\"");
@@ -81,20 +102,8 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
     assert_eq!(service.get(&format!("/api/v1/orders/{base}")).1["state"], "running");
     assert_eq!(laboratory.status("base")["safety"]["stand"], Value::Null);
 
-    // A clearing while there is still water is refused, also that of the command, and one by the record alone does not
-    // help. The good word alone does not either.
-    let (status, refused) =
-        service.post("/api/v1/pumps/acid/clear", &json!({"reason": "looked", "by": "Ada"}));
-    let why = "input leak is not well: water under the rack; pump acid stands until it is";
-    assert_eq!((status, &refused["code"], &refused["message"]), (423, &json!(5), &json!(why)), "{refused}");
-    let words = ["safety", "clear", "acid", "--reason", "looked at it", "--by", "Ada"];
-    let typed = laboratory.run(&words);
-    assert_eq!(typed.status.code(), Some(5));
-    assert_eq!(String::from_utf8_lossy(&typed.stderr), format!("error: {why}\n"));
-    assert_ne!(laboratory.status("acid")["safety"]["stand"], Value::Null);
-    let alone = laboratory.run(&[&words[..], &["--no-service"]].concat());
-    assert_eq!(alone.status.code(), Some(0), "{}", String::from_utf8_lossy(&alone.stderr));
-    noted(&service, "acid was cleared while its input was not well, so it stands again: leak: water under");
+    // The good word alone does not help either.
+    clear_in_vain(&laboratory, &service);
     let journal = fs::read_to_string(laboratory.path("records/acid/sim/journal.jsonl")).unwrap();
     assert!(journal.contains("looked at it (by Ada)"), "{journal}");
     stands(&laboratory, "acid");
@@ -105,7 +114,7 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
         assert_eq!((status, &refused["code"]), (423, &json!(5)), "{refused}");
         refused["message"].as_str().unwrap().contains("stands by order since").then_some(())
     });
-    let typed = laboratory.run(&words);
+    let typed = laboratory.run(&CLEAR);
     assert_eq!(typed.status.code(), Some(0), "{}", String::from_utf8_lossy(&typed.stderr));
     assert!(
         String::from_utf8_lossy(&typed.stdout).starts_with("acid may go on, and your reason is on record")

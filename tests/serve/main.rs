@@ -9,7 +9,6 @@ mod broker;
 mod edits;
 mod guard;
 mod hostile;
-mod input_topics;
 mod kills;
 mod laboratory;
 mod mqtt;

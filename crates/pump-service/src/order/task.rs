@@ -99,7 +99,7 @@ impl Task {
             Self::Emptied => "having its vessel emptied on record".to_owned(),
             Self::Calibrate { .. } => "being calibrated".to_owned(),
             Self::Rack { rack } => format!("running in rack {rack}"),
-            Self::Command { words } => format!("carrying out `dose {}`", words.join(" ")),
+            Self::Command { words } => format!("carrying out the typed words {}", words.join(" ")),
         }
     }
 
