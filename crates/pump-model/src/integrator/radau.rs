@@ -19,8 +19,8 @@ const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
 
-/// Weight of the error inside a step. RODAS5P, whose estimate is that of a far worse method, keeps this much better to a
-/// tolerance; one tolerance is to mean much the same by either.
+/// Weight of the error inside a step. RODAS5P keeps this much better to a tolerance, since its estimate is that of a
+/// worse method. One tolerance is to mean much the same by either.
 const WEIGHT: f64 = 4.0;
 
 /// Radau IIA for linear equations y' = J y + g(t) with a constant J: implicit, order 13, seven stages, L-stable.
