@@ -1,4 +1,4 @@
-//! The two solvers of this project: the exact solution and the integrator.
+//! The solvers of this project: the exact solution and the two integrators.
 
 use pump_model::integrator::IntegrationError;
 use pump_model::{ExactRun, PortRun};
@@ -16,11 +16,27 @@ pub(crate) fn exact(case: &Case, samples: &mut Samples) {
     }
 }
 
-/// Samples the integrator's solution, with its dense output.
-pub(crate) fn integrated(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), IntegrationError> {
+/// The integrator's method.
+#[derive(Clone, Copy)]
+pub(crate) enum Method {
+    Rodas5p,
+    Radau,
+}
+
+/// Samples an integrator's solution, with its dense output.
+pub(crate) fn integrated(
+    case: &Case,
+    method: Method,
+    tolerance: f64,
+    samples: &mut Samples,
+) -> Result<(), IntegrationError> {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;
-        let mut run = PortRun::<_, 2>::from_rest(&case.pump, port, [case.leg], tolerance)?;
+        let run = PortRun::<_, 2>::from_rest(&case.pump, port, [case.leg], tolerance)?;
+        let mut run = match method {
+            Method::Rodas5p => run,
+            Method::Radau => run.with_radau()?,
+        };
         let mut due = 0;
         while let Some(step) = run.step(END_S)? {
             let pressure = step.polynomial(0);

@@ -17,10 +17,13 @@ const MAKES: (f64, &str) = (2.0 * SAMPLES as f64, "samples");
 
 type Solve = fn(&Case, f64, &mut Samples) -> Outcome;
 
-const INTEGRATOR: (&str, Solve) =
-    ("integrator, RODAS5P", |case, tolerance, samples| Ok(ours::integrated(case, tolerance, samples)?));
-
-const PEERS: [(&str, Solve); 4] = [
+const SOLVERS: [(&str, Solve); 6] = [
+    ("integrator, RODAS5P", |case, tolerance, samples| {
+        Ok(ours::integrated(case, ours::Method::Rodas5p, tolerance, samples)?)
+    }),
+    ("integrator, Radau", |case, tolerance, samples| {
+        Ok(ours::integrated(case, ours::Method::Radau, tolerance, samples)?)
+    }),
     ("diffsol BDF", |case, tolerance, samples| {
         Ok(implicit::run(case, implicit::Method::Bdf, tolerance, samples)?)
     }),
@@ -39,12 +42,16 @@ const PEERS: [(&str, Solve); 4] = [
 pub(crate) const EXACT: usize = 0;
 /// Row of the bare loop.
 pub(crate) const BARE: usize = 1;
-/// Row of our integrator at the first goal. At the second goal it stands a row later.
-pub(crate) const OURS: usize = 2;
-/// Row of diffsol's BDF at the first goal. At the second goal it stands a row later.
-pub(crate) const BDF: usize = 4;
+/// Row of RODAS5P at the first goal. At the second goal it stands a row later, and so do those that follow.
+pub(crate) const RODAS5P: usize = 2;
+/// Row of Radau's method at the first goal.
+pub(crate) const RADAU: usize = 4;
+/// Row of diffsol's BDF at the first goal.
+pub(crate) const BDF: usize = 6;
+/// Rows of the explicit peers at the first goal.
+pub(crate) const EXPLICIT: [usize; 2] = [10, 12];
 
-/// Returns every row: the exact solution, the bare loop, our integrator, then the peers.
+/// Returns every row: the exact solution, the bare loop, our integrators, then the peers.
 pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let bare = Bare::new(case);
     let mut rows = vec![
@@ -57,7 +64,7 @@ pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
             Ok(())
         })?,
     ];
-    for (name, solve) in std::iter::once(INTEGRATOR).chain(PEERS) {
+    for (name, solve) in SOLVERS {
         for goal_kpa in GOALS_KPA {
             let tolerance = loosest(case, goal_kpa, solve)
                 .ok_or_else(|| format!("{name} does not reach {goal_kpa:e} kPa at any tolerance"))?;

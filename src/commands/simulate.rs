@@ -49,11 +49,12 @@ pub(crate) struct SimulateArgs {
     ]))]
     model: Option<ModelName>,
     /// Method of the solution [default: auto]
-    #[arg(long, value_name = "auto|exact|rodas5p", help_heading = "Model")]
+    #[arg(long, value_name = "auto|exact|rodas5p|radau", help_heading = "Model")]
     #[arg(value_parser = choice(&[
         (AskedMethod::Auto, "The best that applies"),
         (AskedMethod::Exact, "The exact solution"),
-        (AskedMethod::Rodas5p, "The implicit integrator"),
+        (AskedMethod::Rodas5p, "The implicit integrator for any model"),
+        (AskedMethod::Radau, "The implicit integrator for lines with a constant R, in fewer steps"),
     ]))]
     method: Option<AskedMethod>,
     #[command(flatten)]

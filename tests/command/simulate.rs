@@ -18,7 +18,7 @@ fn simulate_reports_the_steady_state_and_samples_both_ends() {
 }
 
 #[test]
-fn both_methods_of_simulate_agree() {
+fn all_methods_of_simulate_agree() {
     let user = User::new();
     let run = |method: &str, file: &str| {
         let arguments =
@@ -26,11 +26,13 @@ fn both_methods_of_simulate_agree() {
         assert_eq!(user.json(&arguments)["method"], method);
         rows(&user.path(file)).1
     };
-    let (exact, integrated) = (run("exact", "a.csv"), run("rodas5p", "b.csv"));
+    let exact = run("exact", "a.csv");
     assert_eq!(exact.len(), 2001);
-    for (a, b) in exact.iter().zip(&integrated) {
-        for (column, bound) in [(0, 0.0), (1, 0.0), (3, 0.0), (4, 0.0), (5, 1e-4), (6, 1e-4), (7, 1e-5)] {
-            assert!((a[column] - b[column]).abs() <= bound, "column {column} at {} s: {a:?} {b:?}", a[0]);
+    for method in ["rodas5p", "radau"] {
+        for (a, b) in exact.iter().zip(run(method, "b.csv")) {
+            for (column, bound) in [(0, 0.0), (1, 0.0), (3, 0.0), (4, 0.0), (5, 1e-4), (6, 1e-4), (7, 1e-5)] {
+                assert!((a[column] - b[column]).abs() <= bound, "{method}, column {column}: {a:?} {b:?}");
+            }
         }
     }
 }
@@ -83,6 +85,11 @@ fn the_roller_centric_model_is_said_to_be_experimental_and_settles_to_its_steady
         "{}",
         exact.err
     );
+    let radau = user.types(&[&arguments[..], &["--method", "radau"]].concat());
+    assert_eq!(radau.code, 2);
+    let refusal =
+        "the roller-centric model is not linear, as method radau needs it; allowed: method auto or rodas5p";
+    assert!(radau.err.contains(refusal), "{}", radau.err);
 }
 
 #[test]
@@ -123,6 +130,9 @@ fn a_hose_resists_more_at_more_flow_and_has_no_exact_solution() {
     let exact = user.types(&[&arguments[..], &["--method", "exact"]].concat());
     assert_eq!(exact.code, 2);
     assert!(exact.err.contains("the friction of a hose grows with the flow"), "{}", exact.err);
+    let radau = user.types(&[&arguments[..], &["--method", "radau"]].concat());
+    assert_eq!(radau.code, 2);
+    assert!(radau.err.contains("method radau needs lines with a constant R"), "{}", radau.err);
 }
 
 #[test]

@@ -75,7 +75,8 @@ fn runs_are_those_recorded() {
 
 #[test]
 fn periodic_states_are_those_recorded() {
-    let expected = [0xf9c2_bc33_8734_b850, 0x60fa_41e8_7088_c565];
+    // R is integrated by Radau's method, the friction by RODAS5P.
+    let expected = [0x2fbb_04b0_8eee_42ca, 0x60fa_41e8_7088_c565];
     let found = losses().map(|(pump, loss)| {
         let steady = pump.resisted_steady_state([loss; 2], 9.0).unwrap();
         mixed([

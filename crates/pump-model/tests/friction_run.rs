@@ -5,8 +5,8 @@
 use pump_model::circuit::{Circuit, Lumped, NoFlow};
 use pump_model::integrator::Ode;
 use pump_model::{
-    ExactRun, Fluid, Friction, Geometry, Hose, Leg, Line, LineState, Port, PortRun, Pump, RollerVolume,
-    Variant,
+    ExactRun, Fluid, Friction, Geometry, Hose, IntegrationError, Leg, Line, LineState, Port, PortRun, Pump,
+    RollerVolume, Variant,
 };
 
 /// Hose of McIntyre et al. as far as it is known.
@@ -119,6 +119,16 @@ fn laminar_flow_is_the_linear_line_and_turbulent_flow_is_not() {
     };
     assert!(difference(&smooth, &oil) < 1e-6);
     assert!(difference(&HOSE, &water) > 1.0);
+}
+
+#[test]
+fn radaus_method_refuses_what_is_not_linear() {
+    let pump = pump_with(HOSE.line(&water(), 88.637, 0.0).unwrap());
+    let friction = HOSE.friction(&water()).unwrap();
+    let legs = [Leg::constant_speed(0.0, 10.0)];
+    let start = LineState::AT_REST;
+    let run = PortRun::<_, 2, _>::with_friction(&pump, friction, Port::Outlet, legs, start, 1e-6).unwrap();
+    assert_eq!(run.with_radau().unwrap_err(), IntegrationError::NotLinear);
 }
 
 #[test]

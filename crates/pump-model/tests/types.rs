@@ -21,7 +21,11 @@ fn threads_may_share_and_move_them() {
     shared::<(Pump, FlowCurve, RollerVolume, Geometry, Line, LineState, Leg, Port, Extremes, SteadyState)>();
     shared::<(ModelError, IntegrationError)>();
     #[cfg(feature = "integrator")]
-    shared::<(pump_model::integrator::Rodas5p<3>, pump_model::integrator::DenseStep<3>)>();
+    shared::<(
+        pump_model::integrator::Rodas5p<3>,
+        pump_model::integrator::Radau<3>,
+        pump_model::integrator::DenseStep<3>,
+    )>();
     #[cfg(feature = "integrator")]
     shared::<pump_model::PortRun<'static, core::array::IntoIter<Leg, 1>, 3>>();
     shared::<pump_model::ExactRun<'static, core::array::IntoIter<Leg, 1>>>();

@@ -22,11 +22,13 @@ pub enum AskedMethod {
     Auto,
     /// Exact solution.
     Exact,
-    /// Integrator.
+    /// Integrator for any model and line.
     Rodas5p,
+    /// Integrator for lines with a constant R.
+    Radau,
 }
 
-words!(AskedMethod { Auto = "auto", Exact = "exact", Rodas5p = "rodas5p" });
+words!(AskedMethod { Auto = "auto", Exact = "exact", Rodas5p = "rodas5p", Radau = "radau" });
 
 /// Model of the rollers that a run computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -55,9 +57,21 @@ pub enum MethodError {
          rodas5p, or a pump file that gives the lines' R, C and L in place of their hoses"
     )]
     ExactFriction,
+    /// The roller-centric model is not linear.
+    #[error(
+        "the roller-centric model is not linear, as method radau needs it; allowed: method auto or rodas5p"
+    )]
+    RadauRollerCentric,
+    /// The friction of a hose is not linear.
+    #[error(
+        "the friction of a hose grows with the flow, and method radau needs lines with a constant R; allowed: method \
+         auto or rodas5p, or a pump file that gives the lines' R, C and L in place of their hoses"
+    )]
+    RadauFriction,
     /// The exact solution takes no tolerance.
     #[error(
-        "tolerance is {tolerance}, but the exact solution has none; allowed: none, or method \"rodas5p\""
+        "tolerance is {tolerance}, but the exact solution has none; allowed: none, or method \"rodas5p\" or \
+         \"radau\""
     )]
     ToleranceOfExact {
         /// Tolerance that was given.
@@ -70,7 +84,7 @@ pub enum MethodError {
 /// Without a `tolerance` the integrator takes [`DEFAULT_TOLERANCE`].
 ///
 /// # Errors
-/// Returns the [`MethodError`] of an exact solution that does not exist, or of a tolerance for an exact
+/// Returns the [`MethodError`] of a method that the model or the lines do not have, or of a tolerance for an exact
 /// solution.
 pub fn choose_method(
     asked: AskedMethod,
@@ -82,6 +96,9 @@ pub fn choose_method(
     match asked {
         AskedMethod::Exact if roller_centric.is_some() => Err(MethodError::ExactRollerCentric),
         AskedMethod::Exact if !is_linear => Err(MethodError::ExactFriction),
+        AskedMethod::Radau if roller_centric.is_some() => Err(MethodError::RadauRollerCentric),
+        AskedMethod::Radau if !is_linear => Err(MethodError::RadauFriction),
+        AskedMethod::Radau => Ok(Method::Radau { tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE) }),
         AskedMethod::Exact | AskedMethod::Auto if is_linear => match tolerance {
             None => Ok(Method::Exact),
             Some(tolerance) => Err(MethodError::ToleranceOfExact { tolerance }),

@@ -45,7 +45,9 @@ impl Method {
                 let [inlet, outlet] = integration.losses(pump);
                 Ok([integrated(Port::Inlet, inlet)?, integrated(Port::Outlet, outlet)?])
             }
-            Self::Exact | Self::Rodas5p(_) => Ok([exact(Port::Inlet)?, exact(Port::Outlet)?]),
+            Self::Exact | Self::Rodas5p(_) | Self::Radau { .. } => {
+                Ok([exact(Port::Inlet)?, exact(Port::Outlet)?])
+            }
         }
     }
 }

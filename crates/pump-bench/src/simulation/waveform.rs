@@ -14,11 +14,16 @@ use crate::simulation::{Columns, EqualTimes, Sample};
 pub enum Method {
     /// Exact solution of the flow-centric model, in closed form between edges.
     Exact,
-    /// Implicit integrator Rodas5P.
+    /// Implicit integrator RODAS5P.
     Rodas5p(Integration),
+    /// Implicit integrator by Radau's method, of the flow-centric model with the R of its lines.
+    Radau {
+        /// Error that a step may have, see [`pump_model::DEFAULT_TOLERANCE`].
+        tolerance: f64,
+    },
 }
 
-/// The settings of the integrator.
+/// The settings of RODAS5P.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integration {
     /// Error that a step may have, see [`pump_model::DEFAULT_TOLERANCE`].
@@ -43,11 +48,12 @@ impl Integration {
 }
 
 impl Method {
-    /// Returns the method's name, `exact` or `rodas5p`.
+    /// Returns the method's name, `exact`, `rodas5p` or `radau`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
             Self::Rodas5p(_) => "rodas5p",
+            Self::Radau { .. } => "radau",
         }
     }
 
@@ -63,7 +69,7 @@ impl Method {
                 None if integration.frictions == [None; 2] => pump.steady_state(speed_rad_s),
                 None => pump.resisted_steady_state(integration.losses(pump), speed_rad_s),
             },
-            Self::Exact => pump.steady_state(speed_rad_s),
+            Self::Exact | Self::Radau { .. } => pump.steady_state(speed_rad_s),
         }
     }
 }
@@ -171,6 +177,14 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
                 let run = |port, state| ExactRun::new(pump, port, legs.clone(), state);
                 let ports = [run(Port::Inlet, inlet), run(Port::Outlet, outlet)];
                 Ports::FlowCentric(Lines::Exact(Box::new(ports)))
+            }
+            Method::Radau { tolerance } => {
+                let [resists_inlet, resists_outlet] = Integration::new(tolerance).losses(pump);
+                let starts = [(resists_inlet, inlet), (resists_outlet, outlet)];
+                Ports::FlowCentric(Lines::Integrated(Box::new((
+                    resisted(pump, Port::Inlet, starts, legs.clone(), tolerance)?.with_radau()?,
+                    resisted(pump, Port::Outlet, starts, legs.clone(), tolerance)?.with_radau()?,
+                ))))
             }
             Method::Rodas5p(integration) => {
                 let Integration { tolerance, roller_centric, .. } = integration;
@@ -354,7 +368,8 @@ mod tests {
         let (forward, reverse) = ([Leg::constant_speed(0.0, 10.0)], [Leg::constant_speed(0.0, -10.0)]);
         let (dt_s, intervals) = (1e-3, 2000);
         for legs in [&ramps[..], &forward, &reverse] {
-            for method in [Method::Exact, Method::Rodas5p(Integration::new(1e-5))] {
+            let rodas5p = Method::Rodas5p(Integration::new(1e-5));
+            for method in [Method::Exact, rodas5p, Method::Radau { tolerance: 1e-5 }] {
                 let legs = || legs.iter().copied();
                 let mut every =
                     Waveform::every(&pump, legs(), method, (dt_s, intervals), [LineState::AT_REST; 2])

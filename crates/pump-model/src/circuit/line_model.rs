@@ -65,6 +65,12 @@ pub trait LineModel<const N: usize> {
     fn totals(&self) -> [bool; N] {
         [false; N]
     }
+    /// Returns true if the derivative is a constant matrix times the states plus what the inflow alone decides, with
+    /// one matrix for all inflows and states. A linear model can be integrated in longer steps
+    /// ([`super::LineRun::with_radau`]). No model is linear unless it says so.
+    fn is_linear(&self) -> bool {
+        false
+    }
 }
 
 impl<const N: usize, L: LineModel<N> + ?Sized> LineModel<N> for &L {
@@ -82,5 +88,8 @@ impl<const N: usize, L: LineModel<N> + ?Sized> LineModel<N> for &L {
     }
     fn totals(&self) -> [bool; N] {
         (**self).totals()
+    }
+    fn is_linear(&self) -> bool {
+        (**self).is_linear()
     }
 }

@@ -1,7 +1,7 @@
 //! Integration of any model of a line over a motion: steps, states at given times, extremes.
 
 use crate::error::IntegrationError;
-use crate::integrator::{DenseStep, Rodas5p, Statistics};
+use crate::integrator::{DenseStep, Options, Radau, Rodas5p, Statistics};
 use crate::line::extremes::Extremes;
 use crate::motion::leg::Leg;
 use crate::motion::stretches::{Stretch, Stretches};
@@ -10,6 +10,7 @@ use crate::pump::pump::Pump;
 
 use super::line_model::LineModel;
 use super::ode::{Circuit, options};
+use super::solver::Solver;
 
 /// Tolerance of a step, relative to 1 kPa plus |P - P_res|.
 ///
@@ -31,7 +32,8 @@ pub struct LineRun<'a, M, L, const N: usize> {
     reservoir_kpa: f64,
     stretches: Stretches<'a, M>,
     stretch: Option<Stretch>,
-    solver: Rodas5p<N>,
+    solver: Solver<N>,
+    options: Options<N>,
     last: Option<DenseStep<N>>,
 }
 
@@ -56,10 +58,25 @@ impl<'a, M: Iterator<Item = Leg>, L: LineModel<N>, const N: usize> LineRun<'a, M
             return Err(IntegrationError::Tolerance { tolerance });
         }
         let mut stretches = Stretches::new(pump.curve(port), legs);
-        let solver = Rodas5p::new(stretches.time_s(), state, options(&model, tolerance, 1.0))?;
+        let options = options(&model, tolerance, 1.0);
+        let solver = Solver::Rodas5p(Rodas5p::new(stretches.time_s(), state, options)?);
         let stretch = stretches.next();
         let reservoir_kpa = pump.line(port).reservoir_kpa;
-        Ok(Self { model, port, reservoir_kpa, stretches, stretch, solver, last: None })
+        Ok(Self { model, port, reservoir_kpa, stretches, stretch, solver, options, last: None })
+    }
+
+    /// Goes on by [`Radau`]'s method, which makes fewer and longer steps. Only a [linear](LineModel::is_linear) model
+    /// has it.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`IntegrationError::NotLinear`] if the model is not linear.
+    pub fn with_radau(self) -> Result<Self, IntegrationError> {
+        if !self.model.is_linear() {
+            return Err(IntegrationError::NotLinear);
+        }
+        let solver = Radau::new(self.solver.time_s(), self.solver.state(), self.options)?;
+        Ok(Self { solver: Solver::Radau(solver), ..self })
     }
 
     /// Makes one step that ends at `stop_s` at the latest. Returns none once that time is reached.

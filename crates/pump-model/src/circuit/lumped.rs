@@ -94,6 +94,10 @@ impl<R: Resistance, const N: usize> LineModel<N> for Lumped<R> {
     fn totals(&self) -> [bool; N] {
         core::array::from_fn(|state| state == 2)
     }
+
+    fn is_linear(&self) -> bool {
+        self.deceleration.is_linear()
+    }
 }
 
 /// Flow that carries as much energy as 1 kPa of pressure: sqrt(C/L), mL/s.

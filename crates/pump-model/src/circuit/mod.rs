@@ -7,6 +7,7 @@ mod ode;
 pub(crate) mod periodic;
 pub(crate) mod port_run;
 pub(crate) mod resistance;
+mod solver;
 pub(crate) mod tally;
 
 pub use line_model::LineModel;

@@ -122,7 +122,9 @@ impl Pump {
         let reservoir_kpa = self.line(port).reservoir_kpa;
         let legs = [Leg::constant_speed(0.0, speed_rad_s)];
         let (scale, totals) = (model.scale(), model.totals());
-        let mut run = LineRun::new(self, port, model, legs, [0.0; N], TOLERANCE)?;
+        let is_linear = model.is_linear();
+        let run = LineRun::new(self, port, model, legs, [0.0; N], TOLERANCE)?;
+        let mut run = if is_linear { run.with_radau()? } else { run };
         let (tally, state) = repeated(|number| {
             let mut tally = PressureTally::EMPTY;
             while let Some(step) = run.step(f64::from(number) * period_s)? {

@@ -113,6 +113,16 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance> PortRun<'a, M, 
         Ok(Self { run: LineRun::new(pump, port, model, legs, start, tolerance)? })
     }
 
+    /// Goes on by [Radau's method](crate::integrator::Radau), which makes fewer and longer steps. Only a line with a
+    /// constant R has it.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`IntegrationError::NotLinear`] if the resistance is not constant.
+    pub fn with_radau(self) -> Result<Self, IntegrationError> {
+        Ok(Self { run: self.run.with_radau()? })
+    }
+
     /// Makes one step that ends at `stop_s` at the latest. Returns none once that time is reached.
     ///
     /// # Errors

@@ -115,6 +115,11 @@ impl<R: Resistance> Deceleration<R> {
         Self { resistance, per_inertance: 1.0 / inertance, constant_per_s }
     }
 
+    /// Returns true if the deceleration is in proportion to the flow.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.constant_per_s.is_some()
+    }
+
     /// Returns the resisting pressure over L at `flow_ml_s`, mL/s².
     #[inline]
     pub(crate) fn at_ml_s2(&self, flow_ml_s: f64) -> f64 {

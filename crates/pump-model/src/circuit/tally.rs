@@ -1,5 +1,6 @@
 //! Range and mean of one port's pressure over a pitch.
 
+use crate::integrator::COEFFICIENTS;
 use crate::line::extremes::Extremes;
 use crate::math::polynomial::Polynomial;
 
@@ -19,7 +20,7 @@ impl PressureTally {
     };
 
     /// Adds a step of `length_s`. `pressure` is in kPa, over the fraction of the step from 0 to 1.
-    pub(crate) fn add(&mut self, length_s: f64, pressure: &Polynomial) {
+    pub(crate) fn add(&mut self, length_s: f64, pressure: &Polynomial<COEFFICIENTS>) {
         let ((_, low), (_, high)) = pressure.range_in(0.0, 1.0);
         self.range.cover(low);
         self.range.cover(high);
@@ -39,6 +40,6 @@ impl PressureTally {
 }
 
 /// Integral of a polynomial over [0, 1].
-fn integral(polynomial: &Polynomial) -> f64 {
+fn integral(polynomial: &Polynomial<COEFFICIENTS>) -> f64 {
     polynomial.c.iter().zip(1..).map(|(c, n)| c / f64::from(n)).sum()
 }

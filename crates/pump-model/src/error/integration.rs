@@ -29,6 +29,9 @@ pub enum IntegrationError {
         /// Tolerance that was asked for.
         tolerance: f64,
     },
+    /// The model of the line is not linear, and Radau's method integrates linear ones.
+    #[error("the model of the line is not linear, as Radau's method needs it; allowed: RODAS5P")]
+    NotLinear,
     /// An option of the integrator lies outside its range.
     #[error("{parameter} is {value:e}; allowed: {allowed}")]
     OutOfRange {

@@ -14,10 +14,23 @@ pub struct DenseStep<const N: usize> {
     pub length_s: f64,
     end: SVector<f64, N>,
     /// Coefficients, lowest order first.
-    c: [SVector<f64, N>; 6],
+    c: [SVector<f64, N>; COEFFICIENTS],
 }
 
+/// Number of coefficients of a step's polynomials: those of Radau's method have degree seven, Hermite's five.
+pub const COEFFICIENTS: usize = 8;
+
 impl<const N: usize> DenseStep<N> {
+    /// Builds a step that ends in the state `end`, with these coefficients, lowest order first.
+    pub(super) fn new(
+        start_s: f64,
+        length_s: f64,
+        end: SVector<f64, N>,
+        c: [SVector<f64, N>; COEFFICIENTS],
+    ) -> Self {
+        Self { start_s, length_s, end, c }
+    }
+
     /// Builds the quintic Hermite polynomial through both ends.
     ///
     /// The curvature J f + f_t is exact along the solution, so the polynomial is of order six. In a stiff
@@ -28,7 +41,8 @@ impl<const N: usize> DenseStep<N> {
         from: &End<SVector<f64, N>>,
         to: &End<SVector<f64, N>>,
     ) -> Self {
-        Self { start_s, length_s, end: to.value, c: hermite::quintic(length_s, from, to) }
+        let [c0, c1, c2, c3, c4, c5] = hermite::quintic(length_s, from, to);
+        Self::new(start_s, length_s, to.value, [c0, c1, c2, c3, c4, c5, SVector::zeros(), SVector::zeros()])
     }
 
     /// Builds RODAS5P's own output of order four, y0 (1 - x) + x (y1 + (1 - x) (k1 + x (k2 + x k3))). It
@@ -40,8 +54,9 @@ impl<const N: usize> DenseStep<N> {
         to: SVector<f64, N>,
         k: [SVector<f64, N>; 3],
     ) -> Self {
-        let c = [from, to - from + k[0], k[1] - k[0], k[2] - k[1], -k[2], SVector::zeros()];
-        Self { start_s, length_s, end: to, c }
+        let none = SVector::zeros();
+        let c = [from, to - from + k[0], k[1] - k[0], k[2] - k[1], -k[2], none, none, none];
+        Self::new(start_s, length_s, to, c)
     }
 
     /// Returns the end of the step, s.
@@ -57,8 +72,8 @@ impl<const N: usize> DenseStep<N> {
     /// Returns the state at time `t_s` inside the step.
     pub fn at(&self, t_s: f64) -> [f64; N] {
         let x = (t_s - self.start_s) / self.length_s;
-        let [c0, c1, c2, c3, c4, c5] = &self.c;
-        (c0 + (c1 + (c2 + (c3 + (c4 + c5 * x) * x) * x) * x) * x).into()
+        let [lower @ .., highest] = &self.c;
+        lower.iter().rev().fold(*highest, |sum, c| sum * x + c).into()
     }
 
     /// Returns one state as a polynomial in (t - start) / length, from 0 to 1.
@@ -66,7 +81,7 @@ impl<const N: usize> DenseStep<N> {
     /// # Panics
     ///
     /// Panics if `state` is not less than `N`.
-    pub fn polynomial(&self, state: usize) -> Polynomial {
+    pub fn polynomial(&self, state: usize) -> Polynomial<COEFFICIENTS> {
         Polynomial { c: self.c.map(|c| c[state]) }
     }
 }

@@ -1,8 +1,11 @@
 //! Options and cost of an integration.
 
+use nalgebra::SVector;
+
 use crate::error::{Allowed, IntegrationError, Parameter};
 
-/// Tolerances and longest step of an integration. [`super::Rodas5p::new`] checks them.
+/// Tolerances and longest step of an integration. [`super::Rodas5p::new`] and
+/// [`super::Radau::new`] check them.
 ///
 /// ```
 /// use pump_model::integrator::Options;
@@ -70,6 +73,11 @@ impl<const N: usize> Options<N> {
         Self::new([tolerance; N], [tolerance; N])
     }
 
+    /// Returns the error allowed of a state in a step.
+    pub(super) fn allowed(&self, state: &SVector<f64, N>, i: usize) -> f64 {
+        self.absolute[i] + self.relative[i] * state[i].abs()
+    }
+
     /// Refuses options by which an error estimate would mean nothing.
     pub(super) fn validate(&self) -> Result<(), IntegrationError> {
         for relative in self.relative {
@@ -103,7 +111,8 @@ pub struct Statistics {
     pub steps: u64,
     /// Number of steps tried again with a shorter length.
     pub rejections: u64,
-    /// Number of matrices factored: one for each step that was tried.
+    /// Number of factorisations: by RODAS5P of one matrix for each step that was tried, by Radau's method of four
+    /// small ones for each new length of a step.
     pub factorisations: u64,
     /// Number of evaluations of f.
     pub evaluations: u64,

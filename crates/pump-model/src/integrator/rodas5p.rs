@@ -17,7 +17,7 @@ const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
 /// Longest step, s. A state at rest lets the steps grow without end, and beyond this nothing is gained.
-const LONGEST_STEP_S: f64 = 1e100;
+pub(super) const LONGEST_STEP_S: f64 = 1e100;
 /// Ratio of a step to the fastest time constant above which the step is stiff. Beyond it the Hermite
 /// polynomial would magnify the error of the step's ends more than a hundredfold.
 const STIFF: f64 = 10.0;
@@ -144,7 +144,7 @@ impl<const N: usize> Rodas5p<N> {
         self.statistics.evaluations += STAGES as u64 - 1;
         let per_h = 1.0 / h;
         let diagonal = |i, j| if i == j { per_h / GAMMA } else { 0.0 };
-        let lu = Lu::new(SMatrix::from_fn(|i, j| diagonal(i, j) - from.jacobian[i][j]))?;
+        let lu = Lu::new(SMatrix::<f64, N, N>::from_fn(|i, j| diagonal(i, j) - from.jacobian[i][j]))?;
         // Solves stage i (from 0), at a value of the state and with the coupling to the stages before.
         let solve = |i: usize, value: &SVector<f64, N>, coupled: SVector<f64, N>| {
             let slope = SVector::from(ode.derivative(from.time_s + ALPHA[i] * h, entries(value)));
@@ -194,22 +194,17 @@ impl<const N: usize> Rodas5p<N> {
     fn rate(&self, jacobian: &[[f64; N]; N], state: &SVector<f64, N>) -> f64 {
         let mut largest = 0.0_f64;
         for (i, row) in jacobian.iter().enumerate() {
-            let change: f64 = (0..N).map(|j| row[j].abs() * self.allowed(state, j)).sum();
-            largest = largest.max(change / self.allowed(state, i));
+            let change: f64 = (0..N).map(|j| row[j].abs() * self.options.allowed(state, j)).sum();
+            largest = largest.max(change / self.options.allowed(state, i));
         }
         largest
-    }
-
-    /// Returns the error allowed of a state in a step.
-    fn allowed(&self, state: &SVector<f64, N>, i: usize) -> f64 {
-        self.options.absolute[i] + self.options.relative[i] * state[i].abs()
     }
 
     /// Returns the largest error of a state over the allowed error.
     fn error_norm(&self, from: &SVector<f64, N>, trial: &Trial<N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let allowed = self.allowed(from, i).max(self.allowed(&trial.next, i));
+            let allowed = self.options.allowed(from, i).max(self.options.allowed(&trial.next, i));
             largest = largest.max(trial.stages[STAGES - 1][i].abs() / allowed);
         }
         largest
@@ -222,7 +217,7 @@ impl<const N: usize> Rodas5p<N> {
         let mut largest = 0.0_f64;
         for i in 0..N {
             let derivative = from.slope[i].abs().max(from.curvature()[i].abs());
-            largest = largest.max(derivative / self.allowed(&from.state, i));
+            largest = largest.max(derivative / self.options.allowed(&from.state, i));
         }
         if largest > 0.0 { reciprocal_fifth_root((100.0 * largest).clamp(1e-100, 1e100)) } else { 1.0 }
     }
@@ -307,12 +302,12 @@ fn reciprocal_fifth_root(x: f64) -> f64 {
 }
 
 /// Returns the entries of a vector.
-fn entries<const N: usize>(vector: &SVector<f64, N>) -> &[f64; N] {
+pub(super) fn entries<const N: usize>(vector: &SVector<f64, N>) -> &[f64; N] {
     let [column] = &vector.data.0;
     column
 }
 
-fn finite<const N: usize>(vector: &SVector<f64, N>) -> bool {
+pub(super) fn finite<const N: usize>(vector: &SVector<f64, N>) -> bool {
     vector.iter().all(|x| x.is_finite())
 }
 

@@ -1,30 +1,42 @@
-//! Polynomials of degree five at most, for roller volumes, flows per radian and dense output.
+//! Polynomials for roller volumes, flows per radian and dense output.
 
-/// Highest degree of a polynomial. The paper's roller volume and quintic Hermite output have it.
+/// Highest degree of a [`Polynomial`] whose number of coefficients is not stated. The paper's roller volume has it.
 pub const DEGREE: usize = 5;
 
-/// Polynomial: the sum of `c[n]` x^n.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Polynomial {
+/// Polynomial with `C` coefficients: the sum of `c[n]` x^n.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Polynomial<const C: usize = { DEGREE + 1 }> {
     /// Coefficients, lowest order first.
-    pub c: [f64; DEGREE + 1],
+    pub c: [f64; C],
 }
 
-/// Real roots inside an interval, in rising order.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Roots {
-    values: [f64; DEGREE],
+impl Default for Polynomial {
+    fn default() -> Self {
+        Self::constant(0.0)
+    }
+}
+
+/// Real roots of a polynomial with `C` coefficients inside an interval, in rising order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roots<const C: usize = { DEGREE + 1 }> {
+    values: [f64; C],
     count: usize,
 }
 
-impl Roots {
+impl<const C: usize> Default for Roots<C> {
+    fn default() -> Self {
+        Self { values: [0.0; C], count: 0 }
+    }
+}
+
+impl<const C: usize> Roots<C> {
     /// Returns the roots, in rising order.
     pub fn as_slice(&self) -> &[f64] {
         self.values.get(..self.count).unwrap_or(&self.values)
     }
 
     fn push(&mut self, root: f64) {
-        // A degree-5 polynomial has at most five roots; a double root found twice is kept once.
+        // There are fewer roots than coefficients; a double root found twice is kept once.
         if self.as_slice().last() != Some(&root)
             && let Some(slot) = self.values.get_mut(self.count)
         {
@@ -34,52 +46,23 @@ impl Roots {
     }
 }
 
-impl Polynomial {
-    /// Returns the polynomial that is `value` everywhere.
-    pub fn constant(value: f64) -> Self {
-        Self { c: [value, 0.0, 0.0, 0.0, 0.0, 0.0] }
-    }
-
+impl<const C: usize> Polynomial<C> {
     /// Returns the value at `x`.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
         self.c.iter().rev().fold(0.0, |sum, c| sum * x + c)
     }
 
-    /// Returns true if every coefficient is finite.
-    pub(crate) const fn is_finite(&self) -> bool {
-        let [c0, c1, c2, c3, c4, c5] = self.c;
-        // A sum with zero is NaN where one of them is not finite.
-        let sum = 0.0 * c0 + 0.0 * c1 + 0.0 * c2 + 0.0 * c3 + 0.0 * c4 + 0.0 * c5;
-        !sum.is_nan()
-    }
-
     /// Returns the first derivative.
     #[must_use]
     pub const fn derivative(&self) -> Self {
-        let [_, c1, c2, c3, c4, c5] = self.c;
-        Self { c: [c1, 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] }
-    }
-
-    /// Returns `p(x + shift)` as a polynomial in `x`.
-    #[must_use]
-    pub fn shifted(&self, shift: f64) -> Self {
-        let mut shifted = *self;
-        shift_coefficients(&mut shifted.c, shift);
-        shifted
-    }
-
-    /// Returns `p(factor x)` as a polynomial in `x`.
-    #[must_use]
-    pub fn stretched(&self, factor: f64) -> Self {
-        let mut power = 1.0;
-        Self {
-            c: self.c.map(|c| {
-                let stretched = c * power;
-                power *= factor;
-                stretched
-            }),
+        let mut c = [0.0; C];
+        let mut n = 1;
+        while n < C {
+            c[n - 1] = n as f64 * self.c[n];
+            n += 1;
         }
+        Self { c }
     }
 
     /// Returns `factor p(x)`.
@@ -98,20 +81,28 @@ impl Polynomial {
         sum
     }
 
+    /// Returns `p(start + length x)` as a polynomial in `x`.
+    fn over(&self, start: f64, length: f64) -> Self {
+        let mut c = self.c;
+        shift_coefficients(&mut c, start);
+        stretch_coefficients(&mut c, length);
+        Self { c }
+    }
+
     /// Returns the real roots in `[low, high]`, simple ones to the last bits. A root where the polynomial
     /// only touches zero is found if its computed value there is exactly zero.
-    pub fn roots_in(&self, low: f64, high: f64) -> Roots {
-        if self.shifted(low).stretched(high - low).keeps_its_sign() {
+    pub fn roots_in(&self, low: f64, high: f64) -> Roots<C> {
+        if self.over(low, high - low).keeps_its_sign() {
             return Roots::default();
         }
-        let mut derivatives = [*self; DEGREE + 1];
+        let mut derivatives = [*self; C];
         let mut last = *self;
         for derivative in derivatives.iter_mut().skip(1) {
             last = last.derivative();
             *derivative = last;
         }
         // Between two neighbouring roots of its derivative a polynomial is monotone, so it has at most one
-        // root there. The search starts from the constant fifth derivative and climbs.
+        // root there. The search starts from the constant last derivative and climbs.
         let mut roots = Roots::default();
         for polynomial in derivatives.iter().rev() {
             let mut next = Roots::default();
@@ -133,14 +124,13 @@ impl Polynomial {
     /// basis: a centennial retrospective", Computer Aided Geometric Design 29, 2012). The answer is no where
     /// rounding might decide.
     fn keeps_its_sign(&self) -> bool {
-        const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
         let mut points = self.c;
         let mut size = 0.0;
-        for (point, binomial) in points.iter_mut().zip(BINOMIALS) {
+        for (point, binomial) in points.iter_mut().zip(const { binomials::<C>() }) {
             size += point.abs();
             *point /= binomial;
         }
-        for done in 1..=DEGREE {
+        for done in 1..C {
             let mut before = 0.0;
             for (n, point) in points.iter_mut().enumerate() {
                 let here = *point;
@@ -152,36 +142,6 @@ impl Polynomial {
         }
         let noise = 1e-14 * size;
         points.iter().all(|point| *point > noise) || points.iter().all(|point| *point < -noise)
-    }
-
-    /// Returns true if the polynomial is positive throughout [0, `length`].
-    ///
-    /// The control points of halves of the interval come as near to the polynomial as is needed (de Casteljau's
-    /// algorithm; Farouki 2012).
-    #[inline(never)]
-    pub(crate) const fn is_positive_to(&self, length: f64) -> bool {
-        const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
-        let mut points = self.c;
-        let mut power = 1.0;
-        let mut n = 0;
-        while n <= DEGREE {
-            points[n] *= power / BINOMIALS[n];
-            power *= length;
-            n += 1;
-        }
-        let mut done = 1;
-        while done <= DEGREE {
-            let mut before = points[done - 1];
-            let mut n = done;
-            while n <= DEGREE {
-                let here = points[n];
-                points[n] += before;
-                before = here;
-                n += 1;
-            }
-            done += 1;
-        }
-        are_positive(points, 30)
     }
 
     /// Returns the root in `[low, high]` of a polynomial that is monotone there; none for the zero
@@ -257,6 +217,67 @@ impl Polynomial {
     }
 }
 
+impl Polynomial {
+    /// Returns the polynomial that is `value` everywhere.
+    pub fn constant(value: f64) -> Self {
+        Self { c: [value, 0.0, 0.0, 0.0, 0.0, 0.0] }
+    }
+
+    /// Returns true if every coefficient is finite.
+    pub(crate) const fn is_finite(&self) -> bool {
+        let [c0, c1, c2, c3, c4, c5] = self.c;
+        // A sum with zero is NaN where one of them is not finite.
+        let sum = 0.0 * c0 + 0.0 * c1 + 0.0 * c2 + 0.0 * c3 + 0.0 * c4 + 0.0 * c5;
+        !sum.is_nan()
+    }
+
+    /// Returns `p(x + shift)` as a polynomial in `x`.
+    #[must_use]
+    pub fn shifted(&self, shift: f64) -> Self {
+        let mut shifted = *self;
+        shift_coefficients(&mut shifted.c, shift);
+        shifted
+    }
+
+    /// Returns `p(factor x)` as a polynomial in `x`.
+    #[must_use]
+    pub fn stretched(&self, factor: f64) -> Self {
+        let mut stretched = *self;
+        stretch_coefficients(&mut stretched.c, factor);
+        stretched
+    }
+
+    /// Returns true if the polynomial is positive throughout [0, `length`].
+    ///
+    /// The control points of halves of the interval come as near to the polynomial as is needed (de Casteljau's
+    /// algorithm; Farouki 2012).
+    #[inline(never)]
+    pub(crate) const fn is_positive_to(&self, length: f64) -> bool {
+        const BINOMIALS: [f64; DEGREE + 1] = binomials();
+        let mut points = self.c;
+        let mut power = 1.0;
+        let mut n = 0;
+        while n <= DEGREE {
+            points[n] *= power / BINOMIALS[n];
+            power *= length;
+            n += 1;
+        }
+        let mut done = 1;
+        while done <= DEGREE {
+            let mut before = points[done - 1];
+            let mut n = done;
+            while n <= DEGREE {
+                let here = points[n];
+                points[n] += before;
+                before = here;
+                n += 1;
+            }
+            done += 1;
+        }
+        are_positive(points, 30)
+    }
+}
+
 /// Returns true if the polynomial with these control points is positive throughout, which halving `depth` times
 /// must show.
 #[inline(never)]
@@ -301,6 +322,26 @@ pub(crate) fn shift_coefficients(c: &mut [f64], shift: f64) {
             above = *c;
         }
     }
+}
+
+/// Turns the coefficients of p(x), lowest order first, into those of p(factor x).
+fn stretch_coefficients(c: &mut [f64], factor: f64) {
+    let mut power = 1.0;
+    for c in c {
+        *c *= power;
+        power *= factor;
+    }
+}
+
+/// Returns the binomial coefficients of a polynomial with `C` coefficients.
+const fn binomials<const C: usize>() -> [f64; C] {
+    let mut row = [1.0; C];
+    let mut n = 1;
+    while n < C {
+        row[n] = row[n - 1] * (C - n) as f64 / n as f64;
+        n += 1;
+    }
+    row
 }
 
 #[cfg(test)]

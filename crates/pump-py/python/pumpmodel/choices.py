@@ -36,7 +36,7 @@ LimitedBy: TypeAlias = Literal[
 #: Parameter of a line that `identify_line` seeks.
 LineParameter: TypeAlias = Literal["R", "C", "L", "reservoir", "start"]
 #: Solution of `Pump.simulate`.
-Method: TypeAlias = Literal["auto", "exact", "rodas5p"]
+Method: TypeAlias = Literal["auto", "exact", "rodas5p", "radau"]
 #: Choice of what happens to a dose of a batch whose time has passed.
 Missed: TypeAlias = Literal["skip", "now"]
 #: Model of `Pump.simulate`.

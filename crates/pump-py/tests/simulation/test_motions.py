@@ -106,7 +106,7 @@ def test_a_steady_start_repeats_itself_every_pitch_from_any_angle() -> None:
             assert run.inlet_kpa.min() == pytest.approx(steady.inlet_min_kpa, abs=2e-3)
 
 
-@pytest.mark.parametrize("method", ["exact", "rodas5p"])
+@pytest.mark.parametrize("method", ["exact", "rodas5p", "radau"])
 def test_a_run_goes_on_from_the_end_of_another(method: pm.choices.Method) -> None:
     pump = pm.Pump.three_roller()
     whole = pump.simulate(speed_rpm=100, duration_s=1.0, method=method)

@@ -83,10 +83,13 @@ def test_units_methods_and_direction() -> None:
     pump = pm.Pump.three_roller()
     run = pump.simulate(speed_rpm=100, duration_s=1)
     assert pump.simulate(speed_rpm=100, duration_s=1, method="exact") == run
-    integrated = pump.simulate(speed_rpm=100, duration_s=1, method="rodas5p")
-    np.testing.assert_allclose(integrated.inlet_kpa, run.inlet_kpa, atol=1e-4)
-    np.testing.assert_allclose(integrated.outlet_kpa, run.outlet_kpa, atol=1e-4)
-    np.testing.assert_allclose(integrated.delivered_ml, run.delivered_ml, atol=1e-5)
+    methods: tuple[pm.choices.Method, ...] = ("rodas5p", "radau")
+    for method in methods:
+        integrated = pump.simulate(speed_rpm=100, duration_s=1, method=method)
+        assert integrated != run
+        np.testing.assert_allclose(integrated.inlet_kpa, run.inlet_kpa, atol=1e-4)
+        np.testing.assert_allclose(integrated.outlet_kpa, run.outlet_kpa, atol=1e-4)
+        np.testing.assert_allclose(integrated.delivered_ml, run.delivered_ml, atol=1e-5)
     assert pump.simulate(speed_rad_s=100 * (math.tau / 60), duration_s=1) == run
     reverse = pump.simulate(speed_rpm=-100, duration_s=1)
     assert reverse != run
@@ -120,13 +123,15 @@ def test_a_tighter_tolerance_comes_nearer() -> None:
         ({"dt_s": 2}, "duration_s at most"),
         ({"dt_s": 1e-12}, "dt_s makes 1.*e12 samples"),
         ({"model": "roller"}, "model is 'roller'; allowed: 'flow-centric', 'roller-centric'"),
-        ({"method": "euler"}, "method is 'euler'; allowed: 'auto', 'exact', 'rodas5p'"),
+        ({"method": "euler"}, "method is 'euler'; allowed: 'auto', 'exact', 'rodas5p', 'radau'"),
         ({"initial": "moving"}, "initial is 'moving'; allowed: 'rest', 'steady'"),
         ({"method": "rodas5p", "tolerance": 0}, "allowed: 1e-13 to 0.1"),
         ({"method": "rodas5p", "tolerance": math.nan}, "allowed: 1e-13 to 0.1"),
         ({"tolerance": 1e-6}, "tolerance is 0.000001, but the exact solution has none"),
         ({"closure_rad": 0.5}, 'closure_rad is 0.5, but model "flow-centric" does not use it'),
         ({"model": "roller-centric", "method": "exact"}, "no exact solution"),
+        ({"model": "roller-centric", "method": "radau"}, "not linear, as method radau needs it"),
+        ({"method": "radau", "tolerance": 0}, "allowed: 1e-13 to 0.1"),
         ({"model": "roller-centric", "segment_scale": 3}, "scale of the segments is 3; allowed: 0.5 to 2"),
         ({"model": "roller-centric", "closure_rad": math.nan}, "closure angle in rad is NaN"),
     ],

@@ -4,6 +4,7 @@ use libm::sqrt;
 
 use crate::circuit::lumped::outward;
 use crate::circuit::tally::PressureTally;
+use crate::integrator::COEFFICIENTS;
 use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
 use crate::motion::ripple::{Ripple, square_integral};
@@ -36,7 +37,12 @@ impl Tally {
 
     /// Adds a step of `length_s`. `pressure` is in kPa and `flow`, that of the line, in mL/s, both over the
     /// fraction of the step from 0 to 1.
-    pub(super) fn add(&mut self, length_s: f64, pressure: &Polynomial, flow: &Polynomial) {
+    pub(super) fn add(
+        &mut self,
+        length_s: f64,
+        pressure: &Polynomial<COEFFICIENTS>,
+        flow: &Polynomial<COEFFICIENTS>,
+    ) {
         self.pressure.add(length_s, pressure);
         // s C dP/dt = Q - Q_L, so the flow at the rollers is a polynomial too.
         let at_rollers = flow.plus(&pressure.derivative().scaled(self.compliance_ml_kpa / length_s));

@@ -904,9 +904,10 @@ class Pump:
             "flow-centric": the flows at the rollers drive the lines. "roller-centric": every roller is a valve, and
             every segment of tube between two rollers is a chamber. The roller-centric model is experimental, a
             reconstruction whose parameters are fitted to summary numbers or guessed.
-        method : {"auto", "exact", "rodas5p"}
-            "exact" is the exact solution, "rodas5p" the implicit integrator. "auto" takes the exact solution, except
-            for the roller-centric model and for lines that are hoses, whose friction grows with the flow.
+        method : {"auto", "exact", "rodas5p", "radau"}
+            "exact" is the exact solution, "rodas5p" the implicit integrator for any model. "radau" is the integrator
+            for lines with a constant resistance, in a quarter of the steps. "auto" takes the exact solution, except for
+            the roller-centric model and for lines that are hoses, whose friction grows with the flow: "rodas5p".
         initial : {"rest", "steady"} or LineStates
             State at the start. "rest": the lines have the pressures of their reservoirs and no flow. "steady": the
             pump has turned at the speed of the start for long. `LineStates`: pressures and flows of both lines, such
