@@ -68,7 +68,7 @@ pub(crate) fn ask(matches: &ArgMatches, words: &[String], json: bool) -> Option<
     let pump = if is_rack { "" } else { named.unwrap_or(config.default_pump()) };
     if let Some(service) = Service::beside(&state_dir) {
         if is_status || is_at_url {
-            // Its records are here, and each command reads and writes them by itself.
+            // The records are here, and each command reads and writes them by itself.
             if service.answers() {
                 is_status.then(|| service.warn_of_schedule());
                 return None;
