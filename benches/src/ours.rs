@@ -9,10 +9,17 @@ use crate::case::{Case, DT_S, END_S, PORTS, SAMPLES, Samples, sample_s};
 pub(crate) fn exact(case: &Case, samples: &mut Samples) {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;
-        let run = ExactRun::from_rest(&case.pump, port, [case.leg]);
-        for (kpa, state) in kpa.iter_mut().zip(run.every(DT_S)) {
-            *kpa = base_kpa + state.above_reservoir_kpa;
-        }
+        ExactRun::from_rest(&case.pump, port, [case.leg]).every(DT_S).fill_kpa(kpa);
+        kpa.iter_mut().for_each(|kpa| *kpa += base_kpa);
+    }
+}
+
+/// Samples the exact solution at times that it is given.
+pub(crate) fn exact_at(case: &Case, times_s: &[f64], samples: &mut Samples) {
+    for (port, kpa) in PORTS.into_iter().zip(samples) {
+        let base_kpa = case.pump.line(port).reservoir_kpa;
+        ExactRun::from_rest(&case.pump, port, [case.leg]).in_series().fill_kpa(times_s, kpa);
+        kpa.iter_mut().for_each(|kpa| *kpa += base_kpa);
     }
 }
 

@@ -5,7 +5,7 @@ use std::error::Error;
 use std::hint::black_box;
 
 use crate::bare::Bare;
-use crate::case::{Case, SAMPLES, Samples, room};
+use crate::case::{Case, SAMPLES, Samples, room, sample_s};
 use crate::ours;
 use crate::peers::{explicit, implicit};
 use crate::timing::{Outcome, Row};
@@ -42,18 +42,21 @@ const SOLVERS: [(&str, Solve); 6] = [
 pub(crate) const EXACT: usize = 0;
 /// Row of the bare loop.
 pub(crate) const BARE: usize = 1;
+/// Row of the exact solution at given times.
+pub(crate) const EXACT_AT: usize = 2;
 /// Row of RODAS5P at the first goal. At the second goal it stands a row later, and so do those that follow.
-pub(crate) const RODAS5P: usize = 2;
+pub(crate) const RODAS5P: usize = 3;
 /// Row of Radau's method at the first goal.
-pub(crate) const RADAU: usize = 4;
+pub(crate) const RADAU: usize = 5;
 /// Row of diffsol's BDF at the first goal.
-pub(crate) const BDF: usize = 6;
+pub(crate) const BDF: usize = 7;
 /// Rows of the explicit peers at the first goal.
-pub(crate) const EXPLICIT: [usize; 2] = [10, 12];
+pub(crate) const EXPLICIT: [usize; 2] = [11, 13];
 
 /// Returns every row: the exact solution, the bare loop, our integrators, then the peers.
 pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let bare = Bare::new(case);
+    let times_s: Vec<f64> = (0..SAMPLES).map(sample_s).collect();
     let mut rows = vec![
         row("exact", case, None, move |samples| {
             ours::exact(case, samples);
@@ -61,6 +64,10 @@ pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
         })?,
         row("bare loop", case, None, move |samples| {
             bare.run(samples);
+            Ok(())
+        })?,
+        row("exact, at given times", case, None, move |samples| {
+            ours::exact_at(case, &times_s, samples);
             Ok(())
         })?,
     ];

@@ -88,6 +88,7 @@ pub use hose::fluid::Fluid;
 pub use hose::hose::Hose;
 pub use line::exact_run::ExactRun;
 pub use line::exact_samples::ExactSamples;
+pub use line::exact_series::ExactSeries;
 pub use line::extremes::Extremes;
 pub use line::friction::Friction;
 pub use line::line::Line;

@@ -89,6 +89,33 @@ proptest! {
         }
     }
 
+    /// The times rise by steps from far below to far above the swing, and some are equal.
+    #[test]
+    fn a_series_gives_what_single_times_give(
+        pump in any_pump(),
+        motion in any_motion(),
+        steps_s in proptest::collection::vec(prop_oneof![Just(0.0), 1e-6..1e-3_f64, 1e-3..0.1_f64], 200),
+    ) {
+        for port in [Port::Inlet, Port::Outlet] {
+            let run = || ExactRun::from_rest(&pump, port, motion.iter().copied());
+            let times_s: Vec<f64> = steps_s.iter().scan(0.0, |t, step| { *t += step; Some(*t) }).collect();
+            let (mut single, mut series) = (run(), run().in_series());
+            let mut kpa = vec![0.0; times_s.len()];
+            let (now, later) = kpa.split_at_mut(77);
+            series.fill_kpa(&times_s[..77], now);
+            series.fill_kpa(&times_s[77..], later);
+            let mut swing = 1.0_f64;
+            for (t, kpa) in times_s.iter().zip(&kpa) {
+                let expected = single.at(*t).above_reservoir_kpa;
+                swing = swing.max(expected.abs());
+                prop_assert!((kpa - expected).abs() < 1e-10 * swing, "{}: {}, {}", t, kpa, expected);
+            }
+            let [state, expected] = [series.state(), single.state()];
+            prop_assert!((state.above_reservoir_kpa - expected.above_reservoir_kpa).abs() < 1e-10 * swing);
+            prop_assert!((state.flow_ml_s - expected.flow_ml_s).abs() < 1e-9 * (swing + expected.flow_ml_s.abs()));
+        }
+    }
+
     /// Fine samples lie inside the extremes and come close to them.
     #[test]
     fn extremes_are_those_of_fine_samples(pump in any_pump(), motion in any_motion()) {

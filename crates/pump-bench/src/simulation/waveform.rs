@@ -3,8 +3,8 @@
 use pump_model::circuit::Loss;
 use pump_model::integrator::IntegrationError;
 use pump_model::{
-    ExactRun, ExactSamples, Friction, Leg, LineState, ModelError, Port, PortRun, Pump, RollerCentric,
-    RollerRun, SteadyState,
+    ExactRun, ExactSamples, ExactSeries, Friction, Leg, LineState, ModelError, Port, PortRun, Pump,
+    RollerCentric, RollerRun, SteadyState,
 };
 
 use crate::simulation::{Columns, EqualTimes, Sample};
@@ -114,7 +114,7 @@ enum Ports<'a, M> {
 /// Inlet and outlet of the flow-centric model, by method.
 #[derive(Debug)]
 enum Lines<'a, M> {
-    Exact(Box<[ExactRun<'a, M>; 2]>),
+    Exact(Box<[ExactSeries<'a, M>; 2]>),
     /// Exact solution at the next of equal intervals. The time itself is not looked at.
     Every(Box<[ExactSamples<'a, M>; 2]>),
     Integrated(Box<(PortRun<'a, M, 2, Loss>, PortRun<'a, M, 3, Loss>)>),
@@ -136,7 +136,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
         let waveform = Self::starting(pump, legs, method, EqualTimes::new(dt_s, intervals), states)?;
         let ports = match waveform.ports {
             Ports::FlowCentric(Lines::Exact(ports)) => {
-                Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.every(dt_s)))))
+                Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.into_run().every(dt_s)))))
             }
             other => other,
         };
@@ -174,7 +174,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         let mut legs = legs.into_iter();
         let ports = match method {
             Method::Exact => {
-                let run = |port, state| ExactRun::new(pump, port, legs.clone(), state);
+                let run = |port, state| ExactRun::new(pump, port, legs.clone(), state).in_series();
                 let ports = [run(Port::Inlet, inlet), run(Port::Outlet, outlet)];
                 Ports::FlowCentric(Lines::Exact(Box::new(ports)))
             }
@@ -221,7 +221,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
     pub fn end_states(&mut self) -> Result<Option<[LineState; 2]>, IntegrationError> {
         Ok(match &mut self.ports {
             Ports::RollerCentric(_) => None,
-            Ports::FlowCentric(Lines::Exact(ports)) => Some(ports.each_ref().map(ExactRun::state)),
+            Ports::FlowCentric(Lines::Exact(ports)) => Some(ports.each_ref().map(ExactSeries::state)),
             Ports::FlowCentric(Lines::Every(ports)) => Some(ports.each_ref().map(ExactSamples::state)),
             Ports::FlowCentric(Lines::Integrated(ports)) => {
                 Some([ports.0.at(self.last_s)?, ports.1.at(self.last_s)?])
@@ -307,11 +307,8 @@ impl<M: Iterator<Item = Leg>> Lines<'_, M> {
     ) -> Result<(), IntegrationError> {
         match self {
             Self::Exact(ports) => {
-                for (run, kpa) in ports.iter_mut().zip([inlet_kpa, &mut *outlet_kpa]) {
-                    for (kpa, time_s) in kpa.iter_mut().zip(time_s) {
-                        *kpa = run.at(*time_s).above_reservoir_kpa;
-                    }
-                }
+                ports[0].fill_kpa(time_s, inlet_kpa);
+                ports[1].fill_kpa(time_s, outlet_kpa);
             }
             Self::Every(ports) => {
                 ports[0].fill_kpa(inlet_kpa);

@@ -14,7 +14,6 @@ mod resistance;
 mod sought;
 mod sought_parameter;
 mod student;
-mod uneven;
 mod watch;
 mod waveform;
 

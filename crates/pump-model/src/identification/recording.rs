@@ -17,7 +17,6 @@ use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
 use super::readings::Readings;
-use super::uneven::Uneven;
 use super::watch::Watch;
 
 /// Number of samples that are computed at once.
@@ -244,9 +243,17 @@ impl<'a> Recording<'a> {
                 }
             }
             _ => {
-                let mut run = Uneven::new(run, self.samples);
-                for sample in moving {
-                    add(sample.pressure_kpa, run.at_kpa(sample.time_s));
+                let mut series = run.in_series();
+                let (mut times_s, mut above_kpa) = ([0.0; BLOCK], [0.0; BLOCK]);
+                for block in moving.chunks(BLOCK) {
+                    for (time_s, sample) in times_s.iter_mut().zip(block) {
+                        *time_s = sample.time_s;
+                    }
+                    let times_s = times_s.get(..block.len()).unwrap_or_default();
+                    series.fill_kpa(times_s, &mut above_kpa);
+                    for (sample, above_kpa) in block.iter().zip(above_kpa) {
+                        add(sample.pressure_kpa, above_kpa);
+                    }
                 }
             }
         }

@@ -8,6 +8,7 @@ use crate::motion::stretches::{Stretch, Stretches};
 use crate::port::Port;
 
 use super::extremes::Extremes;
+use super::fine_steps::FineSteps;
 use super::line::Line;
 use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator};
@@ -30,7 +31,7 @@ use super::settling::settling_s;
 pub struct ExactRun<'a, M> {
     line: &'a Line,
     pub(crate) oscillator: Oscillator,
-    stretches: Stretches<'a, M>,
+    pub(super) stretches: Stretches<'a, M>,
     pub(crate) stretch: Stretch,
     /// Flow at the rollers over time since the stretch's start.
     pub(crate) flow: Flow,
@@ -95,8 +96,14 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
     /// Goes on to `end_s` and returns the smallest and largest pressure on the way, kPa absolute.
     pub fn extremes(&mut self, end_s: f64) -> Extremes {
+        self.extremes_by(&FineSteps::new(&self.oscillator), end_s)
+    }
+
+    /// Goes on to `end_s` as [`Self::extremes`] does, by fine steps of this line.
+    pub(crate) fn extremes_by(&mut self, steps: &FineSteps, end_s: f64) -> Extremes {
         let mut extremes = Extremes::at(self.state[0]);
         while self.time_s() < end_s {
+            self.cover_fine_steps(steps, end_s, &mut extremes);
             let (before, flow) = (self.state, self.flow.shifted(self.reached_s));
             let (length_s, is_last) = self.fine_step(end_s);
             extremes.cover(self.state[0]);
@@ -113,8 +120,9 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     ///
     /// The energy of a line left alone only falls, so its first swing is its widest.
     pub fn extremes_to_rest(&mut self, end_s: f64) -> Extremes {
-        let moving = self.extremes(end_s);
-        moving.and(self.extremes(end_s + self.oscillator.widest_swing_s()))
+        let steps = FineSteps::new(&self.oscillator);
+        let moving = self.extremes_by(&steps, end_s);
+        moving.and(self.extremes_by(&steps, end_s + self.oscillator.widest_swing_s()))
     }
 
     /// Returns the time after which the undelivered volume |C p| stays below [`crate::SETTLED_ML`], s. The
@@ -153,7 +161,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     }
 
     /// Goes on inside the stretch.
-    fn go_on(&mut self, length_s: f64) {
+    pub(super) fn go_on(&mut self, length_s: f64) {
         if length_s > 0.0 {
             self.state = self.oscillator.after(length_s, self.state, &self.flow.shifted(self.reached_s));
             self.reached_s += length_s;
@@ -162,9 +170,20 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
     /// Goes on to the end of the stretch and into the next.
     fn finish_stretch(&mut self) {
+        let next = next_stretch(&mut self.stretches);
+        self.enter(next);
+    }
+
+    /// Goes on to the end of the stretch and into `next`, which follows it.
+    pub(super) fn enter(&mut self, next: Stretch) {
         self.go_on(self.stretch.end_s - self.time_s());
-        self.stretch = next_stretch(&mut self.stretches);
-        self.flow = self.stretch.flow();
+        self.begin(next);
+    }
+
+    /// Begins the `next` stretch in the state reached, which must be that at its start.
+    pub(super) fn begin(&mut self, next: Stretch) {
+        self.stretch = next;
+        self.flow = next.flow();
         self.reached_s = 0.0;
     }
 }

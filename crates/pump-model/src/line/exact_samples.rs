@@ -1,82 +1,42 @@
 //! Samples of an exact run at equal intervals.
 
-use crate::motion::flow::Flow;
 use crate::motion::leg::Leg;
+use crate::motion::stretches::Stretch;
 
-use super::exact_run::ExactRun;
+use super::exact_run::{ExactRun, next_stretch};
 use super::line_state::LineState;
-use super::oscillator::{Balanced, Oscillator};
-use super::propagator::Propagator;
+use super::onset::Onset;
+use super::oscillator::Balanced;
+use super::reach::{CAUSES, LANES, Reach};
 
-/// Number of samples that are computed together, independent of one another.
-const LANES: usize = 4;
+/// Number of rows of samples that follow from one sample.
+const ROWS: usize = 8;
 
-/// Samples of an [`ExactRun`] at equal intervals. Inside a stretch at constant speed each costs a dozen
+/// Number of samples that follow from one, itself included.
+const COUNT: usize = ROWS * LANES;
+
+/// Samples of an [`ExactRun`] at equal intervals. Inside a stretch at constant speed each pressure costs seven
 /// multiplications.
 ///
-/// Sample n + 4 follows from sample n by a step of four intervals, so four samples at a time are independent.
+/// Every lane follows from the first by an interval of its own, so that none waits for another. The sample behind an
+/// edge follows from the one before it, as if there were no edge, and from what the flow changes there (see
+/// `onset.rs`).
 #[derive(Debug, Clone)]
 pub struct ExactSamples<'a, M> {
+    /// The run at the sample of the first lane.
     run: ExactRun<'a, M>,
     start_s: f64,
     dt_s: f64,
-    one: Interval,
-    four: Interval,
-    /// States (x, y) of the samples under way, and their times since the stretch's start.
-    x: [f64; LANES],
-    y: [f64; LANES],
-    time_s: [f64; LANES],
-    /// Number of the first sample under way.
-    first: u64,
-    /// Index of the next sample to hand out, and the number of samples inside the stretch.
+    reach: Reach<ROWS>,
+    /// What a change of the flow does within an interval; none if the line swings faster than that.
+    onset: Option<Onset>,
+    /// Causes of the samples in the lanes; none where the flow's degree is above 4, and the first lane alone is known.
+    causes: Option<[f64; CAUSES]>,
+    /// Number of the sample in the first lane.
+    first: f64,
+    /// Lane of the next sample to hand out, and the number of lanes to hand out.
     next: usize,
     valid: usize,
-}
-
-/// Effect of a step of fixed length inside the stretch under way.
-#[derive(Debug, Clone)]
-pub(crate) struct Interval {
-    propagator: Propagator,
-    /// The matrix e^(A h) by columns.
-    decay: [Balanced; 2],
-    /// Input that the flow adds to both states, as polynomials in the time since the stretch's start.
-    input: [[f64; 5]; 2],
-}
-
-impl Interval {
-    pub(crate) fn new(oscillator: &Oscillator, step_s: f64) -> Self {
-        let propagator = Propagator::new(oscillator, step_s, 4);
-        let decay = [propagator.moved([1.0, 0.0]), propagator.moved([0.0, 1.0])];
-        Self { propagator, decay, input: [[0.0; 5]; 2] }
-    }
-
-    /// Takes the flow of the stretch under way, of degree 4 at most.
-    pub(crate) fn drive(&mut self, flow: &Flow) {
-        self.input = self.propagator.input(flow);
-    }
-
-    /// Returns the states an interval after (x, y) at times t, each independent of the others.
-    #[inline]
-    pub(crate) fn after<const K: usize>(
-        &self,
-        x: [f64; K],
-        y: [f64; K],
-        t: [f64; K],
-    ) -> ([f64; K], [f64; K]) {
-        let ([xx, yx], [xy, yy]) = (self.decay[0], self.decay[1]);
-        let (mut to_x, mut to_y) = ([self.input[0][4]; K], [self.input[1][4]; K]);
-        for order in (0..4).rev() {
-            for n in 0..K {
-                to_x[n] = to_x[n] * t[n] + self.input[0][order];
-                to_y[n] = to_y[n] * t[n] + self.input[1][order];
-            }
-        }
-        for n in 0..K {
-            to_x[n] += xx * x[n] + xy * y[n];
-            to_y[n] += yx * x[n] + yy * y[n];
-        }
-        (to_x, to_y)
-    }
 }
 
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
@@ -89,11 +49,19 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
 impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
     fn new(run: ExactRun<'a, M>, dt_s: f64) -> Self {
-        let one = Interval::new(&run.oscillator, dt_s);
-        let four = Interval::new(&run.oscillator, LANES as f64 * dt_s);
-        let start_s = run.time_s();
-        let zeros = [0.0; LANES];
-        Self { run, start_s, dt_s, one, four, x: zeros, y: zeros, time_s: zeros, first: 0, next: 0, valid: 0 }
+        let mut samples = Self {
+            start_s: run.time_s(),
+            dt_s,
+            reach: Reach::new(&run.oscillator, dt_s),
+            onset: Onset::new(&run.oscillator, dt_s),
+            run,
+            causes: None,
+            first: 0.0,
+            next: 0,
+            valid: 1,
+        };
+        samples.fill_lanes();
+        samples
     }
 
     /// Writes the pressures of the next samples above the reservoir, kPa, for less than asking for them one
@@ -101,79 +69,122 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
     pub fn fill_kpa(&mut self, mut kpa: &mut [f64]) {
         while !kpa.is_empty() {
             if self.next == self.valid {
-                self.fill();
+                self.go_on();
             }
-            // A state's x is the pressure.
-            let ready = &self.x[self.next..self.valid];
-            let count = ready.len().min(kpa.len());
-            let (now, later) = kpa.split_at_mut(count);
-            now.copy_from_slice(&ready[..count]);
+            let count = (self.valid - self.next).min(kpa.len());
+            match self.causes {
+                // What a row has too much, the next samples overwrite.
+                Some(causes) if self.next == 0 && kpa.len() >= COUNT => {
+                    let (places, _) = kpa.as_chunks_mut::<LANES>();
+                    for (place, row) in
+                        places.iter_mut().zip(self.reach.kpa(causes)).take(count.div_ceil(LANES))
+                    {
+                        *place = row;
+                    }
+                }
+                _ => {
+                    for (n, kpa) in kpa.iter_mut().take(count).enumerate() {
+                        [*kpa, _] = self.sample(self.next + n);
+                    }
+                }
+            }
             self.next += count;
-            kpa = later;
+            kpa = &mut kpa[count..];
         }
     }
 
     /// Returns the state of the last sample that was handed out, or that of the start.
     pub fn state(&self) -> LineState {
-        let last = self.next.checked_sub(1).map(|n| [self.x[n % LANES], self.y[n % LANES]]);
-        LineState::of(self.run.oscillator.physical(last.unwrap_or(self.run.state)))
+        let state = self.sample(self.next.saturating_sub(1));
+        LineState::of(self.run.oscillator.physical(state))
     }
 
-    /// Computes the next samples, at least one.
-    fn fill(&mut self) {
-        self.first += self.valid as u64;
-        self.next = 0;
-        if self.valid == LANES && self.run.flow.degree <= 4 {
-            (self.x, self.y) = self.four.after(self.x, self.y, self.time_s);
-            self.settle_lanes(0);
+    /// Returns the state of a lane that is handed out, or of the one after it as if there were no edge.
+    #[inline]
+    fn sample(&self, lane: usize) -> Balanced {
+        match &self.causes {
+            Some(causes) => self.reach.state(lane, causes),
+            None if lane == 0 => self.run.state,
+            None => {
+                let run = &self.run;
+                run.oscillator.after(lane as f64 * self.dt_s, run.state, &run.flow.shifted(run.reached_s))
+            }
+        }
+    }
+
+    /// Returns the time of the sample in a lane, s.
+    fn time_s(&self, lane: usize) -> f64 {
+        self.start_s + (self.first + lane as f64) * self.dt_s
+    }
+
+    /// Goes on to the first sample that was not computed yet, and fills the lanes from there.
+    fn go_on(&mut self) {
+        let time_s = self.time_s(self.valid);
+        if time_s <= self.run.stretch.end_s {
+            self.run.state = self.sample(self.valid);
+            self.run.reached_s = time_s - self.run.stretch.start_s;
         } else {
-            self.valid = 0;
+            self.cross(time_s);
         }
-        if self.valid == 0 {
-            self.cross();
+        self.first += self.valid as f64;
+        self.next = 0;
+        self.fill_lanes();
+    }
+
+    /// Takes the run over one or more edges to the sample at `time_s`.
+    fn cross(&mut self, time_s: f64) {
+        let Stretch { start_s, end_s, .. } = self.run.stretch;
+        let (length_s, after_s) = (end_s - start_s, time_s - end_s);
+        let next = next_stretch(&mut self.run.stretches);
+        let flow = next.flow();
+        match &self.onset {
+            // The flow of a stretch goes on a little beyond its end, not far.
+            Some(onset)
+                if after_s <= length_s
+                    && time_s <= next.end_s
+                    && self.run.flow.degree.max(flow.degree) <= 4 =>
+            {
+                let [x, y] = self.sample(self.valid);
+                let [change_x, change_y] = onset.after(after_s, &flow.less(&self.run.flow, length_s));
+                self.run.state = [x + change_x, y + change_y];
+                (self.run.stretch, self.run.flow, self.run.reached_s) = (next, flow, after_s);
+            }
+            _ => {
+                // The last sample inside is nearer to the edge than the run.
+                self.run.state = self.sample(self.valid - 1);
+                self.run.reached_s = self.time_s(self.valid - 1) - start_s;
+                self.run.enter(next);
+                self.run.at(time_s);
+            }
         }
     }
 
-    /// Goes on to the next sample over one or more edges, and starts the lanes from there.
-    fn cross(&mut self) {
-        let run = &mut self.run;
-        run.at(self.start_s + self.first as f64 * self.dt_s);
-        [self.x[0], self.y[0]] = run.state;
-        self.time_s[0] = run.reached_s;
+    /// Computes the lanes from the run on, and counts those inside the stretch.
+    fn fill_lanes(&mut self) {
+        let run = &self.run;
         if run.flow.degree > 4 {
-            self.valid = 1;
+            (self.causes, self.valid) = (None, 1);
             return;
         }
-        for interval in [&mut self.one, &mut self.four] {
-            interval.drive(&run.flow);
-        }
-        for n in 1..LANES {
-            let t = self.time_s[0] + (n - 1) as f64 * self.dt_s;
-            let ([x], [y]) = self.one.after([self.x[n - 1]], [self.y[n - 1]], [t]);
-            (self.x[n], self.y[n]) = (x, y);
-        }
-        self.settle_lanes(1);
+        self.causes = Some(self.reach.causes(run.state, &run.flow, run.reached_s));
+        self.valid = self.inside();
     }
 
-    /// Places the lanes in time from sample `known` on, and counts those inside the stretch. Leaves the run
-    /// at the last of them.
-    fn settle_lanes(&mut self, known: usize) {
-        let stretch = &self.run.stretch;
-        let first = self.first as f64;
-        for (n, t) in self.time_s.iter_mut().enumerate().skip(known) {
-            *t = self.start_s + (first + n as f64) * self.dt_s - stretch.start_s;
+    /// Returns the number of lanes inside the stretch, without the last one, from which the next lanes follow.
+    fn inside(&self) -> usize {
+        let end_s = self.run.stretch.end_s;
+        if self.time_s(COUNT - 1) <= end_s {
+            return COUNT - 1;
         }
-        let length_s = stretch.end_s - stretch.start_s;
-        self.valid = if self.time_s[LANES - 1] <= length_s {
-            LANES
-        } else {
-            // The sample that crossed the edge is inside by construction.
-            known.max(self.time_s.iter().take_while(|t| **t <= length_s).count())
-        };
-        if let Some(last) = self.valid.checked_sub(1) {
-            self.run.state = [self.x[last % LANES], self.y[last % LANES]];
-            self.run.reached_s = self.time_s[last % LANES];
+        // The quotient may round over a sample.
+        let mut inside = (((end_s - self.time_s(0)) / self.dt_s) as usize).clamp(1, COUNT - 1);
+        while inside > 1 && self.time_s(inside - 1) > end_s {
+            inside -= 1;
         }
+        while inside < COUNT - 1 && self.time_s(inside) <= end_s {
+            inside += 1;
+        }
+        inside
     }
 }
 
@@ -183,10 +194,10 @@ impl<M: Iterator<Item = Leg>> Iterator for ExactSamples<'_, M> {
     #[inline]
     fn next(&mut self) -> Option<LineState> {
         if self.next == self.valid {
-            self.fill();
+            self.go_on();
         }
-        let n = self.next;
+        let state = self.sample(self.next);
         self.next += 1;
-        Some(LineState::of(self.run.oscillator.physical([self.x[n % LANES], self.y[n % LANES]])))
+        Some(LineState::of(self.run.oscillator.physical(state)))
     }
 }

@@ -183,23 +183,6 @@ impl Propagator {
     pub(crate) fn change(&self) -> [Balanced; 2] {
         self.change
     }
-
-    /// Returns the input that a flow of degree 4 adds to both states over a step that starts at `t`, as
-    /// polynomials in t: sum_k gamma_k h^k f^(k)(t)/k!.
-    pub(crate) fn input(&self, flow: &Flow) -> [[f64; 5]; 2] {
-        let mut inputs = [[0.0; 5]; 2];
-        let [pressure, line_flow] = &mut inputs;
-        for (j, (p, q)) in pressure.iter_mut().zip(line_flow).enumerate() {
-            let mut weight = 1.0; // C(j + k, k) h^k
-            for k in 0..5 - j {
-                let c = weight * flow.c[j + k];
-                *p += c * self.response[k][0];
-                *q += c * self.response[k][1];
-                weight *= (j + k + 1) as f64 * RECIPROCALS[k + 1] * self.step_s;
-            }
-        }
-        inputs
-    }
 }
 
 /// Returns the product of a matrix, given by its columns, and a state.

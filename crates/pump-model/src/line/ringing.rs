@@ -17,6 +17,11 @@ impl Oscillator {
         if square <= 0.0 { half } else { self.rate * self.rate / (half + sqrt(square)) }
     }
 
+    /// Returns true if the line swings.
+    pub(crate) fn swings(&self) -> bool {
+        self.decay < 2.0 * self.rate.abs()
+    }
+
     /// Returns the length of a step over which the solution is simple, s.
     ///
     /// For a line that swings it is a fraction of the swing. For an overdamped line it starts as a fraction
@@ -27,7 +32,7 @@ impl Oscillator {
         let fast_s = SHORT / self.norm();
         if self.slowest_decay() * since_s > 40.0 {
             (length_s / 64.0).max(fast_s)
-        } else if self.decay < 2.0 * self.rate.abs() {
+        } else if self.swings() {
             fast_s
         } else {
             (0.3 * since_s).min(length_s / 16.0).max(fast_s)
@@ -49,15 +54,14 @@ impl Oscillator {
     /// `time_s`.
     pub(crate) fn most_fine_steps(&self, edges: f64, time_s: f64) -> f64 {
         let swinging_s = time_s.min(edges * 40.0 / self.slowest_decay());
-        let is_overdamped = self.decay >= 2.0 * self.rate.abs();
         // An overdamped line's steps grow by a third each, to a sixteenth of the stretch.
-        let swings = if is_overdamped { 0.0 } else { swinging_s * self.norm() / SHORT };
+        let swings = if self.swings() { swinging_s * self.norm() / SHORT } else { 0.0 };
         swings + 64.0 * edges
     }
 
     /// Returns the part of a swing that is left after `time_s`; 0 for a line that does not swing.
     pub(crate) fn swing_left(&self, time_s: f64) -> f64 {
-        if self.decay < 2.0 * self.rate.abs() { exp(-0.5 * self.decay * time_s) } else { 0.0 }
+        if self.swings() { exp(-0.5 * self.decay * time_s) } else { 0.0 }
     }
 }
 

@@ -53,6 +53,12 @@ impl<const C: usize> Polynomial<C> {
         self.c.iter().rev().fold(0.0, |sum, c| sum * x + c)
     }
 
+    /// Returns the first derivative at `x`.
+    #[inline]
+    pub(crate) fn slope_at(&self, x: f64) -> f64 {
+        self.c.iter().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * x + n as f64 * c)
+    }
+
     /// Returns the first derivative.
     #[must_use]
     pub const fn derivative(&self) -> Self {
@@ -322,6 +328,22 @@ pub(crate) fn shift_coefficients(c: &mut [f64], shift: f64) {
             above = *c;
         }
     }
+}
+
+/// Returns the coefficients of p(x + shift) for those of p(x), lowest order first, as [`shift_coefficients`] does.
+#[inline]
+pub(crate) fn shifted_quartic([mut c0, mut c1, mut c2, mut c3, c4]: [f64; 5], shift: f64) -> [f64; 5] {
+    c3 += shift * c4;
+    c2 += shift * c3;
+    c1 += shift * c2;
+    c0 += shift * c1;
+    c3 += shift * c4;
+    c2 += shift * c3;
+    c1 += shift * c2;
+    c3 += shift * c4;
+    c2 += shift * c3;
+    c3 += shift * c4;
+    [c0, c1, c2, c3, c4]
 }
 
 /// Turns the coefficients of p(x), lowest order first, into those of p(factor x).

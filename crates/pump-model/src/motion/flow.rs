@@ -1,6 +1,6 @@
 //! The flow at the rollers as a polynomial of time.
 
-use crate::math::polynomial::shift_coefficients;
+use crate::math::polynomial::{shift_coefficients, shifted_quartic};
 
 /// Highest degree of the flow over time. The flow is a quartic in the angle, which is quadratic in time,
 /// times the speed.
@@ -23,9 +23,31 @@ impl Flow {
     /// Returns the polynomial in the time since `t`.
     pub(crate) fn shifted(&self, t: f64) -> Self {
         let mut shifted = *self;
+        if self.degree <= 4 {
+            let (quartic, _) = shifted.c.split_at_mut(5);
+            quartic.copy_from_slice(&self.quartic_after(t));
+            return shifted;
+        }
         let count = shifted.c.len().min(self.degree + 1);
         shift_coefficients(&mut shifted.c[..count], t);
         shifted
+    }
+
+    /// Returns the polynomial in the time since `t` of a flow of degree 4 at most, lowest order first.
+    #[inline]
+    pub(crate) fn quartic_after(&self, t: f64) -> [f64; 5] {
+        let [c0, c1, c2, c3, c4, ..] = self.c;
+        shifted_quartic([c0, c1, c2, c3, c4], t)
+    }
+
+    /// Returns this flow without `other`, which counts time from `since_s` before. Both are of degree 4 at most.
+    #[inline]
+    pub(crate) fn less(&self, other: &Self, since_s: f64) -> [f64; 5] {
+        let mut rest = other.quartic_after(since_s);
+        for (rest, c) in rest.iter_mut().zip(self.c) {
+            *rest = c - *rest;
+        }
+        rest
     }
 
     /// Returns the derivative at `t`, mL/s².

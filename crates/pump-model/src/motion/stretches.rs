@@ -1,7 +1,7 @@
 //! Stretches of a motion, in each of which the flow at the rollers is one polynomial of the angle.
 
 use crate::head::flow_curve::FlowCurve;
-use crate::math::polynomial::Polynomial;
+use crate::math::polynomial::{Polynomial, shifted_quartic};
 
 use super::flow::{DEGREE, Flow};
 use super::leg::Leg;
@@ -18,7 +18,6 @@ pub struct Stretch {
     pub leg: Leg,
     /// Flow per radian, mL/rad, over the angle since the piece's start.
     pub(crate) flow: Polynomial,
-    pub(crate) flow_slope: Polynomial,
     /// Angle of the leg's start since the piece's start, rad.
     offset_rad: f64,
 }
@@ -28,7 +27,7 @@ impl Stretch {
     pub(crate) fn rest(start_s: f64) -> Self {
         let still = Polynomial::default();
         let leg = Leg::rest(start_s, 0.0);
-        Self { start_s, end_s: f64::INFINITY, leg, flow: still, flow_slope: still, offset_rad: 0.0 }
+        Self { start_s, end_s: f64::INFINITY, leg, flow: still, offset_rad: 0.0 }
     }
 
     /// Returns the flow at the rollers at time `t_s`, mL/s. It holds a little outside the stretch too: the
@@ -55,11 +54,12 @@ impl Stretch {
     pub(crate) fn flow_of(&self, per_rad: &Polynomial) -> Flow {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
-        let q = per_rad.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
+        let [c0, c1, c2, c3, c4, _] = per_rad.c;
+        let q = shifted_quartic([c0, c1, c2, c3, c4], self.offset_rad + self.leg.turned(elapsed));
         if acceleration == 0.0 {
             let mut c = [0.0; DEGREE + 1];
             let mut power = speed;
-            for (to, from) in c.iter_mut().zip(q).take(5) {
+            for (to, from) in c.iter_mut().zip(q) {
                 *to = from * power;
                 power *= speed;
             }
@@ -67,7 +67,7 @@ impl Stretch {
         }
         // The flow is q(v) (speed + acceleration t) with v = speed t + acceleration t²/2, by Horner's rule.
         let mut c = [0.0; DEGREE + 1];
-        for (n, coefficient) in q.iter().take(5).rev().enumerate() {
+        for (n, coefficient) in q.iter().rev().enumerate() {
             let (mut below, mut two_below) = (0.0, 0.0);
             for c in c.iter_mut().take(2 * n + 1) {
                 let old = *c;
@@ -90,7 +90,7 @@ impl Stretch {
         let elapsed = t_s - self.leg.start_s;
         let speed = self.leg.speed_rad_s + self.leg.acceleration_rad_s2 * elapsed;
         let angle = self.offset_rad + self.leg.turned(elapsed);
-        self.flow_slope.at(angle) * speed * speed + self.flow.at(angle) * self.leg.acceleration_rad_s2
+        self.flow.slope_at(angle) * speed * speed + self.flow.at(angle) * self.leg.acceleration_rad_s2
     }
 }
 
@@ -124,7 +124,6 @@ impl<M: Iterator<Item = Leg>> Iterator for Stretches<'_, M> {
             end_s: passage.end_s,
             leg: passage.leg,
             flow,
-            flow_slope: flow.derivative(),
             offset_rad: passage.offset_rad,
         })
     }

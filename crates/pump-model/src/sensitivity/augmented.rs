@@ -47,7 +47,7 @@ impl Flows {
         let pulses = stretch.flow.plus(&Polynomial::constant(-nominal_ml_rad)).scaled(1.0 / roller_ml);
         Self {
             line: stretch.flow(),
-            by_angle: stretch.flow_of(&stretch.flow_slope),
+            by_angle: stretch.flow_of(&stretch.flow.derivative()),
             by_roller: stretch.flow_of(&pulses),
         }
     }

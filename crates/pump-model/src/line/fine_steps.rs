@@ -1,0 +1,98 @@
+//! Many fine steps of a run at once, in search of the pressures at which the line turns.
+
+use crate::motion::flow::Flow;
+use crate::motion::leg::Leg;
+
+use super::exact_run::ExactRun;
+use super::extremes::Extremes;
+use super::oscillator::{Oscillator, SHORT};
+use super::reach::{LANES, Reach};
+
+/// Fine steps of a line that swings: what they do does not depend on the motion.
+#[derive(Debug, Clone)]
+pub(crate) struct FineSteps {
+    step_s: f64,
+    /// What a state and a flow do over 0, 1, 2 ... steps; none for a line that does not swing.
+    reach: Option<Reach<1>>,
+}
+
+impl FineSteps {
+    pub(crate) fn new(oscillator: &Oscillator) -> Self {
+        let step_s = SHORT / oscillator.norm();
+        Self { step_s, reach: oscillator.swings().then(|| Reach::new(oscillator, step_s)) }
+    }
+}
+
+impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
+    /// Goes on inside the stretch by as many fine steps as fit before `end_s`, and covers the pressures on the way.
+    /// Goes on by none where a step need not be fine or the flow's degree is above 4.
+    pub(super) fn cover_fine_steps(&mut self, steps: &FineSteps, end_s: f64, extremes: &mut Extremes) {
+        let Some(reach) = steps.reach.as_ref().filter(|_| self.flow.degree <= 4) else {
+            return;
+        };
+        let stretch_s = self.stretch.end_s - self.stretch.start_s;
+        let room_s = (end_s - self.stretch.start_s).min(stretch_s);
+        while self.oscillator.fine_step_s(self.reached_s, stretch_s) <= steps.step_s {
+            let count = ((room_s - self.reached_s) / steps.step_s).min((LANES - 1) as f64) as usize;
+            if count == 0 {
+                return;
+            }
+            let flow = self.flow.shifted(self.reached_s);
+            let causes = reach.causes(self.state, &flow, 0.0);
+            for states in reach.states(causes) {
+                self.oscillator.cover(steps.step_s, count, &states, &flow, extremes);
+            }
+            self.state = reach.state(count, &causes);
+            self.reached_s += count as f64 * steps.step_s;
+        }
+    }
+}
+
+impl Oscillator {
+    /// Covers the pressures from the first lane to lane `count`, which stand `step_s` apart. `flow`, of degree 4 at
+    /// most, counts time from the first.
+    fn cover(
+        &self,
+        step_s: f64,
+        count: usize,
+        [x, y]: &[[f64; LANES]; 2],
+        flow: &Flow,
+        extremes: &mut Extremes,
+    ) {
+        // Change of the pressure over a step, to first and second order.
+        let (mut slope, mut bend) = ([0.0; LANES], [0.0; LANES]);
+        let [f0, f1, f2, f3, f4, ..] = flow.c;
+        for lane in 0..LANES {
+            let t = lane as f64 * step_s;
+            let q = (((f4 * t + f3) * t + f2) * t + f1) * t + f0;
+            let q_rate = ((4.0 * f4 * t + 3.0 * f3) * t + 2.0 * f2) * t + f1;
+            let y_rate = self.rate * x[lane] - self.decay * y[lane];
+            slope[lane] = step_s * self.rate * (self.impedance * q - y[lane]);
+            bend[lane] = step_s * step_s * self.rate * (self.impedance * q_rate - y_rate);
+        }
+        for lane in 1..=count {
+            extremes.cover(x[lane]);
+            let [from, to] = [lane - 1, lane];
+            // Control points of the derivative of the quintic through both ends (Farouki, "The Bernstein polynomial
+            // basis: a centennial retrospective", Computer Aided Geometric Design 29, 2012).
+            let middle =
+                5.0 * (x[to] - x[from]) - 2.0 * (slope[from] + slope[to]) + 0.25 * (bend[to] - bend[from]);
+            let points = [
+                slope[from],
+                slope[from] + 0.25 * bend[from],
+                middle,
+                slope[to] - 0.25 * bend[to],
+                slope[to],
+            ];
+            let noise = 1e-14 * (x[from].abs() + x[to].abs());
+            let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
+                (low.min(*point), high.max(*point))
+            });
+            if low < noise && high > -noise {
+                let (before, after) = ([x[from], y[from]], [x[to], y[to]]);
+                let flow = flow.shifted(from as f64 * step_s);
+                self.turns(step_s, before, after, &flow, |kpa| extremes.cover(kpa));
+            }
+        }
+    }
+}

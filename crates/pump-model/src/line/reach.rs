@@ -1,0 +1,107 @@
+//! States of a line at equal intervals from one state on, all at once.
+
+use crate::motion::flow::Flow;
+
+use super::oscillator::{Balanced, Oscillator};
+use super::propagator::{Propagator, RECIPROCALS};
+
+/// Number of what decides the states: the first one's two parts, and the coefficients of a flow of degree 4.
+pub(super) const CAUSES: usize = 7;
+
+/// Number of causes where the flow does not change.
+const EVEN: usize = 3;
+
+/// Number of states that are computed together, each in a lane of its own.
+pub(super) const LANES: usize = 8;
+
+/// Effects of every cause on the lanes of a row.
+type Row = [[f64; LANES]; CAUSES];
+
+/// Effect of each cause on the states n intervals on, n = 0, 1, 2 ..., in `ROWS` rows of lanes.
+#[derive(Debug, Clone)]
+pub(super) struct Reach<const ROWS: usize> {
+    /// Effects on the states x, the pressure, and y.
+    effects: [[Row; 2]; ROWS],
+    /// Powers 0 to 4 of the interval, s^n.
+    powers_s: [f64; 5],
+}
+
+impl<const ROWS: usize> Reach<ROWS> {
+    pub(super) fn new(oscillator: &Oscillator, dt_s: f64) -> Self {
+        let one = Propagator::new(oscillator, dt_s, 4);
+        // Effects after n intervals: of the state's two parts, and of flows (t/dt)^k.
+        let mut effects = [[0.0; 2]; CAUSES];
+        (effects[0][0], effects[1][1]) = (1.0, 1.0);
+        let powers_s = [1.0, dt_s, dt_s * dt_s, dt_s * dt_s * dt_s, (dt_s * dt_s) * (dt_s * dt_s)];
+        let mut reach = Self { effects: [[[[0.0; LANES]; CAUSES]; 2]; ROWS], powers_s };
+        for lane in 0..ROWS * LANES {
+            let [row_x, row_y] = &mut reach.effects[lane / LANES];
+            for (effect, (x, y)) in effects.iter().zip(row_x.iter_mut().zip(row_y)) {
+                (x[lane % LANES], y[lane % LANES]) = (effect[0], effect[1]);
+            }
+            let before = lane as f64;
+            for (cause, effect) in effects.iter_mut().enumerate() {
+                *effect = one.moved(*effect);
+                let Some(k) = cause.checked_sub(2) else {
+                    continue;
+                };
+                // A flow t^k is sum_j C(k, j) n^(k-j) (t - n)^j, counted from n intervals on.
+                let mut weight = 1.0;
+                for j in (0..=k).rev() {
+                    let [x, y] = one.response[j];
+                    *effect = [effect[0] + weight * x, effect[1] + weight * y];
+                    weight *= before * j as f64 * RECIPROCALS[k - j + 1];
+                }
+            }
+        }
+        reach
+    }
+
+    /// Returns the causes of states from `state` on. `flow`, of degree 4 at most, counts time from `since_s` before.
+    #[inline]
+    pub(super) fn causes(&self, [x, y]: Balanced, flow: &Flow, since_s: f64) -> [f64; CAUSES] {
+        let [[c0, c1, c2, c3, c4], t] = [flow.quartic_after(since_s), self.powers_s];
+        [x, y, c0, c1 * t[1], c2 * t[2], c3 * t[3], c4 * t[4]]
+    }
+
+    /// Returns the pressures row by row, kPa.
+    #[inline]
+    pub(super) fn kpa(&self, causes: [f64; CAUSES]) -> impl Iterator<Item = [f64; LANES]> {
+        self.effects.iter().map(move |[x, _]| sums(x, &causes))
+    }
+
+    /// Returns the states row by row, kPa.
+    #[inline]
+    pub(super) fn states(&self, causes: [f64; CAUSES]) -> impl Iterator<Item = [[f64; LANES]; 2]> {
+        self.effects.iter().map(move |[x, y]| [sums(x, &causes), sums(y, &causes)])
+    }
+
+    /// Returns the state `n` intervals on. There must be a lane for it.
+    #[inline]
+    pub(super) fn state(&self, n: usize, causes: &[f64; CAUSES]) -> Balanced {
+        let [x, y] = &self.effects[n / LANES];
+        let sum = |row: &Row| {
+            row.iter().zip(causes).fold(0.0, |sum, (effect, cause)| sum + effect[n % LANES] * cause)
+        };
+        [sum(x), sum(y)]
+    }
+}
+
+/// Returns the sums of all effects by lane.
+#[inline]
+fn sums(row: &Row, causes: &[f64; CAUSES]) -> [f64; LANES] {
+    let mut sums = [0.0; LANES];
+    let mut add = |causes: &[f64], row: &[[f64; LANES]]| {
+        for (effects, cause) in row.iter().zip(causes) {
+            for (sum, effect) in sums.iter_mut().zip(effects) {
+                *sum += effect * cause;
+            }
+        }
+    };
+    add(&causes[..EVEN], &row[..EVEN]);
+    // Between the pulses of two rollers the flow is even.
+    if causes[EVEN..] != [0.0; CAUSES - EVEN] {
+        add(&causes[EVEN..], &row[EVEN..]);
+    }
+    sums
+}
