@@ -14,7 +14,8 @@ use serde::Serialize;
 pub use self::by_weight::ByWeightReport;
 pub use self::calibration::CalibrationReport;
 use self::made::{
-    WholeDose, back_flow_ml, carry_ml, is_ended_run, made, part_made, retract_steps, retraction_ml, warnings,
+    WholeDose, back_flow_ml, carry_ml, is_ended_run, made, part_made, retract_steps, retraction_ml, told_ml,
+    warnings,
 };
 pub use self::phase::PhaseReport;
 pub use self::run::{ProfileReport, RunReport, Until};
@@ -62,12 +63,13 @@ pub struct DoseReport {
     pub volume_least_ml: f64,
     /// Largest model volume of the planned steps, mL; least and most are `planned_ml` if the angle is known exactly.
     pub volume_most_ml: f64,
-    /// Volume that the vessel received, mL; null on a dry run.
+    /// Volume that was delivered, mL: that of the steps made. A simulated vessel says what it received, if the angle
+    /// at the start is known. Null on a dry run.
     pub delivered_ml: Option<f64>,
     /// Volume of the steps that were made, or that are planned, as the log books it, mL.
     #[serde(skip)]
     pub booked_ml: f64,
-    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, or that is planned on a
+    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, from any angle, or that is planned on a
     /// dry run, g, at the pump file's temperature of the fluid; null if the density is not known there.
     pub balance_g: Option<f64>,
     /// Basis of the volume: the model, the model of a drawing, or the volumes that were weighed.
@@ -239,7 +241,7 @@ impl DoseReport {
             planned_ml: plan.planned_ml(),
             volume_least_ml: part.range_ml.0,
             volume_most_ml: part.range_ml.1,
-            delivered_ml: delivered.map(|delivered| delivered.volume_ml),
+            delivered_ml: delivered.map(|delivered| told_ml(prepared, delivered)),
             booked_ml: part.volume_ml,
             balance_g: Weighing::of(file)
                 .reading_g(delivered.map_or(plan.planned_ml(), |delivered| delivered.volume_ml)),

@@ -74,7 +74,7 @@ impl DoseReport {
 
     /// Volume that the text and the log tell, mL.
     pub(crate) fn told_ml(&self) -> f64 {
-        self.delivered_ml.filter(|_| self.is_sure()).unwrap_or(self.booked_ml)
+        self.delivered_ml.unwrap_or(self.booked_ml)
     }
 
     /// True for a run that goes on until somebody stops it.
@@ -82,8 +82,7 @@ impl DoseReport {
         self.run.is_some_and(|run| run.is_endless())
     }
 
-    /// The volume that was delivered or planned, and its uncertainty. Of an angle that is not known it is the volume
-    /// that the log books: a simulated vessel knows more, and does not tell.
+    /// The volume that was delivered or planned, and its uncertainty.
     fn volume(&self) -> String {
         let is_sure = self.is_sure();
         let volume_ml = self.told_ml();

@@ -22,12 +22,15 @@ impl DoseReport {
         let planned_ml = prepared.planned_ml();
         let volume_ml = delivered.map_or(planned_ml, |delivered| delivered.volume_ml);
         let report = Self::new(bench, whole, delivered);
+        let told_ml = |end: &Delivered| if report.phase.is_stated() { end.volume_ml } else { part.volume_ml };
+        let delivered_ml = delivered.map(told_ml);
         let even = RippleReport { peak_to_peak: 0.0, rms: 0.0 };
         Self {
             planned_ml,
             requested_ml: flow.volume_ml(),
             volume_least_ml: part.range_ml.0,
             volume_most_ml: part.range_ml.1,
+            delivered_ml,
             booked_ml: part.volume_ml,
             balance_g: Weighing::of(file).reading_g(volume_ml),
             expanded_uncertainty_ml: budget.expanded_ml(),
@@ -48,7 +51,7 @@ impl DoseReport {
             ripple_after: even,
             ripple_at_rollers: RippleAt { planned: even, ..report.ripple_at_rollers },
             ripple_at_line_end: None,
-            run: Some(RunReport::of_profile(prepared, delivered)),
+            run: Some(RunReport::of_profile(prepared, delivered, delivered_ml)),
             ..report
         }
     }

@@ -6,6 +6,8 @@ use crate::bench::Delivered;
 use crate::dosing::{Prepared, RunEnd, Swept};
 use crate::notice::Notice;
 
+use super::phase::PhaseReport;
+
 /// A dose with its retraction: predicted pressures, kPa absolute, and the angle at its end, planned or made.
 pub(in crate::report) struct WholeDose {
     pub(in crate::report) inlet: Extremes,
@@ -32,6 +34,16 @@ pub(in crate::report) fn part_made(prepared: &Prepared, delivered: Option<&Deliv
     match delivered.filter(|delivered| !delivered.completed) {
         Some(delivered) => Swept::part(model, plan, delivered.made),
         None => Swept::whole(model, plan),
+    }
+}
+
+/// The volume of a dose that was made, mL. From an angle that is not known it is what the log books: a simulated vessel
+/// knows more, and does not tell.
+pub(in crate::report) fn told_ml(prepared: &Prepared, delivered: &Delivered) -> f64 {
+    if PhaseReport::of(prepared).is_stated() {
+        delivered.volume_ml
+    } else {
+        part_made(prepared, Some(delivered)).volume_ml
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::made::told_ml;
 use crate::bench::{Delivered, PreparedProfile};
 use crate::dosing::{Prepared, RunEnd};
 use crate::numbers::significant;
@@ -63,24 +64,30 @@ impl RunReport {
             RunEnd::Time { time_s } => (Until::Time, Some(time_s)),
             RunEnd::Stop => (Until::Stop, None),
         };
-        let mean = |end: &Delivered| (end.measured_s > 0.0).then(|| end.volume_ml.abs() / end.measured_s);
+        let mean_ml_s =
+            |end: &Delivered| (end.measured_s > 0.0).then(|| told_ml(prepared, end).abs() / end.measured_s);
         Some(Self {
             until,
             asked_s,
-            mean_flow_ml_s: delivered.and_then(mean),
+            mean_flow_ml_s: delivered.and_then(mean_ml_s),
             was_stopped: delivered.map(|delivered| !delivered.completed),
             profile: None,
         })
     }
 
-    /// Reports a run that followed a flow over time.
-    pub(super) fn of_profile(prepared: &PreparedProfile, delivered: Option<&Delivered>) -> Self {
+    /// Reports a run that followed a flow over time and delivered `delivered_ml`.
+    pub(super) fn of_profile(
+        prepared: &PreparedProfile,
+        delivered: Option<&Delivered>,
+        delivered_ml: Option<f64>,
+    ) -> Self {
         let flow = prepared.motion();
-        let mean = |end: &Delivered| (end.measured_s > 0.0).then(|| end.volume_ml.abs() / end.measured_s);
+        let mean_ml_s =
+            |(end, ml): (&Delivered, f64)| (end.measured_s > 0.0).then(|| ml.abs() / end.measured_s);
         Self {
             until: Until::Profile,
             asked_s: None,
-            mean_flow_ml_s: delivered.and_then(mean),
+            mean_flow_ml_s: delivered.zip(delivered_ml).and_then(mean_ml_s),
             was_stopped: delivered.map(|delivered| !delivered.completed),
             profile: Some(ProfileReport {
                 name: prepared.name,
