@@ -7,14 +7,14 @@ const $ = (id) => document.getElementById(id);
 
 /** Builds an element. `props`: attributes, `text`, and listeners as `onclick`. */
 function fill(node, props, kids) {
-  for (const [name, value] of Object.entries(props || {})) {
-    if (value == null || value === false) continue;
-    if (name === 'text') node.textContent = value;
-    else if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
-    else node.setAttribute(name, value === true ? '' : value);
-  }
-  node.append(...kids.flat(Infinity).filter((kid) => kid != null && kid !== false && kid !== ''));
-  return node;
+	for (const [name, value] of Object.entries(props || {})) {
+		if (value == null || value === false) continue;
+		if (name === 'text') node.textContent = value;
+		else if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
+		else node.setAttribute(name, value === true ? '' : value);
+	}
+	node.append(...kids.flat(Infinity).filter((kid) => kid != null && kid !== false && kid !== ''));
+	return node;
 }
 /** A button sends no form unless it is told to. */
 const h = (tag, props, ...kids) => fill(document.createElement(tag), tag === 'button' ? { type: 'button', ...props } : props, kids);
@@ -39,17 +39,17 @@ const block = (...kids) => h('section', { class: 'panel' }, kids);
 
 /** Sets a text if it has changed. */
 function say(node, text) {
-  if (node.textContent !== text) node.textContent = text;
+	if (node.textContent !== text) node.textContent = text;
 }
 function attr(node, name, value) {
-  if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+	if (node.getAttribute(name) !== value) node.setAttribute(name, value);
 }
 /** Replaces the children of a node if `key` has changed. */
 function remake(node, key, make) {
-  key = JSON.stringify(key);
-  if (node.made === key) return;
-  node.made = key;
-  node.replaceChildren(...[make()].flat().filter(Boolean));
+	key = JSON.stringify(key);
+	if (node.made === key) return;
+	node.made = key;
+	node.replaceChildren(...[make()].flat().filter(Boolean));
 }
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 let ids = 0;
@@ -64,9 +64,9 @@ const decimalsOf = (u) => (u > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.l
 const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
 /** A volume with the decimals of its uncertainty, and with 4 digits where these show fewer of them. */
 function ml(value, u) {
-  if (value == null) return '–';
-  const decimals = decimalsOf(u);
-  return value !== 0 && Math.abs(value) * 10 ** decimals < 1000 ? short(value) : fixed(value, decimals);
+	if (value == null) return '–';
+	const decimals = decimalsOf(u);
+	return value !== 0 && Math.abs(value) * 10 ** decimals < 1000 ? short(value) : fixed(value, decimals);
 }
 const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
@@ -74,11 +74,11 @@ const pad = (n) => String(n).padStart(2, '0');
 const clock = (t) => `${pad(t.getHours())}:${pad(t.getMinutes())}:${pad(t.getSeconds())}`;
 const date = (t) => `${t.getFullYear()}-${pad(t.getMonth() + 1)}-${pad(t.getDate())} ${clock(t)}`;
 function span(seconds) {
-  const n = Math.max(0, Math.round(seconds));
-  if (n < 60) return `${n} s`;
-  if (n < 3600) return `${Math.floor(n / 60)} min${n < 600 && n % 60 ? ` ${n % 60} s` : ''}`;
-  if (n < 48 * 3600) return `${Math.floor(n / 3600)} h ${Math.round((n % 3600) / 60)} min`;
-  return `${Math.round(n / 86400)} days`;
+	const n = Math.max(0, Math.round(seconds));
+	if (n < 60) return `${n} s`;
+	if (n < 3600) return `${Math.floor(n / 60)} min${n < 600 && n % 60 ? ` ${n % 60} s` : ''}`;
+	if (n < 48 * 3600) return `${Math.floor(n / 3600)} h ${Math.round((n % 3600) / 60)} min`;
+	return `${Math.round(n / 86400)} days`;
 }
 /** A number alone gets the unit that the form names. */
 const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text) ? text.trim() + unit : text.trim());
@@ -88,67 +88,67 @@ const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text)
 const ANYWAY = 'Use it although it is far from what was expected';
 
 class Refused extends Error {
-  constructor(report, status) {
-    super(report.message.replace('add --anyway', `tick “${ANYWAY}” under “More options”`));
-    Object.assign(this, { code: report.code, kind: report.kind, key: report.key, status });
-  }
+	constructor(report, status) {
+		super(report.message.replace('add --anyway', `tick “${ANYWAY}” under “More options”`));
+		Object.assign(this, { code: report.code, kind: report.kind, key: report.key, status });
+	}
 }
 
 async function call(method, path, { body, key, match, timeout = 8000 } = {}) {
-  const abort = new AbortController();
-  const timer = setTimeout(() => abort.abort(), timeout);
-  const headers = method === 'GET' ? {} : { 'Content-Type': 'application/json' };
-  if (key) headers['Idempotency-Key'] = key;
-  if (match) headers['If-Match'] = `"${match}"`;
-  try {
-    const answer = await fetch(path, { method, headers, body, signal: abort.signal, cache: 'no-store' });
-    const text = await answer.text();
-    let data = null;
-    try { data = JSON.parse(text); } catch { /* An answer of a proxy. */ }
-    if (answer.ok) return data;
-    if (answer.status === 401 && path !== '/login') showLogin();
-    const unknown = { code: 1, kind: 'service', message: `the service answered with status ${answer.status}` };
-    throw new Refused(data && typeof data.message === 'string' ? data : unknown, answer.status);
-  } finally {
-    clearTimeout(timer);
-  }
+	const abort = new AbortController();
+	const timer = setTimeout(() => abort.abort(), timeout);
+	const headers = method === 'GET' ? {} : { 'Content-Type': 'application/json' };
+	if (key) headers['Idempotency-Key'] = key;
+	if (match) headers['If-Match'] = `"${match}"`;
+	try {
+		const answer = await fetch(path, { method, headers, body, signal: abort.signal, cache: 'no-store' });
+		const text = await answer.text();
+		let data = null;
+		try { data = JSON.parse(text); } catch { /* An answer of a proxy. */ }
+		if (answer.ok) return data;
+		if (answer.status === 401 && path !== '/login') showLogin();
+		const unknown = { code: 1, kind: 'service', message: `the service answered with status ${answer.status}` };
+		throw new Refused(data && typeof data.message === 'string' ? data : unknown, answer.status);
+	} finally {
+		clearTimeout(timer);
+	}
 }
 
 function newKey() {
-  if (crypto.randomUUID) return crypto.randomUUID();
-  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
+	if (crypto.randomUUID) return crypto.randomUUID();
+	return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
 /** Gives an order. A lost answer is asked for again with the same key, so that nothing is done twice. */
 async function give(slot, path, body) {
-  const text = JSON.stringify(body || {});
-  if (slot.words !== path + text) Object.assign(slot, { words: path + text, key: newKey() });
-  for (let tries = 0; ; tries += 1) {
-    try {
-      const order = await call('POST', path, { body: text, key: slot.key, timeout: 40000 });
-      slot.words = null;
-      return order;
-    } catch (error) {
-      const isAnswer = error instanceof Refused && ![408, 502, 503, 504].includes(error.status);
-      if (isAnswer) slot.words = null;
-      if (isAnswer || tries === 3) throw error;
-    }
-    await sleep(400 * 2 ** tries);
-  }
+	const text = JSON.stringify(body || {});
+	if (slot.words !== path + text) Object.assign(slot, { words: path + text, key: newKey() });
+	for (let tries = 0; ; tries += 1) {
+		try {
+			const order = await call('POST', path, { body: text, key: slot.key, timeout: 40000 });
+			slot.words = null;
+			return order;
+		} catch (error) {
+			const isAnswer = error instanceof Refused && ![408, 502, 503, 504].includes(error.status);
+			if (isAnswer) slot.words = null;
+			if (isAnswer || tries === 3) throw error;
+		}
+		await sleep(400 * 2 ** tries);
+	}
 }
 const LOST = 'The service did not answer, so the page does not know whether the order began. Look at the pump. ' +
-  'Pressing the same button asks again and does not dose twice.';
+	'Pressing the same button asks again and does not dose twice.';
 
 /** Waits until an order has ended. */
 async function ended(order) {
-  while (order.state === 'running') {
-    await sleep(400);
-    order = await call('GET', `/api/v1/orders/${inPath(order.id)}`).catch((error) => {
-      if (error instanceof Refused) throw error;
-      return order;
-    });
-  }
-  return order;
+	while (order.state === 'running') {
+		await sleep(400);
+		order = await call('GET', `/api/v1/orders/${inPath(order.id)}`).catch((error) => {
+			if (error instanceof Refused) throw error;
+			return order;
+		});
+	}
+	return order;
 }
 const ofPump = (name, rest) => `/api/v1/pumps/${inPath(name)}/${rest}`;
 
@@ -166,62 +166,62 @@ let retryTimer = 0;
 let needsLogin = false;
 
 const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Delivering the rest of a dose',
-  accept: 'Accepting', clear: 'Clearing', stand: 'Putting to stand', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
-  retract: 'Retracting' };
+	accept: 'Accepting', clear: 'Clearing', stand: 'Putting to stand', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
+	retract: 'Retracting' };
 /** Tasks that turn no motor. */
 const STANDING = ['accept', 'clear', 'stand', 'emptied', 'calibrate'];
 const isDose = (report) => report?.schema === 'dose/1';
 
 /** The doses of an order with the names of their pumps: those of a rack are within its report. */
 const dosesOf = (order) => (order.reports || []).flatMap((report) => {
-  if (isDose(report)) return [{ name: order.pump, report }];
-  if (!report || report.schema !== 'rack/1') return [];
-  return report.pumps.flatMap((pump) => pump.doses.map((one) => ({ name: pump.name, report: one.dose })));
+	if (isDose(report)) return [{ name: order.pump, report }];
+	if (!report || report.schema !== 'rack/1') return [];
+	return report.pumps.flatMap((pump) => pump.doses.map((one) => ({ name: pump.name, report: one.dose })));
 });
 
 /** Takes a `pump-view/1`. */
 function take(view) {
-  const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
-  pumps.set(view.name, pump);
-  const stoodBefore = pump.view?.status?.safety.stand;
-  pump.view = view;
-  const isHeld = view.status?.in_use_by;
-  if (view.order) {
-    const old = pump.motion?.order === view.order ? pump.motion : { order: view.order };
-    pump.motion = { ...old, task: view.task, plan: view.plan || old.plan };
-    const told = view.progress;
-    if (told?.state === 'moving' && !old.progress) pump.motion.progress = told;
-  } else if (!isHeld || !pump.motion?.ofRack) {
-    pump.motion = null;
-  }
-  const stand = view.status?.safety.stand;
-  if (stand && pump.known && !stoodBefore) alertOf(standWords(pump));
-  pump.known = true;
-  return pump;
+	const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
+	pumps.set(view.name, pump);
+	const stoodBefore = pump.view?.status?.safety.stand;
+	pump.view = view;
+	const isHeld = view.status?.in_use_by;
+	if (view.order) {
+		const old = pump.motion?.order === view.order ? pump.motion : { order: view.order };
+		pump.motion = { ...old, task: view.task, plan: view.plan || old.plan };
+		const told = view.progress;
+		if (told?.state === 'moving' && !old.progress) pump.motion.progress = told;
+	} else if (!isHeld || !pump.motion?.ofRack) {
+		pump.motion = null;
+	}
+	const stand = view.status?.safety.stand;
+	if (stand && pump.known && !stoodBefore) alertOf(standWords(pump));
+	pump.known = true;
+	return pump;
 }
 
 function takeProgress(told) {
-  const pump = pumps.get(told.name);
-  if (!pump) return;
-  if (!pump.motion || pump.motion.order !== told.order) {
-    pump.motion = { order: told.order, task: pump.view.order === told.order ? pump.view.task : 'rack',
-      ofRack: pump.view.order !== told.order };
-  }
-  const motion = pump.motion;
-  if (told.state === 'begun') {
-    Object.assign(motion, { plan: told.plan, progress: null, wait: null });
-    pump.fault = null;
-  } else if (told.state === 'waiting') {
-    motion.wait = { until: Date.now() + told.next_s * 1000, number: told.number, count: told.count };
-    motion.progress = null;
-  } else if (told.state === 'moving') {
-    if (motion.progress?.steps === told.steps && told.steps === told.of_steps) return;
-    const wasMoving = motion.progress && !motion.wait;
-    Object.assign(motion, { progress: told, wait: null });
-    for (const panel of pump.panels) panel.head.sample(told.angle_deg, performance.now());
-    if (wasMoving) return later(pump);
-  }
-  refresh(pump);
+	const pump = pumps.get(told.name);
+	if (!pump) return;
+	if (!pump.motion || pump.motion.order !== told.order) {
+		pump.motion = { order: told.order, task: pump.view.order === told.order ? pump.view.task : 'rack',
+			ofRack: pump.view.order !== told.order };
+	}
+	const motion = pump.motion;
+	if (told.state === 'begun') {
+		Object.assign(motion, { plan: told.plan, progress: null, wait: null });
+		pump.fault = null;
+	} else if (told.state === 'waiting') {
+		motion.wait = { until: Date.now() + told.next_s * 1000, number: told.number, count: told.count };
+		motion.progress = null;
+	} else if (told.state === 'moving') {
+		if (motion.progress?.steps === told.steps && told.steps === told.of_steps) return;
+		const wasMoving = motion.progress && !motion.wait;
+		Object.assign(motion, { progress: told, wait: null });
+		for (const panel of pump.panels) panel.head.sample(told.angle_deg, performance.now());
+		if (wasMoving) return later(pump);
+	}
+	refresh(pump);
 }
 
 /** Pumps that have turned on, and time from one shown to the next: many pumps never fill a frame. */
@@ -229,238 +229,238 @@ const changed = new Set();
 const APART_MS = 40;
 let shows = false;
 function later(pump) {
-  changed.add(pump);
-  if (shows) return;
-  shows = true;
-  setTimeout(showNext, 0);
+	changed.add(pump);
+	if (shows) return;
+	shows = true;
+	setTimeout(showNext, 0);
 }
 function showNext() {
-  const [pump] = changed;
-  if (!pump) {
-    shows = false;
-    return;
-  }
-  changed.delete(pump);
-  for (const panel of pump.panels) {
-    panel.figures();
-    if (pump.motion?.progress) panel.head.go(performance.now());
-  }
-  tellProgress();
-  setTimeout(showNext, APART_MS);
+	const [pump] = changed;
+	if (!pump) {
+		shows = false;
+		return;
+	}
+	changed.delete(pump);
+	for (const panel of pump.panels) {
+		panel.figures();
+		if (pump.motion?.progress) panel.head.go(performance.now());
+	}
+	tellProgress();
+	setTimeout(showNext, APART_MS);
 }
 
 function takeOrder(order) {
-  const own = pumps.get(order.pump);
-  const isOver = order.state !== 'running';
-  if (own && !isOver) Object.assign(own.view, { order: order.id, task: order.task });
-  if (own && !isOver && own.motion?.order !== order.id) {
-    own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
-    own.fault = null;
-    own.stale.splice(0).forEach((line) => line.remove());
-  }
-  takeReports(order);
-  if (!isOver) {
-    if (own) refresh(own);
-    return;
-  }
-  tellEnd(order);
-  const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion?.order === order.id);
-  for (const pump of of) {
-    if (pump.motion?.order === order.id) pump.motion = null;
-    if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null });
-    const { error } = order;
-    if (order.state === 'failed' && error && error.kind !== 'stopped') {
-      pump.fault = { time: order.ended, message: error.message };
-      alertOf(`${pump.name} failed: ${error.message}`);
-    } else if (!isDry(order)) {
-      const stopped = error?.kind === 'stopped';
-      const dose = pump.last?.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
-      politely(`${pump.name}: ${order.task} ${stopped ? 'stopped' : order.state}${dose}`, true);
-    }
-    refresh(pump);
-  }
+	const own = pumps.get(order.pump);
+	const isOver = order.state !== 'running';
+	if (own && !isOver) Object.assign(own.view, { order: order.id, task: order.task });
+	if (own && !isOver && own.motion?.order !== order.id) {
+		own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
+		own.fault = null;
+		own.stale.splice(0).forEach((line) => line.remove());
+	}
+	takeReports(order);
+	if (!isOver) {
+		if (own) refresh(own);
+		return;
+	}
+	tellEnd(order);
+	const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion?.order === order.id);
+	for (const pump of of) {
+		if (pump.motion?.order === order.id) pump.motion = null;
+		if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null });
+		const { error } = order;
+		if (order.state === 'failed' && error && error.kind !== 'stopped') {
+			pump.fault = { time: order.ended, message: error.message };
+			alertOf(`${pump.name} failed: ${error.message}`);
+		} else if (!isDry(order)) {
+			const stopped = error?.kind === 'stopped';
+			const dose = pump.last?.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
+			politely(`${pump.name}: ${order.task} ${stopped ? 'stopped' : order.state}${dose}`, true);
+		}
+		refresh(pump);
+	}
 }
 const isDry = (order) => Boolean(order.options && order.options['dry-run']);
 
 /** Forms that were told that their order was taken, by the order: its end is told there too. */
 const taken = new Map();
 function tellTaken(said, order, words) {
-  const isDone = order.state === 'done';
-  const line = para(isDone ? `Done: ${words}.` : `The service has the order: ${words}.`);
-  said.replaceChildren(line);
-  if (!isDone) taken.set(order.id, { line, words });
+	const isDone = order.state === 'done';
+	const line = para(isDone ? `Done: ${words}.` : `The service has the order: ${words}.`);
+	said.replaceChildren(line);
+	if (!isDone) taken.set(order.id, { line, words });
 }
 function tellEnd(order) {
-  const form = taken.get(order.id);
-  taken.delete(order.id);
-  if (!form) return;
-  const isStopped = order.error?.kind === 'stopped';
-  const how = order.state === 'done' ? 'Done' : isStopped ? 'Stopped' : 'Not done';
-  const pump = pumps.get(order.pump);
-  const { last } = pump || {};
-  const volume = order.state !== 'done' && last?.order === order.id ? `; ${volumeWords(last.report)}` : '';
-  say(form.line, `${how}: ${form.words}${volume}.`);
-  if (!pump || order.state === 'done') return;
-  // The rest is offered above the form, where a phone does not show it, and the line goes once the pump moves on.
-  pump.leads = isStopped;
-  pump.stale.push(form.line);
+	const form = taken.get(order.id);
+	taken.delete(order.id);
+	if (!form) return;
+	const isStopped = order.error?.kind === 'stopped';
+	const how = order.state === 'done' ? 'Done' : isStopped ? 'Stopped' : 'Not done';
+	const pump = pumps.get(order.pump);
+	const { last } = pump || {};
+	const volume = order.state !== 'done' && last?.order === order.id ? `; ${volumeWords(last.report)}` : '';
+	say(form.line, `${how}: ${form.words}${volume}.`);
+	if (!pump || order.state === 'done') return;
+	// The rest is offered above the form, where a phone does not show it, and the line goes once the pump moves on.
+	pump.leads = isStopped;
+	pump.stale.push(form.line);
 }
 /** Asks for the end of the orders that ended while the page heard nothing. */
 async function askTaken() {
-  for (const id of [...taken.keys()]) {
-    const order = await call('GET', `/api/v1/orders/${inPath(id)}`).catch(() => null);
-    if (!order || order.state === 'running') continue;
-    takeReports(order);
-    tellEnd(order);
-    pumps.forEach(refresh);
-  }
+	for (const id of [...taken.keys()]) {
+		const order = await call('GET', `/api/v1/orders/${inPath(id)}`).catch(() => null);
+		if (!order || order.state === 'running') continue;
+		takeReports(order);
+		tellEnd(order);
+		pumps.forEach(refresh);
+	}
 }
 
 /** Keeps the last report of each pump that an order has. */
 function takeReports(order) {
-  for (const { name, report } of dosesOf(order)) {
-    if (report.delivered_ml == null || !report.time) continue;
-    const pump = pumps.get(name);
-    if (!pump || (pump.last && new Date(pump.last.report.time) > new Date(report.time))) continue;
-    pump.last = { report, order: order.id, ended: order.ended, stopped: order.error?.kind === 'stopped',
-      resumed: order.task === 'resume' };
-  }
+	for (const { name, report } of dosesOf(order)) {
+		if (report.delivered_ml == null || !report.time) continue;
+		const pump = pumps.get(name);
+		if (!pump || (pump.last && new Date(pump.last.report.time) > new Date(report.time))) continue;
+		pump.last = { report, order: order.id, ended: order.ended, stopped: order.error?.kind === 'stopped',
+			resumed: order.task === 'resume' };
+	}
 }
 
 /** Reads the last doses of all pumps that the service made. */
 async function readLast() {
-  const paths = [...pumps.keys()].map((name) => `limit=5&pump=${inPath(name)}`).concat('limit=10');
-  for (const path of paths) {
-    const orders = await call('GET', `/api/v1/orders?${path}`).catch(() => []);
-    (orders || []).forEach(takeReports);
-  }
-  pumps.forEach(refresh);
+	const paths = [...pumps.keys()].map((name) => `limit=5&pump=${inPath(name)}`).concat('limit=10');
+	for (const path of paths) {
+		const orders = await call('GET', `/api/v1/orders?${path}`).catch(() => []);
+		(orders || []).forEach(takeReports);
+	}
+	pumps.forEach(refresh);
 }
 
 /* Live regions. */
 
 let politeAt = 0;
 function politely(text, isNews) {
-  // Progress is told rarely, and the end of an order at once.
-  const now = Date.now();
-  if (!isNews && now - politeAt < 10000) return;
-  politeAt = now;
-  say($('polite'), text);
+	// Progress is told rarely, and the end of an order at once.
+	const now = Date.now();
+	if (!isNews && now - politeAt < 10000) return;
+	politeAt = now;
+	say($('polite'), text);
 }
 function alertOf(text) {
-  $('alert').replaceChildren(h('p', { text }));
+	$('alert').replaceChildren(h('p', { text }));
 }
 function tellProgress() {
-  if (Date.now() - politeAt < 10000) return;
-  const moving = [...pumps.values()].filter((pump) => pump.motion?.progress);
-  politely(moving.map((pump) => `${pump.name}: ${readOf(pump).words}`).join('. '));
+	if (Date.now() - politeAt < 10000) return;
+	const moving = [...pumps.values()].filter((pump) => pump.motion?.progress);
+	politely(moving.map((pump) => `${pump.name}: ${readOf(pump).words}`).join('. '));
 }
 
 /* The stream. */
 
 function connect() {
-  clearTimeout(retryTimer);
-  if (source) source.close();
-  source = new EventSource('/events');
-  const on = (name, take) => source.addEventListener(name, (event) => {
-    heard = Date.now();
-    take(event.data ? JSON.parse(event.data) : null);
-  });
-  on('hello', hello);
-  on('pump', (view) => refresh(take(view)));
-  on('progress', takeProgress);
-  on('order', takeOrder);
-  on('note', takeNote);
-  on('input', () => { if (onInputs) onInputs(); });
-  on('alive', () => {});
-  source.onerror = () => {
-    lose();
-    if (source.readyState === EventSource.CLOSED) retry();
-  };
+	clearTimeout(retryTimer);
+	if (source) source.close();
+	source = new EventSource('/events');
+	const on = (name, take) => source.addEventListener(name, (event) => {
+		heard = Date.now();
+		take(event.data ? JSON.parse(event.data) : null);
+	});
+	on('hello', hello);
+	on('pump', (view) => refresh(take(view)));
+	on('progress', takeProgress);
+	on('order', takeOrder);
+	on('note', takeNote);
+	on('input', () => { if (onInputs) onInputs(); });
+	on('alive', () => {});
+	source.onerror = () => {
+		lose();
+		if (source.readyState === EventSource.CLOSED) retry();
+	};
 }
 function retry() {
-  clearTimeout(retryTimer);
-  retryTimer = setTimeout(begin, retryMs);
-  retryMs = Math.min(8000, retryMs * 2);
+	clearTimeout(retryTimer);
+	retryTimer = setTimeout(begin, retryMs);
+	retryMs = Math.min(8000, retryMs * 2);
 }
 /** Asks whether a login is needed, and then watches. */
 async function begin() {
-  try {
-    const login = await call('GET', '/login', { timeout: 4000 });
-    needsLogin = login.needed;
-    $('logout').hidden = !login.needed || !login.may;
-    if (login.needed && !login.may) return showLogin();
-    connect();
-  } catch {
-    lose();
-    retry();
-  }
+	try {
+		const login = await call('GET', '/login', { timeout: 4000 });
+		needsLogin = login.needed;
+		$('logout').hidden = !login.needed || !login.may;
+		if (login.needed && !login.may) return showLogin();
+		connect();
+	} catch {
+		lose();
+		retry();
+	}
 }
 function lose(isExpected) {
-  if (isExpected !== true && !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
-  isLive = false;
-  document.body.classList.add('lost');
-  showLink();
+	if (isExpected !== true && !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
+	isLive = false;
+	document.body.classList.add('lost');
+	showLink();
 }
 function showLink() {
-  const text = isLive ? 'Live' : pumps.size
-    ? `Reconnecting… Values as of ${clock(new Date(heard))}` : 'Reconnecting…';
-  say($('link').firstElementChild, text);
+	const text = isLive ? 'Live' : pumps.size
+		? `Reconnecting… Values as of ${clock(new Date(heard))}` : 'Reconnecting…';
+	say($('link').firstElementChild, text);
 }
 function hello(told) {
-  if (document.body.classList.contains('lost')) {
-    politely('Connected again.', true);
-    $('alert').replaceChildren();
-  }
-  isLive = true;
-  retryMs = 500;
-  document.body.classList.remove('lost');
-  const names = told.pumps.map((pump) => pump.name);
-  const isSame = names.join('\n') === [...pumps.keys()].join('\n') && racks.join('\n') === told.racks.join('\n');
-  for (const name of [...pumps.keys()]) if (!names.includes(name)) pumps.delete(name);
-  for (const pump of pumps.values()) pump.motion = null;
-  for (const view of told.pumps) take(view);
-  const isOlder = version && version !== told.version;
-  ({ racks, version } = told);
-  $('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
-  readLast();
-  askTaken();
-  if (onInputs) onInputs();
-  if (onNotes) watchNotes(100, onNotes);
-  if (isSame && $('main').dataset.view) pumps.forEach(refresh);
-  else show();
-  showLink();
+	if (document.body.classList.contains('lost')) {
+		politely('Connected again.', true);
+		$('alert').replaceChildren();
+	}
+	isLive = true;
+	retryMs = 500;
+	document.body.classList.remove('lost');
+	const names = told.pumps.map((pump) => pump.name);
+	const isSame = names.join('\n') === [...pumps.keys()].join('\n') && racks.join('\n') === told.racks.join('\n');
+	for (const name of [...pumps.keys()]) if (!names.includes(name)) pumps.delete(name);
+	for (const pump of pumps.values()) pump.motion = null;
+	for (const view of told.pumps) take(view);
+	const isOlder = version && version !== told.version;
+	({ racks, version } = told);
+	$('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
+	readLast();
+	askTaken();
+	if (onInputs) onInputs();
+	if (onNotes) watchNotes(100, onNotes);
+	if (isSame && $('main').dataset.view) pumps.forEach(refresh);
+	else show();
+	showLink();
 }
 function takeNote(note) {
-  notes = [note, ...notes].slice(0, 200);
-  const text = noteWords(note);
-  if (note.kind === 'guard') alertOf(text);
-  else politely(text, true);
-  if (onNotes) onNotes();
+	notes = [note, ...notes].slice(0, 200);
+	const text = noteWords(note);
+	if (note.kind === 'guard') alertOf(text);
+	else politely(text, true);
+	if (onNotes) onNotes();
 }
 let onNotes = null;
 let onInputs = null;
 const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${note.text}`;
 /** Reads the last events, and shows them now and when another comes. `fail` tells that they cannot be read. */
 function watchNotes(most, showNotes, fail = () => {}) {
-  onNotes = showNotes;
-  showNotes();
-  call('GET', `/api/v1/notes?limit=${most}`).then((told) => {
-    notes = told;
-    if (onNotes === showNotes) showNotes();
-  }).catch(fail);
+	onNotes = showNotes;
+	showNotes();
+	call('GET', `/api/v1/notes?limit=${most}`).then((told) => {
+		notes = told;
+		if (onNotes === showNotes) showNotes();
+	}).catch(fail);
 }
 
 // A stream can end without a word, as when a phone leaves its network. Silence is asked about.
 setInterval(async () => {
-  if (!isLive || document.hidden || Date.now() - heard < 2500) return;
-  try {
-    await call('GET', '/login', { timeout: 1500 });
-    if (Date.now() - heard > 20000) connect();
-  } catch {
-    lose();
-    connect();
-  }
+	if (!isLive || document.hidden || Date.now() - heard < 2500) return;
+	try {
+		await call('GET', '/login', { timeout: 1500 });
+		if (Date.now() - heard > 20000) connect();
+	} catch {
+		lose();
+		connect();
+	}
 }, 1000);
 addEventListener('offline', () => lose());
 addEventListener('pageshow', (event) => { if (event.persisted) begin(); });
@@ -468,78 +468,78 @@ addEventListener('online', () => { if (!isLive) begin(); });
 // A hidden page leaves its connection to the others: a browser has six for a service.
 let hiddenTimer = 0;
 document.addEventListener('visibilitychange', () => {
-  clearTimeout(hiddenTimer);
-  if (document.hidden) {
-    hiddenTimer = setTimeout(() => { if (source) source.close(); source = null; }, 20000);
-  } else if (!source || source.readyState === EventSource.CLOSED) {
-    lose(true);
-    begin();
-  }
+	clearTimeout(hiddenTimer);
+	if (document.hidden) {
+		hiddenTimer = setTimeout(() => { if (source) source.close(); source = null; }, 20000);
+	} else if (!source || source.readyState === EventSource.CLOSED) {
+		lose(true);
+		begin();
+	}
 });
 
 /* Stop. */
 
 let stopRun = 0;
 async function stopAll() {
-  const run = ++stopRun;
-  const tell = (text, isBad) => {
-    if (run === stopRun) $('stop-said').replaceChildren(h('p', { text, class: isBad ? 'bad' : null }));
-  };
-  tell('Stopping…');
-  for (let tries = 1; run === stopRun; tries += 1) {
-    try {
-      const answer = await call('POST', '/api/v1/stop', { body: '{}', timeout: 1500 });
-      const count = answer.stopped.length;
-      const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status?.in_use_by);
-      const also = others.length
-        ? ` In use by another program, which this page cannot stop: ${others.map((pump) => pump.name).join(', ')}.` : '';
-      const told = count ? `The service is stopping ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
-      tell(told + also, others.length > 0);
-      await sleep(others.length ? 30000 : 6000);
-      if (run === stopRun) $('stop-said').replaceChildren();
-      return;
-    } catch (error) {
-      if (error instanceof Refused && error.status === 401) return tell('Not stopped: log in first.', true);
-      tell(tries < 20
-        ? `The service cannot be reached: NOT stopped (${tries} ${tries === 1 ? 'try' : 'tries'}, trying again). ` +
-          'If a pump must stop now, switch it off.'
-        : 'NOT stopped: the service cannot be reached. Switch the pumps off by hand. The button tries again.', true);
-      if (tries === 20) return;
-      // The stream may hold the last free connection.
-      if (tries === 2 && source) { source.close(); lose(); retry(); }
-      await sleep(Math.min(2000, 200 * tries));
-    }
-  }
+	const run = ++stopRun;
+	const tell = (text, isBad) => {
+		if (run === stopRun) $('stop-said').replaceChildren(h('p', { text, class: isBad ? 'bad' : null }));
+	};
+	tell('Stopping…');
+	for (let tries = 1; run === stopRun; tries += 1) {
+		try {
+			const answer = await call('POST', '/api/v1/stop', { body: '{}', timeout: 1500 });
+			const count = answer.stopped.length;
+			const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status?.in_use_by);
+			const also = others.length
+				? ` In use by another program, which this page cannot stop: ${others.map((pump) => pump.name).join(', ')}.` : '';
+			const told = count ? `The service is stopping ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
+			tell(told + also, others.length > 0);
+			await sleep(others.length ? 30000 : 6000);
+			if (run === stopRun) $('stop-said').replaceChildren();
+			return;
+		} catch (error) {
+			if (error instanceof Refused && error.status === 401) return tell('Not stopped: log in first.', true);
+			tell(tries < 20
+				? `The service cannot be reached: NOT stopped (${tries} ${tries === 1 ? 'try' : 'tries'}, trying again). ` +
+					'If a pump must stop now, switch it off.'
+				: 'NOT stopped: the service cannot be reached. Switch the pumps off by hand. The button tries again.', true);
+			if (tries === 20) return;
+			// The stream may hold the last free connection.
+			if (tries === 2 && source) { source.close(); lose(); retry(); }
+			await sleep(Math.min(2000, 200 * tries));
+		}
+	}
 }
 function stopButton(text, act, isCalm) {
-  const button = h('button', { class: isCalm ? 'stop calm' : 'stop', text });
-  bindStop(button, act);
-  return button;
+	const button = h('button', { class: isCalm ? 'stop calm' : 'stop', text });
+	bindStop(button, act);
+	return button;
 }
 /** A stop acts when it is pressed, not when it is let go. A finger on a button that scrolls away may mean to scroll. */
 function bindStop(button, act) {
-  let pressed = 0;
-  button.addEventListener('pointerdown', (event) => {
-    if (event.button !== 0 || (event.pointerType === 'touch' && button.id !== 'stop')) return;
-    pressed = Date.now();
-    act();
-  });
-  button.addEventListener('click', () => {
-    if (Date.now() - pressed > 1000) act();
-    pressed = 0;
-  });
+	let pressed = 0;
+	button.addEventListener('pointerdown', (event) => {
+		if (event.button !== 0 || (event.pointerType === 'touch' && button.id !== 'stop')) return;
+		pressed = Date.now();
+		act();
+	});
+	button.addEventListener('click', () => {
+		if (Date.now() - pressed > 1000) act();
+		pressed = 0;
+	});
 }
 bindStop($('stop'), stopAll);
 let escapeAt = 0;
 document.addEventListener('keydown', (event) => {
-  if (event.key !== 'Escape' || event.repeat || event.isComposing) return;
-  const now = Date.now();
-  if (now - escapeAt < 1000) {
-    escapeAt = 0;
-    stopAll();
-  } else {
-    escapeAt = now;
-  }
+	if (event.key !== 'Escape' || event.repeat || event.isComposing) return;
+	const now = Date.now();
+	if (now - escapeAt < 1000) {
+		escapeAt = 0;
+		stopAll();
+	} else {
+		escapeAt = now;
+	}
 }, true);
 
 /* The turning head. */
@@ -554,140 +554,140 @@ const GUESSED = 500;
  * shown now. The browser's compositor carries it out, so a busy page does not make it jerk, and it ends by itself.
  */
 class Head {
-  constructor(rollers) {
-    this.pitch = 360 / rollers;
-    this.rollers = rollers;
-    this.base = this.rate = this.at = 0;
-    this.from = this.to = null;
-    this.begun = this.lasts = 0;
-    this.motion = null;
-    this.known = null;
-    this.wheel = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' });
-    this.rotor = h('div', { class: 'rotor' }, this.wheel);
-    this.unsure = s('text', { class: 'unsure', y: 8, text: '?' });
-    const tube = 'M-40 58V0A40 40 0 0 1 40 0V58';
-    const bed = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' },
-      s('path', { class: 'bed', d: 'M-49 8V0A49 49 0 0 1 49 0V8' }),
-      s('path', { class: 'tube', d: tube }), s('path', { class: 'lumen', d: tube }),
-      s('text', { class: 'port', x: -54, y: 57, text: 'in' }), s('text', { class: 'port', x: 54, y: 57, text: 'out' }),
-      this.unsure);
-    this.el = h('div', { class: 'head', role: 'img' }, bed, this.rotor);
-  }
+	constructor(rollers) {
+		this.pitch = 360 / rollers;
+		this.rollers = rollers;
+		this.base = this.rate = this.at = 0;
+		this.from = this.to = null;
+		this.begun = this.lasts = 0;
+		this.motion = null;
+		this.known = null;
+		this.wheel = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' });
+		this.rotor = h('div', { class: 'rotor' }, this.wheel);
+		this.unsure = s('text', { class: 'unsure', y: 8, text: '?' });
+		const tube = 'M-40 58V0A40 40 0 0 1 40 0V58';
+		const bed = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' },
+			s('path', { class: 'bed', d: 'M-49 8V0A49 49 0 0 1 49 0V8' }),
+			s('path', { class: 'tube', d: tube }), s('path', { class: 'lumen', d: tube }),
+			s('text', { class: 'port', x: -54, y: 57, text: 'in' }), s('text', { class: 'port', x: 54, y: 57, text: 'out' }),
+			this.unsure);
+		this.el = h('div', { class: 'head', role: 'img' }, bed, this.rotor);
+	}
 
-  /** Shows the rollers, or a hatched ring where their angle is unknown. */
-  know(known) {
-    if (this.known === known) return;
-    this.known = known;
-    this.unsure.setAttribute('visibility', known ? 'hidden' : 'visible');
-    if (!known) {
-      this.wheel.replaceChildren(s('circle', { class: 'hatched', r: 27 }));
-      return;
-    }
-    const parts = [];
-    for (let i = 0; i < this.rollers; i += 1) {
-      const [x, y] = [Math.cos(2 * Math.PI * i / this.rollers), Math.sin(2 * Math.PI * i / this.rollers)];
-      parts.push(s('line', { class: 'arm', x2: 33 * x, y2: 33 * y }),
-        s('circle', { class: 'roller', r: 7.5, cx: 34 * x, cy: 34 * y }),
-        s('circle', { class: 'pin', r: 1.8, cx: 34 * x, cy: 34 * y }));
-    }
-    this.wheel.replaceChildren(...parts, s('circle', { class: 'hub', r: 9 }));
-  }
+	/** Shows the rollers, or a hatched ring where their angle is unknown. */
+	know(known) {
+		if (this.known === known) return;
+		this.known = known;
+		this.unsure.setAttribute('visibility', known ? 'hidden' : 'visible');
+		if (!known) {
+			this.wheel.replaceChildren(s('circle', { class: 'hatched', r: 27 }));
+			return;
+		}
+		const parts = [];
+		for (let i = 0; i < this.rollers; i += 1) {
+			const [x, y] = [Math.cos(2 * Math.PI * i / this.rollers), Math.sin(2 * Math.PI * i / this.rollers)];
+			parts.push(s('line', { class: 'arm', x2: 33 * x, y2: 33 * y }),
+				s('circle', { class: 'roller', r: 7.5, cx: 34 * x, cy: 34 * y }),
+				s('circle', { class: 'pin', r: 1.8, cx: 34 * x, cy: 34 * y }));
+		}
+		this.wheel.replaceChildren(...parts, s('circle', { class: 'hub', r: 9 }));
+	}
 
-  /** The angle nearest to `near` at which the picture is that of `angle`. */
-  like(angle, near, by) {
-    return angle + by * Math.round((near - angle) / by);
-  }
+	/** The angle nearest to `near` at which the picture is that of `angle`. */
+	like(angle, near, by) {
+		return angle + by * Math.round((near - angle) / by);
+	}
 
-  /** The angle that is shown now. */
-  shown(now) {
-    const part = this.lasts ? Math.min(1, Math.max(0, (now - this.begun) / this.lasts)) : 1;
-    return this.from + (this.to - this.from) * part;
-  }
+	/** The angle that is shown now. */
+	shown(now) {
+		const part = this.lasts ? Math.min(1, Math.max(0, (now - this.begun) / this.lasts)) : 1;
+		return this.from + (this.to - this.from) * part;
+	}
 
-  stand(angle) {
-    const now = performance.now();
-    const isFirst = this.to == null;
-    this.base = isFirst ? angle : this.like(angle, this.shown(now), this.pitch);
-    this.rate = this.at = 0;
-    if (isFirst || calm.matches) this.put(this.base);
-    else this.turn(this.base, now, 120);
-  }
+	stand(angle) {
+		const now = performance.now();
+		const isFirst = this.to == null;
+		this.base = isFirst ? angle : this.like(angle, this.shown(now), this.pitch);
+		this.rate = this.at = 0;
+		if (isFirst || calm.matches) this.put(this.base);
+		else this.turn(this.base, now, 120);
+	}
 
-  /** Takes an angle that was measured while the rotor turns. */
-  sample(angle, now) {
-    if (this.at && now - this.at < 1000) {
-      if (now - this.at < 20) return;
-      angle = this.like(angle, this.base + this.rate * (now - this.at), 360);
-      const rate = (angle - this.base) / (now - this.at);
-      this.rate = this.rate ? 0.6 * this.rate + 0.4 * rate : rate;
-    } else {
-      angle = this.like(angle, this.to == null ? angle : this.shown(now), this.pitch);
-      this.rate = 0;
-    }
-    this.base = angle;
-    this.at = now;
-  }
+	/** Takes an angle that was measured while the rotor turns. */
+	sample(angle, now) {
+		if (this.at && now - this.at < 1000) {
+			if (now - this.at < 20) return;
+			angle = this.like(angle, this.base + this.rate * (now - this.at), 360);
+			const rate = (angle - this.base) / (now - this.at);
+			this.rate = this.rate ? 0.6 * this.rate + 0.4 * rate : rate;
+		} else {
+			angle = this.like(angle, this.to == null ? angle : this.shown(now), this.pitch);
+			this.rate = 0;
+		}
+		this.base = angle;
+		this.at = now;
+	}
 
-  /** Turns on from what is shown, as the last measurements tell. */
-  go(now) {
-    if (calm.matches || !this.at) return;
-    if (this.to == null) this.put(this.base);
-    // A motion that is right and goes on for a while is left alone.
-    const isRight = Math.abs(this.base + this.rate * (now - this.at) - this.shown(now)) < 1.5;
-    if (isRight && this.begun + this.lasts - now > 200) return;
-    this.turn(this.base + this.rate * (now + GUESSED - this.at), now, GUESSED);
-  }
+	/** Turns on from what is shown, as the last measurements tell. */
+	go(now) {
+		if (calm.matches || !this.at) return;
+		if (this.to == null) this.put(this.base);
+		// A motion that is right and goes on for a while is left alone.
+		const isRight = Math.abs(this.base + this.rate * (now - this.at) - this.shown(now)) < 1.5;
+		if (isRight && this.begun + this.lasts - now > 200) return;
+		this.turn(this.base + this.rate * (now + GUESSED - this.at), now, GUESSED);
+	}
 
-  turn(to, now, lasts) {
-    this.from = this.shown(now);
-    Object.assign(this, { to, begun: now, lasts });
-    const at = (angle) => ({ transform: `rotate(${angle.toFixed(2)}deg)` });
-    const motion = this.rotor.animate([at(this.from), at(to)], { duration: lasts, fill: 'forwards' });
-    if (this.motion) this.motion.cancel();
-    this.motion = motion;
-    motion.onfinish = () => this.put(to);
-  }
+	turn(to, now, lasts) {
+		this.from = this.shown(now);
+		Object.assign(this, { to, begun: now, lasts });
+		const at = (angle) => ({ transform: `rotate(${angle.toFixed(2)}deg)` });
+		const motion = this.rotor.animate([at(this.from), at(to)], { duration: lasts, fill: 'forwards' });
+		if (this.motion) this.motion.cancel();
+		this.motion = motion;
+		motion.onfinish = () => this.put(to);
+	}
 
-  put(angle) {
-    this.from = this.to = angle;
-    this.lasts = 0;
-    this.rotor.style.transform = `rotate(${(angle % 360).toFixed(2)}deg)`;
-    if (this.motion) this.motion.cancel();
-    this.motion = null;
-  }
+	put(angle) {
+		this.from = this.to = angle;
+		this.lasts = 0;
+		this.rotor.style.transform = `rotate(${(angle % 360).toFixed(2)}deg)`;
+		if (this.motion) this.motion.cancel();
+		this.motion = null;
+	}
 }
 
 /* What a pump is shown to do. */
 
 function standWords(pump) {
-  const stand = pump.view.status.safety.stand;
-  const since = date(new Date(stand.since));
-  if (stand.limit === 'ordered') return `${pump.name} was put to stand, ${since}: ${stand.reason}`;
-  const limit = stand.limit === 'vessel' ? 'limit of the vessel' : 'limit of 24 h';
-  return `${pump.name} stands at its ${limit} since ${since}: ${short(stand.used_ml)} mL were ` +
-    `pumped, ${stand.planned_ml ? `${short(stand.planned_ml)} mL more were planned, ` : ''}` +
-    `${short(stand.allowed_ml)} mL are allowed.`;
+	const stand = pump.view.status.safety.stand;
+	const since = date(new Date(stand.since));
+	if (stand.limit === 'ordered') return `${pump.name} was put to stand, ${since}: ${stand.reason}`;
+	const limit = stand.limit === 'vessel' ? 'limit of the vessel' : 'limit of 24 h';
+	return `${pump.name} stands at its ${limit} since ${since}: ${short(stand.used_ml)} mL were ` +
+		`pumped, ${stand.planned_ml ? `${short(stand.planned_ml)} mL more were planned, ` : ''}` +
+		`${short(stand.allowed_ml)} mL are allowed.`;
 }
 
 function stateOf(pump) {
-  const { view, motion } = pump;
-  const { status } = view;
-  if (motion) {
-    if (motion.isPlan) return ['wait', 'Planning'];
-    if (motion.wait) {
-      const left = span((motion.wait.until - Date.now()) / 1000);
-      return ['wait', `Waiting: dose ${motion.wait.number} of ${motion.wait.count} begins in ${left}`];
-    }
-    const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan?.purpose : null;
-    const word = motion.task === 'rack' ? TASKS.rack : TASKS[purpose] || TASKS[motion.task] || 'Busy';
-    if (motion.progress) return ['move', word];
-    return ['wait', STANDING.includes(motion.task) || motion.task === 'rack' ? word : `${word}: beginning`];
-  }
-  if (!status) return ['fault', 'The record cannot be read'];
-  if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
-  if (status.safety.stand) return ['stand', status.safety.stand.limit === 'ordered' ? 'Put to stand' : 'Stands at a limit'];
-  if (status.unfinished) return ['open', 'A dose is unfinished'];
-  return ['ready', 'Ready'];
+	const { view, motion } = pump;
+	const { status } = view;
+	if (motion) {
+		if (motion.isPlan) return ['wait', 'Planning'];
+		if (motion.wait) {
+			const left = span((motion.wait.until - Date.now()) / 1000);
+			return ['wait', `Waiting: dose ${motion.wait.number} of ${motion.wait.count} begins in ${left}`];
+		}
+		const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan?.purpose : null;
+		const word = motion.task === 'rack' ? TASKS.rack : TASKS[purpose] || TASKS[motion.task] || 'Busy';
+		if (motion.progress) return ['move', word];
+		return ['wait', STANDING.includes(motion.task) || motion.task === 'rack' ? word : `${word}: beginning`];
+	}
+	if (!status) return ['fault', 'The record cannot be read'];
+	if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
+	if (status.safety.stand) return ['stand', status.safety.stand.limit === 'ordered' ? 'Put to stand' : 'Stands at a limit'];
+	if (status.unfinished) return ['open', 'A dose is unfinished'];
+	return ['ready', 'Ready'];
 }
 
 /** Its spaces do not break, so that no line ends within it. */
@@ -696,126 +696,126 @@ const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncer
 /** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
 const isEndless = ({ asked }) => asked === 'until stopped';
 const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
-  : `${short(own)} mL${asked ? ` (${asked})` : ''}`);
+	: `${short(own)} mL${asked ? ` (${asked})` : ''}`);
 const purposeWord = (purpose) => (purpose === 'calibrate' ? 'calibration run' : purpose === 'retract' ? 'retraction' : purpose);
 
 /** The volume in large numerals: figure, words below it, and the bar. */
 const ENDS = { weighed: ', weighed', stopped: ', stopped', fault: ', failed', 'cut-off': ', cut off' };
 /** The later of the log's last dose and the last report of an order, as the log tells it: the log is read a moment later. */
 function newest(logged, last) {
-  if (!last || (logged && new Date(logged.time) >= new Date(last.report.time))) return logged;
-  const { report, stopped, resumed } = last;
-  return { ...report, end: report.completed ? 'done' : stopped ? 'stopped' : 'fault', resumed };
+	if (!last || (logged && new Date(logged.time) >= new Date(last.report.time))) return logged;
+	const { report, stopped, resumed } = last;
+	return { ...report, end: report.completed ? 'done' : stopped ? 'stopped' : 'fault', resumed };
 }
 /** When a motion ends, by its share that is done; empty for one that runs until it is stopped. */
 function endWords({ motion: { plan, progress } }) {
-  if (!plan || progress.of_ml == null || !progress.of_steps) return '';
-  const left = plan.motion_s * Math.max(0, 1 - Math.abs(progress.steps / progress.of_steps)) + (plan.settle_s || 0);
-  return left < 1 ? '' : `ends ${endOf(left)}, ${span(left)} left`;
+	if (!plan || progress.of_ml == null || !progress.of_steps) return '';
+	const left = plan.motion_s * Math.max(0, 1 - Math.abs(progress.steps / progress.of_steps)) + (plan.settle_s || 0);
+	return left < 1 ? '' : `ends ${endOf(left)}, ${span(left)} left`;
 }
 /** The time of day so many seconds from now, with its date if that is another one. */
 function endOf(seconds) {
-  const text = date(new Date(Date.now() + 1000 * seconds));
-  return text.slice(0, 10) === date(new Date()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
+	const text = date(new Date(Date.now() + 1000 * seconds));
+	return text.slice(0, 10) === date(new Date()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
 }
 function readOf(pump) {
-  const { view, motion, last } = pump;
-  const unfinished = view.status?.unfinished;
-  if (motion?.progress) {
-    const { plan } = motion;
-    const { delivered_ml: delivered, of_ml: of } = motion.progress;
-    const u = plan ? plan.expanded_uncertainty_ml : 0;
-    const isRest = motion.task === 'resume';
-    const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
-    const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
-    const rest = isRest ? ' (the rest of a dose)' : '';
-    const figure = fixed(delivered, of == null ? 2 : Math.max(decimalsOf(u), 3 - Math.ceil(Math.log10(Math.abs(of) || 1))));
-    const time = endWords(pump);
-    return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
-      bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
-  }
-  if (motion?.plan && !motion.wait) {
-    const { plan } = motion;
-    return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} asked`, words: 'beginning',
-      bar: null };
-  }
-  if (unfinished && !motion) {
-    const { delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked } = unfinished;
-    const isSure = Math.abs(most - least) < 0.0005 * Math.max(1, Math.abs(most));
-    const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL asked`;
-    return { figure: isSure ? fixed(most, 2) : `${fixed(least, 2)} to ${fixed(most, 2)}`, below: `${what}; unfinished`,
-      words: '', bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
-  }
-  const done = newest(view.last, last);
-  if (done) {
-    const u = done.expanded_uncertainty_ml || 0;
-    const { delivered_least_ml: least, delivered_most_ml: most } = done;
-    const what = done.resumed ? `the rest of ${askedWords(done)}` : `last ${purposeWord(done.purpose)}: ${askedWords(done)}${isEndless(done) ? '' : ' asked'}`;
-    return { figure: least == null ? ml(done.delivered_ml, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`, words: '',
-      below: `${what}${least == null && u ? `, ${plusMinus(done)}` : ''}${ENDS[done.end] || ''}; began ${date(new Date(done.time))}`,
-      bar: done.resumed || done.purpose === 'run' ? null
-        : { at: done.delivered_ml, asked: done.requested_ml, of: done.requested_ml, u } };
-  }
-  return { figure: '–', below: 'no dose is on record', words: '', bar: null };
+	const { view, motion, last } = pump;
+	const unfinished = view.status?.unfinished;
+	if (motion?.progress) {
+		const { plan } = motion;
+		const { delivered_ml: delivered, of_ml: of } = motion.progress;
+		const u = plan ? plan.expanded_uncertainty_ml : 0;
+		const isRest = motion.task === 'resume';
+		const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
+		const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
+		const rest = isRest ? ' (the rest of a dose)' : '';
+		const figure = fixed(delivered, of == null ? 2 : Math.max(decimalsOf(u), 3 - Math.ceil(Math.log10(Math.abs(of) || 1))));
+		const time = endWords(pump);
+		return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
+			bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
+	}
+	if (motion?.plan && !motion.wait) {
+		const { plan } = motion;
+		return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} asked`, words: 'beginning',
+			bar: null };
+	}
+	if (unfinished && !motion) {
+		const { delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked } = unfinished;
+		const isSure = Math.abs(most - least) < 0.0005 * Math.max(1, Math.abs(most));
+		const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL asked`;
+		return { figure: isSure ? fixed(most, 2) : `${fixed(least, 2)} to ${fixed(most, 2)}`, below: `${what}; unfinished`,
+			words: '', bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
+	}
+	const done = newest(view.last, last);
+	if (done) {
+		const u = done.expanded_uncertainty_ml || 0;
+		const { delivered_least_ml: least, delivered_most_ml: most } = done;
+		const what = done.resumed ? `the rest of ${askedWords(done)}` : `last ${purposeWord(done.purpose)}: ${askedWords(done)}${isEndless(done) ? '' : ' asked'}`;
+		return { figure: least == null ? ml(done.delivered_ml, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`, words: '',
+			below: `${what}${least == null && u ? `, ${plusMinus(done)}` : ''}${ENDS[done.end] || ''}; began ${date(new Date(done.time))}`,
+			bar: done.resumed || done.purpose === 'run' ? null
+				: { at: done.delivered_ml, asked: done.requested_ml, of: done.requested_ml, u } };
+	}
+	return { figure: '–', below: 'no dose is on record', words: '', bar: null };
 }
 
 const between = (least, most, u) => (least == null ? 'unknown: the pump file does not describe this line'
-  : `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`);
+	: `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`);
 
 function angleWords({ view, motion }) {
-  const { status } = view;
-  if (!status.angle_known) return 'unknown';
-  const isTurning = motion?.progress;
-  const angle = isTurning ? motion.progress.angle_deg : status.angle_deg;
-  const within = status.half_width_deg > 0.005 && !isTurning ? ` ± ${short(status.half_width_deg, 2)}°` : '';
-  return `${fixed(((angle % 360) + 360) % 360, 1)}°${within}`;
+	const { status } = view;
+	if (!status.angle_known) return 'unknown';
+	const isTurning = motion?.progress;
+	const angle = isTurning ? motion.progress.angle_deg : status.angle_deg;
+	const within = status.half_width_deg > 0.005 && !isTurning ? ` ± ${short(status.half_width_deg, 2)}°` : '';
+	return `${fixed(((angle % 360) + 360) % 360, 1)}°${within}`;
 }
 
 function factsOf(pump, isWide) {
-  const { view, motion, last } = pump;
-  const { status } = view;
-  if (!status) return [];
-  const plan = motion?.plan || last?.report;
-  const facts = [];
-  facts.push(['Angle', angleWords(pump)]);
-  const within = status.carry_half_width_ml > 0 ? ` ± ${small(status.carry_half_width_ml)}` : '';
-  facts.push(['Carry', `${small(status.carry_ml)}${within}`]);
-  if (plan) {
-    const when = motion?.plan ? '' : ', last';
-    facts.push([`Inlet${when}`, between(plan.inlet_min_kpa, plan.inlet_max_kpa, plan.inlet_pressure_uncertainty_kpa)],
-      [`Outlet${when}`, between(plan.outlet_min_kpa, plan.outlet_max_kpa, plan.outlet_pressure_uncertainty_kpa)]);
-  } else {
-    facts.push(['Pressures', 'predicted with the next plan']);
-  }
-  const { wear, safety } = status;
-  const life = [[status.tube_life_ml, wear.volume_ml, 'mL'], [status.tube_life_h, wear.motion_s / 3600, 'h'],
-    [status.tube_life_revolutions, wear.revolutions, 'rev']].filter(([of]) => of != null);
-  facts.push(['Tube', life.length ? life.map(([of, used, unit]) => `${short(used)} of ${short(of)} ${unit}`).join(', ')
-    : `${short(wear.volume_ml)} mL pumped, ${short(wear.revolutions)} rev; no life stated`]);
-  facts.push(['24 h limit', safety.max_ml_per_day == null ? `none; ${short(safety.day_ml)} mL pumped`
-    : `${short(safety.day_left_ml)} mL left of ${short(safety.max_ml_per_day)} mL`]);
-  facts.push(['Vessel', safety.vessel_ml == null ? `no limit; ${short(safety.received_ml)} mL received`
-    : `${short(safety.vessel_left_ml)} mL left of ${short(safety.vessel_ml)} mL`]);
-  if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record: no volume becomes free`]);
-  if (!isWide) return facts;
-  if (plan) facts.push(['Flow', `${short(plan.cruise_flow_ml_s)} mL/s at ${short(plan.cruise_speed_rpm)} r/min`]);
-  facts.push(['Calibration', status.calibration ? `number ${status.calibration.version} of ${status.calibration.date.slice(0, 10)}`
-    : 'none; volumes are those of the model']);
-  if (status.unfinished_calibration) facts.push(['Also', 'a guided calibration by the command is unfinished']);
-  facts.push(['Rollers', `${view.rollers}, ${short(view.pitch_deg)}° apart; 0° is where one begins to leave the outlet`],
-    ['Motor', view.simulated ? `simulated (${view.driver})` : `${view.driver}${view.port ? ` at ${view.port}` : ''}`],
-    ['Usual flow', `${short(view.default_flow_ml_s)} mL/s`],
-    ['Record', status.folder]);
-  return facts;
+	const { view, motion, last } = pump;
+	const { status } = view;
+	if (!status) return [];
+	const plan = motion?.plan || last?.report;
+	const facts = [];
+	facts.push(['Angle', angleWords(pump)]);
+	const within = status.carry_half_width_ml > 0 ? ` ± ${small(status.carry_half_width_ml)}` : '';
+	facts.push(['Carry', `${small(status.carry_ml)}${within}`]);
+	if (plan) {
+		const when = motion?.plan ? '' : ', last';
+		facts.push([`Inlet${when}`, between(plan.inlet_min_kpa, plan.inlet_max_kpa, plan.inlet_pressure_uncertainty_kpa)],
+			[`Outlet${when}`, between(plan.outlet_min_kpa, plan.outlet_max_kpa, plan.outlet_pressure_uncertainty_kpa)]);
+	} else {
+		facts.push(['Pressures', 'predicted with the next plan']);
+	}
+	const { wear, safety } = status;
+	const life = [[status.tube_life_ml, wear.volume_ml, 'mL'], [status.tube_life_h, wear.motion_s / 3600, 'h'],
+		[status.tube_life_revolutions, wear.revolutions, 'rev']].filter(([of]) => of != null);
+	facts.push(['Tube', life.length ? life.map(([of, used, unit]) => `${short(used)} of ${short(of)} ${unit}`).join(', ')
+		: `${short(wear.volume_ml)} mL pumped, ${short(wear.revolutions)} rev; no life stated`]);
+	facts.push(['24 h limit', safety.max_ml_per_day == null ? `none; ${short(safety.day_ml)} mL pumped`
+		: `${short(safety.day_left_ml)} mL left of ${short(safety.max_ml_per_day)} mL`]);
+	facts.push(['Vessel', safety.vessel_ml == null ? `no limit; ${short(safety.received_ml)} mL received`
+		: `${short(safety.vessel_left_ml)} mL left of ${short(safety.vessel_ml)} mL`]);
+	if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record: no volume becomes free`]);
+	if (!isWide) return facts;
+	if (plan) facts.push(['Flow', `${short(plan.cruise_flow_ml_s)} mL/s at ${short(plan.cruise_speed_rpm)} r/min`]);
+	facts.push(['Calibration', status.calibration ? `number ${status.calibration.version} of ${status.calibration.date.slice(0, 10)}`
+		: 'none; volumes are those of the model']);
+	if (status.unfinished_calibration) facts.push(['Also', 'a guided calibration by the command is unfinished']);
+	facts.push(['Rollers', `${view.rollers}, ${short(view.pitch_deg)}° apart; 0° is where one begins to leave the outlet`],
+		['Motor', view.simulated ? `simulated (${view.driver})` : `${view.driver}${view.port ? ` at ${view.port}` : ''}`],
+		['Usual flow', `${short(view.default_flow_ml_s)} mL/s`],
+		['Record', status.folder]);
+	return facts;
 }
 
 function showFacts(list, facts) {
-  const names = facts.map(([name]) => name).join('\n');
-  if (list.names !== names) {
-    list.names = names;
-    list.replaceChildren(...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', {}, h('span', { class: name === 'Angle' ? 'line' : null }))]));
-  }
-  facts.forEach(([, value], i) => say(list.children[2 * i + 1].firstChild, value));
+	const names = facts.map(([name]) => name).join('\n');
+	if (list.names !== names) {
+		list.names = names;
+		list.replaceChildren(...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', {}, h('span', { class: name === 'Angle' ? 'line' : null }))]));
+	}
+	facts.forEach(([, value], i) => say(list.children[2 * i + 1].firstChild, value));
 }
 
 /* Forms. */
@@ -823,95 +823,95 @@ function showFacts(list, facts) {
 const isBusy = ({ motion, view: { status } }) => Boolean(motion || status?.in_use_by);
 /** What a form was answered. */
 function showError(said, error, name) {
-  const pump = pumps.get(name);
-  const kids = [];
-  if (!(error instanceof Refused)) kids.push(bad(LOST));
-  else {
-    const lead = error.code === 3 ? 'In use: ' : '';
-    kids.push(bad(lead + error.message));
-    if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
-    if (pump && error.code === 5) kids.push(...standActions(pump));
-    // The message goes once its reason has gone.
-    if (pump && [4, 5, isBusy(pump) && 3].includes(error.code)) pump.refused.set(said, error.code);
-  }
-  said.replaceChildren(h('div', { class: 'notice bad', role: 'alert' }, kids));
+	const pump = pumps.get(name);
+	const kids = [];
+	if (!(error instanceof Refused)) kids.push(bad(LOST));
+	else {
+		const lead = error.code === 3 ? 'In use: ' : '';
+		kids.push(bad(lead + error.message));
+		if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
+		if (pump && error.code === 5) kids.push(...standActions(pump));
+		// The message goes once its reason has gone.
+		if (pump && [4, 5, isBusy(pump) && 3].includes(error.code)) pump.refused.set(said, error.code);
+	}
+	said.replaceChildren(h('div', { class: 'notice bad', role: 'alert' }, kids));
 }
 
 /** Acts unless the button is at it already. */
 async function once(button, act, fail) {
-  if (button.getAttribute('aria-disabled') === 'true') return;
-  attr(button, 'aria-disabled', 'true');
-  await act().catch(fail);
-  attr(button, 'aria-disabled', 'false');
+	if (button.getAttribute('aria-disabled') === 'true') return;
+	attr(button, 'aria-disabled', 'true');
+	await act().catch(fail);
+	attr(button, 'aria-disabled', 'false');
 }
 /** Sends an order from a form or button, and shows its answer in `said`. */
 const send = (button, said, slot, name, path, body, done) => once(button, async () => {
-  said.replaceChildren(para('Sent…'));
-  await done(await give(slot, path, body));
+	said.replaceChildren(para('Sent…'));
+	await done(await give(slot, path, body));
 }, (error) => showError(said, error, name));
 const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
 /** Throws the error of an order that failed. */
 function sound(order) {
-  if (order.state === 'failed') throw orderError(order);
+	if (order.state === 'failed') throw orderError(order);
 }
 /** Waits for the end of an order that must be done. */
 async function completed(order) {
-  order = await ended(order);
-  if (order.state !== 'done') throw orderError(order);
-  return order;
+	order = await ended(order);
+	if (order.state !== 'done') throw orderError(order);
+	return order;
 }
 function orderError(order) {
-  const error = order.error || { code: order.code, message: `the order ended with exit code ${order.code}` };
-  return new Refused(error, 422);
+	const error = order.error || { code: order.code, message: `the order ended with exit code ${order.code}` };
+	return new Refused(error, 422);
 }
 
 function field(label, props = {}) {
-  const id = newId();
-  const hintId = props.hint ? `${id}h` : null;
-  const { hint, ...rest } = props;
-  const input = h('input', { type: 'text', id, name: label.toLowerCase(), autocomplete: 'off', autocapitalize: 'off',
-    spellcheck: 'false', 'aria-describedby': hintId, ...rest });
-  const el = h('div', { class: 'grow' }, h('label', { for: id, text: label }), input,
-    hint && h('p', { class: 'hint', id: hintId, text: hint }));
-  return { el, input };
+	const id = newId();
+	const hintId = props.hint ? `${id}h` : null;
+	const { hint, ...rest } = props;
+	const input = h('input', { type: 'text', id, name: label.toLowerCase(), autocomplete: 'off', autocapitalize: 'off',
+		spellcheck: 'false', 'aria-describedby': hintId, ...rest });
+	const el = h('div', { class: 'grow' }, h('label', { for: id, text: label }), input,
+		hint && h('p', { class: 'hint', id: hintId, text: hint }));
+	return { el, input };
 }
 function check(label) {
-  const input = h('input', { type: 'checkbox' });
-  return { el: h('label', { class: 'check' }, input, h('span', { text: label })), input };
+	const input = h('input', { type: 'checkbox' });
+	return { el: h('label', { class: 'check' }, input, h('span', { text: label })), input };
 }
 function choice(label, options) {
-  const id = newId();
-  const input = h('select', { id }, options.map(([value, text]) => h('option', { value, text })));
-  return { el: h('div', {}, h('label', { for: id, text: label }), input), input };
+	const id = newId();
+	const input = h('select', { id }, options.map(([value, text]) => h('option', { value, text })));
+	return { el: h('div', {}, h('label', { for: id, text: label }), input), input };
 }
 
 /** The plan of a dose as a list. */
 function planList(report) {
-  const facts = [
-    ['Volume', `${ml(report.planned_ml, report.expanded_uncertainty_ml)} mL ${plusMinus(report)}`],
-    ['Time', `${short(report.motion_s)} s${report.settle_s ? `, then ${short(report.settle_s, 2)} s to settle` : ''}`],
-    ['Flow', `${short(report.cruise_flow_ml_s)} mL/s at ${short(report.cruise_speed_rpm)} r/min`],
-    ['Inlet', between(report.inlet_min_kpa, report.inlet_max_kpa, report.inlet_pressure_uncertainty_kpa)],
-    ['Outlet', between(report.outlet_min_kpa, report.outlet_max_kpa, report.outlet_pressure_uncertainty_kpa)],
-    ['Carry after it', small(report.carry_ml)],
-  ];
-  if (report.limited_by !== 'none') facts.push(['Limited by', report.limited_by.replaceAll('_', ' ')]);
-  if (!report.phase.known) facts.push(['Angle', 'unknown: the plan suits every angle']);
-  const list = h('dl', { class: 'facts' });
-  showFacts(list, facts);
-  return [list, warningsOf(report)];
+	const facts = [
+		['Volume', `${ml(report.planned_ml, report.expanded_uncertainty_ml)} mL ${plusMinus(report)}`],
+		['Time', `${short(report.motion_s)} s${report.settle_s ? `, then ${short(report.settle_s, 2)} s to settle` : ''}`],
+		['Flow', `${short(report.cruise_flow_ml_s)} mL/s at ${short(report.cruise_speed_rpm)} r/min`],
+		['Inlet', between(report.inlet_min_kpa, report.inlet_max_kpa, report.inlet_pressure_uncertainty_kpa)],
+		['Outlet', between(report.outlet_min_kpa, report.outlet_max_kpa, report.outlet_pressure_uncertainty_kpa)],
+		['Carry after it', small(report.carry_ml)],
+	];
+	if (report.limited_by !== 'none') facts.push(['Limited by', report.limited_by.replaceAll('_', ' ')]);
+	if (!report.phase.known) facts.push(['Angle', 'unknown: the plan suits every angle']);
+	const list = h('dl', { class: 'facts' });
+	showFacts(list, facts);
+	return [list, warningsOf(report)];
 }
 function warningsOf(report) {
-  const warnings = (report.warnings || []).map((text) => h('li', { text: String(text).replace('`dose calibrate run`', '“Calibrate…”') }));
-  return warnings.length ? h('ul', { class: 'plain' }, warnings) : null;
+	const warnings = (report.warnings || []).map((text) => h('li', { text: String(text).replace('`dose calibrate run`', '“Calibrate…”') }));
+	return warnings.length ? h('ul', { class: 'plain' }, warnings) : null;
 }
 function showPlans(said, order) {
-  const heading = h('h3', { text: 'Plan (nothing has moved)', tabindex: '-1' });
-  const doses = dosesOf(order);
-  const parts = doses.map(({ name, report }) => [
-    doses.length > 1 ? h('p', { class: 'what', text: `${name}: ${askedWords(report)}` }) : null, planList(report)]);
-  said.replaceChildren(h('div', { class: 'plan' }, heading, parts.flat(2)));
-  heading.focus();
+	const heading = h('h3', { text: 'Plan (nothing has moved)', tabindex: '-1' });
+	const doses = dosesOf(order);
+	const parts = doses.map(({ name, report }) => [
+		doses.length > 1 ? h('p', { class: 'what', text: `${name}: ${askedWords(report)}` }) : null, planList(report)]);
+	said.replaceChildren(h('div', { class: 'plan' }, heading, parts.flat(2)));
+	heading.focus();
 }
 
 const text = (box, unit) => (unit ? withUnit(box.input.value, unit) : box.input.value.trim());
@@ -920,419 +920,419 @@ const ML = { nl: 1e-6, ul: 1e-3, µl: 1e-3, μl: 1e-3, mm3: 1e-3, ml: 1, cm3: 1,
 const SECONDS = { us: 1e-6, ms: 1e-3, s: 1, min: 60, h: 3600, d: 86400 };
 /** A number with its unit; NaN for what only the command can read. */
 function quantity(text, units) {
-  const [, number, unit] = /^[-+−]?([\d.]+)\s*(\S+)$/.exec((text || '').trim()) || [];
-  return Number(number) * units[(unit || '').toLowerCase()];
+	const [, number, unit] = /^[-+−]?([\d.]+)\s*(\S+)$/.exec((text || '').trim()) || [];
+	return Number(number) * units[(unit || '').toLowerCase()];
 }
 /** About how long a dose takes, s, by its words alone. */
 function roughly(pump, { volume, options }) {
-  if (options.repeat) return NaN;
-  if (options.within) return quantity(options.within, SECONDS);
-  const [flow, per] = (options.rate || '').split('/');
-  return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per?.trim()] : pump.view.default_flow_ml_s);
+	if (options.repeat) return NaN;
+	if (options.within) return quantity(options.within, SECONDS);
+	const [flow, per] = (options.rate || '').split('/');
+	return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per?.trim()] : pump.view.default_flow_ml_s);
 }
 /** Doses, but plans one that may be long first, and asks once more before one that takes over an hour: it may be a slip. */
 function sendDose(button, said, slot, pump, body, done) {
-  const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'dose'), body, done);
-  if (roughly(pump, body) < 1200) return go(button);
-  const { repeat, every, ...options } = body.options;
-  const path = ofPump(pump.name, 'dose');
-  return send(button, said, {}, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
-    const [{ report }] = dosesOf(await completed(order));
-    const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
-    const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
-    if (lasts <= 3600) return setTimeout(() => go(button), 0);
-    const sure = firstly(`Dose for ${span(lasts)}`, () => go(sure));
-    said.replaceChildren(h('div', { class: 'notice' },
-      para(`This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`), inRow(sure)));
-    sure.focus();
-  });
+	const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'dose'), body, done);
+	if (roughly(pump, body) < 1200) return go(button);
+	const { repeat, every, ...options } = body.options;
+	const path = ofPump(pump.name, 'dose');
+	return send(button, said, {}, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
+		const [{ report }] = dosesOf(await completed(order));
+		const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
+		const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
+		if (lasts <= 3600) return setTimeout(() => go(button), 0);
+		const sure = firstly(`Dose for ${span(lasts)}`, () => go(sure));
+		said.replaceChildren(h('div', { class: 'notice' },
+			para(`This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`), inRow(sure)));
+		sure.focus();
+	});
 }
 
 /** The form of a dose, short on a card. */
 function doseForm(pump, isWide) {
-  const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
-  const said = saidBox();
-  const [slot, planSlot] = [{}, {}];
-  const button = submit('Dose');
-  const parts = { rate: null };
-  let more = null;
-  let plan = null;
-  if (isWide) {
-    Object.assign(parts, {
-      rate: field('Rate', { placeholder: `${short(pump.view.default_flow_ml_s)}mL/s`, hint: 'A number alone is in mL/s; max is the fastest.' }),
-      within: field('Within', { placeholder: '10s' }), retract: field('Retract', { placeholder: '0.1mL' }),
-      temperature: field('Temperature', { placeholder: '20degC' }), fluid: field('Fluid', { placeholder: 'water' }),
-      repeat: field('Number of doses', { placeholder: '5' }), every: field('One every', { placeholder: '30s' }),
-      'max-per-day': field('Most in 24 h', { placeholder: '50mL' }),
-      finish: choice('End', [['', 'as configured'], ['any', 'anywhere'], ['low-flow', 'at low flow']]),
-      ramps: choice('Ramps', [['', 'as configured'], ['line', 'gentle on the line'], ['fastest', 'fastest']]),
-    });
-    parts.smooth = check('Smooth flow');
-    parts.reverse = check('Reverse');
-    const { rate, smooth, ...others } = parts;
-    more = moreOf(
-      fields(Object.values(others).map((part) => part.el)));
-    plan = h('button', { text: 'Plan' });
-  }
-  const body = (dry) => {
-    const options = {};
-    for (const [name, part] of Object.entries(parts)) {
-      if (!part) continue;
-      if (part.input.type === 'checkbox') { if (part.input.checked) options[name] = true; }
-      else if (text(part)) options[name] = text(part, { rate: 'mL/s', retract: 'mL', 'max-per-day': 'mL' }[name]);
-    }
-    if (dry) options['dry-run'] = true;
-    return { volume: text(volume, 'mL'), options };
-  };
-  const isEmpty = () => !text(volume) && (needs(volume, said, 'Enter a volume, such as 25mL.'), true);
-  const form = formOf(() => {
-    if (isEmpty()) return;
-    sendDose(button, said, slot, pump, body(false), (order) => {
-      sound(order);
-      tellTaken(said, order, `dose ${order.volume}`);
-    });
-  }, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
-  isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
-  if (plan) {
-    plan.addEventListener('click', () => {
-      if (isEmpty()) return;
-      send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
-        showPlans(said, await completed(order));
-      });
-    });
-  }
-  return form;
+	const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
+	const said = saidBox();
+	const [slot, planSlot] = [{}, {}];
+	const button = submit('Dose');
+	const parts = { rate: null };
+	let more = null;
+	let plan = null;
+	if (isWide) {
+		Object.assign(parts, {
+			rate: field('Rate', { placeholder: `${short(pump.view.default_flow_ml_s)}mL/s`, hint: 'A number alone is in mL/s; max is the fastest.' }),
+			within: field('Within', { placeholder: '10s' }), retract: field('Retract', { placeholder: '0.1mL' }),
+			temperature: field('Temperature', { placeholder: '20degC' }), fluid: field('Fluid', { placeholder: 'water' }),
+			repeat: field('Number of doses', { placeholder: '5' }), every: field('One every', { placeholder: '30s' }),
+			'max-per-day': field('Most in 24 h', { placeholder: '50mL' }),
+			finish: choice('End', [['', 'as configured'], ['any', 'anywhere'], ['low-flow', 'at low flow']]),
+			ramps: choice('Ramps', [['', 'as configured'], ['line', 'gentle on the line'], ['fastest', 'fastest']]),
+		});
+		parts.smooth = check('Smooth flow');
+		parts.reverse = check('Reverse');
+		const { rate, smooth, ...others } = parts;
+		more = moreOf(
+			fields(Object.values(others).map((part) => part.el)));
+		plan = h('button', { text: 'Plan' });
+	}
+	const body = (dry) => {
+		const options = {};
+		for (const [name, part] of Object.entries(parts)) {
+			if (!part) continue;
+			if (part.input.type === 'checkbox') { if (part.input.checked) options[name] = true; }
+			else if (text(part)) options[name] = text(part, { rate: 'mL/s', retract: 'mL', 'max-per-day': 'mL' }[name]);
+		}
+		if (dry) options['dry-run'] = true;
+		return { volume: text(volume, 'mL'), options };
+	};
+	const isEmpty = () => !text(volume) && (needs(volume, said, 'Enter a volume, such as 25mL.'), true);
+	const form = formOf(() => {
+		if (isEmpty()) return;
+		sendDose(button, said, slot, pump, body(false), (order) => {
+			sound(order);
+			tellTaken(said, order, `dose ${order.volume}`);
+		});
+	}, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
+	isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
+	if (plan) {
+		plan.addEventListener('click', () => {
+			if (isEmpty()) return;
+			send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
+				showPlans(said, await completed(order));
+			});
+		});
+	}
+	return form;
 }
 function needs(box, said, words) {
-  said.replaceChildren(alarm(words));
-  box.input.focus();
+	said.replaceChildren(alarm(words));
+	box.input.focus();
 }
 
 /** A form with one or two fields and one button, for an order of `word`. */
 function plainForm(pump, word, label, hint, boxes, bodyOf) {
-  const said = saidBox();
-  const slot = {};
-  const button = h('button', { type: 'submit', text: label });
-  return formOf(() => {
-    const missing = boxes.find((box) => box.input.required && !text(box));
-    if (missing) return needs(missing, said, 'Fill this in first.');
-    send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
-      sound(order);
-      tellTaken(said, order, word);
-    });
-  }, { 'aria-label': `${label}: ${pump.name}` }, h('h3', { text: label }), aside(hint),
-  inRow(boxes.map((box) => box.el), button), said);
+	const said = saidBox();
+	const slot = {};
+	const button = h('button', { type: 'submit', text: label });
+	return formOf(() => {
+		const missing = boxes.find((box) => box.input.required && !text(box));
+		if (missing) return needs(missing, said, 'Fill this in first.');
+		send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
+			sound(order);
+			tellTaken(said, order, word);
+		});
+	}, { 'aria-label': `${label}: ${pump.name}` }, h('h3', { text: label }), aside(hint),
+	inRow(boxes.map((box) => box.el), button), said);
 }
 
 /** A button that gives an order and tells its end beside it. */
 function orderButton(pump, word, label, isFirst, bodyOf, done) {
-  const said = saidBox();
-  const slot = {};
-  const button = h('button', { class: isFirst ? 'first' : null, text: label });
-  button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
-    async (order) => {
-      sound(order);
-      tellTaken(said, order, word);
-      if (done) done(order);
-    }));
-  return { button, said };
+	const said = saidBox();
+	const slot = {};
+	const button = h('button', { class: isFirst ? 'first' : null, text: label });
+	button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
+		async (order) => {
+			sound(order);
+			tellTaken(said, order, word);
+			if (done) done(order);
+		}));
+	return { button, said };
 }
 function unfinishedActions(pump) {
-  const unfinished = pump.view.status?.unfinished;
-  const isOverTime = unfinished?.over_time;
-  const resume = orderButton(pump, 'resume', 'Resume', true);
-  const accept = h('button', { text: 'Accept…', onclick: () => askAccept(pump) });
-  const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
-    : unfinished?.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
-      : 'Resume delivers the rest. Accept leaves the dose as it is.';
-  return [para(words), inRow(isOverTime ? null : resume.button, accept), resume.said];
+	const unfinished = pump.view.status?.unfinished;
+	const isOverTime = unfinished?.over_time;
+	const resume = orderButton(pump, 'resume', 'Resume', true);
+	const accept = h('button', { text: 'Accept…', onclick: () => askAccept(pump) });
+	const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
+		: unfinished?.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
+			: 'Resume delivers the rest. Accept leaves the dose as it is.';
+	return [para(words), inRow(isOverTime ? null : resume.button, accept), resume.said];
 }
 function standActions(pump) {
-  const { stand } = pump.view.status?.safety || {};
-  const emptied = stand?.limit === 'vessel'
-    ? h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
-  return [para('The pump will not move until somebody clears it.'),
-    inRow(emptied, firstly('Clear…', () => askClear(pump)))];
+	const { stand } = pump.view.status?.safety || {};
+	const emptied = stand?.limit === 'vessel'
+		? h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
+	return [para('The pump will not move until somebody clears it.'),
+		inRow(emptied, firstly('Clear…', () => askClear(pump)))];
 }
 
 /* Dialogs. Each has the stop, since it covers the page's. */
 
 function dialog(title, kids) {
-  const id = newId();
-  const close = h('button', { text: 'Close' });
-  const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
-    inRow(close, stopButton('Stop all', stopAll)));
-  close.addEventListener('click', () => box.close());
-  box.addEventListener('close', () => box.remove());
-  document.body.append(box);
-  box.showModal();
-  return box;
+	const id = newId();
+	const close = h('button', { text: 'Close' });
+	const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
+		inRow(close, stopButton('Stop all', stopAll)));
+	close.addEventListener('click', () => box.close());
+	box.addEventListener('close', () => box.remove());
+	document.body.append(box);
+	box.showModal();
+	return box;
 }
 const closeAll = () => document.querySelectorAll('dialog').forEach((box) => box.close());
 const pumpStop = (pump) => async () => {
-  try {
-    await call('POST', ofPump(pump.name, 'stop'), { body: '{}', timeout: 1500 });
-  } catch {
-    // The stop of all tries again, and says so.
-    stopAll();
-  }
+	try {
+		await call('POST', ofPump(pump.name, 'stop'), { body: '{}', timeout: 1500 });
+	} catch {
+		// The stop of all tries again, and says so.
+		stopAll();
+	}
 };
 
 function askAccept(pump) {
-  const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
-  const box = dialog(`Accept the dose of ${pump.name}?`, [
-    para('The rest is not delivered, and the carry starts again at 0.'), inRow(accept.button), accept.said]);
+	const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
+	const box = dialog(`Accept the dose of ${pump.name}?`, [
+		para('The rest is not delivered, and the carry starts again at 0.'), inRow(accept.button), accept.said]);
 }
 function askEmptied(pump) {
-  const act = orderButton(pump, 'emptied', 'The vessel is empty', true, null, () => box.close());
-  const box = dialog(`Vessel of ${pump.name}`, [
-    para('Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands at a limit still has to be cleared.'),
-    inRow(act.button), act.said]);
+	const act = orderButton(pump, 'emptied', 'The vessel is empty', true, null, () => box.close());
+	const box = dialog(`Vessel of ${pump.name}`, [
+		para('Empty the receiving vessel first. The record then counts from 0 mL. A pump that stands at a limit still has to be cleared.'),
+		inRow(act.button), act.said]);
 }
 function askClear(pump) {
-  const name = field('Name of the pump', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
-  const reason = field('Reason', { required: true, placeholder: 'the tank was changed' });
-  const by = field('Your name', { required: true });
-  const said = saidBox();
-  const slot = {};
-  const button = submit('Clear the pump');
-  const box = dialog(`Clear ${pump.name}`, [para(pump.view.status?.safety.stand ? standWords(pump) : ''),
-    formOf(() => {
-      if (text(name) !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
-      const missing = [reason, by].find((box) => !text(box));
-      if (missing) return needs(missing, said, 'Fill this in first.');
-      send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason), by: text(by) }, async (order) => {
-        await completed(order);
-        box.close();
-        politely(`${pump.name} is cleared.`, true);
-      });
-    }, {}, name.el, reason.el, by.el, inRow(button), said)]);
+	const name = field('Name of the pump', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
+	const reason = field('Reason', { required: true, placeholder: 'the tank was changed' });
+	const by = field('Your name', { required: true });
+	const said = saidBox();
+	const slot = {};
+	const button = submit('Clear the pump');
+	const box = dialog(`Clear ${pump.name}`, [para(pump.view.status?.safety.stand ? standWords(pump) : ''),
+		formOf(() => {
+			if (text(name) !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
+			const missing = [reason, by].find((box) => !text(box));
+			if (missing) return needs(missing, said, 'Fill this in first.');
+			send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason), by: text(by) }, async (order) => {
+				await completed(order);
+				box.close();
+				politely(`${pump.name} is cleared.`, true);
+			});
+		}, {}, name.el, reason.el, by.el, inRow(button), said)]);
 }
 
 /** Guided calibration: dose, weigh, enter the reading, and see the factor. */
 function calibrate(pump) {
-  const step = h('div', { class: 'step' });
-  const box = dialog(`Calibrate ${pump.name}`, [step]);
-  const steps = 3;
-  const put = (number, title, ...kids) => {
-    const heading = h('h3', { text: `${number ? `Step ${number} of ${steps}: ` : ''}${title}`, tabindex: '-1' });
-    step.replaceChildren(heading, ...kids.flat().filter(Boolean));
-    heading.focus();
-  };
-  const first = () => {
-    const volume = field('Volume', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
-    const said = saidBox();
-    const slot = {};
-    const button = submit('Dose');
-    put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
-      formOf(() => {
-        sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, second);
-      }, {}, volume.el, inRow(button, h('button', { text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
-  };
-  const second = async (order) => {
-    const figure = h('p', { class: 'big' });
-    put(2, 'wait', para('The pump doses. Leave the scale alone.'), figure);
-    const timer = setInterval(() => {
-      const read = readOf(pump);
-      figure.replaceChildren(read.figure, h('small', { text: ' mL' }));
-    }, 200);
-    try {
-      order = await ended(order);
-    } catch (error) {
-      const said = saidBox();
-      put(2, 'it is not known how the dose ended', said);
-      return showError(said, error, pump.name);
-    } finally {
-      clearInterval(timer);
-    }
-    if (!box.isConnected) return;
-    if (order.state === 'done') return third(order.reports.filter(isDose).pop());
-    const said = saidBox();
-    put(2, 'the dose was not completed', said);
-    showError(said, orderError(order), pump.name);
-  };
-  const third = (report) => {
-    const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
-    const anyway = check(ANYWAY);
-    const anew = check('Start a new calibration with it');
-    const said = saidBox();
-    const slot = {};
-    const button = submit('Calibrate');
-    put(3, 'weigh', report ? para(`${volumeWords(report)}. Wait until the last drop has fallen.`) : para('Enter the reading of the last dose.'),
-      formOf(() => {
-        if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
-        const options = {};
-        if (anyway.input.checked) options.anyway = true;
-        if (anew.input.checked) options.anew = true;
-        send(button, said, slot, pump.name, ofPump(pump.name, 'calibrate'), { reading: text(reading, 'g'), options }, async (order) => {
-          last((await completed(order)).reports.find((one) => one?.schema === 'calibration/1'));
-        });
-      }, {}, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
-    reading.input.focus();
-  };
-  const last = (made) => {
-    const facts = [];
-    if (made?.displacement) {
-      facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
-        ['Revolution', `${short(made.revolution_ml * made.displacement.factor)} mL`], ['Doses weighed', String(made.runs.length)]);
-    }
-    if (made?.next_weighing) {
-      const next = made.next_weighing;
-      facts.push(['Uncertainty now', `one dose ± ${short(next.dose_percent, 2)} %, the mean of many ± ${short(next.mean_percent, 2)} %`],
-        ['After one more', `one dose ± ${short(next.then_dose_percent, 2)} %, the mean of many ± ${short(next.then_mean_percent, 2)} %`]);
-    }
-    const list = h('dl', { class: 'facts' });
-    showFacts(list, facts);
-    const used = made?.used === false
-      ? 'Not in use yet: the model is still more accurate than this calibration. Weigh one more dose.'
-      : 'Doses use it from now on.';
-    put(0, 'Calibration saved', para(used), list, made && warningsOf(made),
-    inRow(firstly('Weigh one more dose', first)));
-  };
-  first();
+	const step = h('div', { class: 'step' });
+	const box = dialog(`Calibrate ${pump.name}`, [step]);
+	const steps = 3;
+	const put = (number, title, ...kids) => {
+		const heading = h('h3', { text: `${number ? `Step ${number} of ${steps}: ` : ''}${title}`, tabindex: '-1' });
+		step.replaceChildren(heading, ...kids.flat().filter(Boolean));
+		heading.focus();
+	};
+	const first = () => {
+		const volume = field('Volume', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
+		const said = saidBox();
+		const slot = {};
+		const button = submit('Dose');
+		put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
+			formOf(() => {
+				sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, second);
+			}, {}, volume.el, inRow(button, h('button', { text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
+	};
+	const second = async (order) => {
+		const figure = h('p', { class: 'big' });
+		put(2, 'wait', para('The pump doses. Leave the scale alone.'), figure);
+		const timer = setInterval(() => {
+			const read = readOf(pump);
+			figure.replaceChildren(read.figure, h('small', { text: ' mL' }));
+		}, 200);
+		try {
+			order = await ended(order);
+		} catch (error) {
+			const said = saidBox();
+			put(2, 'it is not known how the dose ended', said);
+			return showError(said, error, pump.name);
+		} finally {
+			clearInterval(timer);
+		}
+		if (!box.isConnected) return;
+		if (order.state === 'done') return third(order.reports.filter(isDose).pop());
+		const said = saidBox();
+		put(2, 'the dose was not completed', said);
+		showError(said, orderError(order), pump.name);
+	};
+	const third = (report) => {
+		const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
+		const anyway = check(ANYWAY);
+		const anew = check('Start a new calibration with it');
+		const said = saidBox();
+		const slot = {};
+		const button = submit('Calibrate');
+		put(3, 'weigh', report ? para(`${volumeWords(report)}. Wait until the last drop has fallen.`) : para('Enter the reading of the last dose.'),
+			formOf(() => {
+				if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
+				const options = {};
+				if (anyway.input.checked) options.anyway = true;
+				if (anew.input.checked) options.anew = true;
+				send(button, said, slot, pump.name, ofPump(pump.name, 'calibrate'), { reading: text(reading, 'g'), options }, async (order) => {
+					last((await completed(order)).reports.find((one) => one?.schema === 'calibration/1'));
+				});
+			}, {}, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
+		reading.input.focus();
+	};
+	const last = (made) => {
+		const facts = [];
+		if (made?.displacement) {
+			facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
+				['Revolution', `${short(made.revolution_ml * made.displacement.factor)} mL`], ['Doses weighed', String(made.runs.length)]);
+		}
+		if (made?.next_weighing) {
+			const next = made.next_weighing;
+			facts.push(['Uncertainty now', `one dose ± ${short(next.dose_percent, 2)} %, the mean of many ± ${short(next.mean_percent, 2)} %`],
+				['After one more', `one dose ± ${short(next.then_dose_percent, 2)} %, the mean of many ± ${short(next.then_mean_percent, 2)} %`]);
+		}
+		const list = h('dl', { class: 'facts' });
+		showFacts(list, facts);
+		const used = made?.used === false
+			? 'Not in use yet: the model is still more accurate than this calibration. Weigh one more dose.'
+			: 'Doses use it from now on.';
+		put(0, 'Calibration saved', para(used), list, made && warningsOf(made),
+		inRow(firstly('Weigh one more dose', first)));
+	};
+	first();
 }
 
 /* A pump's panel, as a card or as a view. */
 
 class Panel {
-  constructor(pump, isWide) {
-    this.pump = pump;
-    this.isWide = isWide;
-    const { view } = pump;
-    this.head = new Head(view.rollers);
-    this.state = h('p', { class: 'state' });
-    this.notice = h('div', { class: 'notices' });
-    this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
-    this.below = h('p', { class: 'what' });
-    this.time = h('p', { class: 'time', hidden: true });
-    this.full = h('div', { class: 'full' });
-    this.band = h('div', { class: 'band' });
-    this.mark = h('div', { class: 'mark' });
-    this.bar = h('div', { class: 'bar', 'aria-hidden': 'true' }, this.band, this.full, this.mark);
-    this.facts = h('dl', { class: 'facts' });
-    this.warnings = h('div');
-    const title = isWide ? h('h1', { tabindex: '-1', text: pump.name })
-      : h('h2', {}, h('a', { href: `#/pump/${inPath(pump.name)}`, text: pump.name }));
-    this.sim = h('p', { class: 'sim', text: 'Simulated: no motor moves', hidden: !view.simulated });
-    const top = [h('div', { class: 'titled' }, title, this.sim), h('p', { class: 'what', text: view.title }), this.state,
-      this.notice, h('div', { class: 'face' }, this.head.el,
-        h('div', { class: 'read' }, this.figure, this.bar, this.below, this.time))];
-    const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
-    this.stop = stop;
-    if (!isWide) {
-      this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false), stop, this.facts);
-      return;
-    }
-    const volume = (label, hint) => field(label, { required: true, placeholder: '20mL', hint });
-    const [prime, purge] = [volume('Volume'), volume('Volume')];
-    const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min' })];
-    const log = h('div');
-    const logView = pumpLog(pump.name, log, '30d', 10);
-    this.log = logView;
-    this.el = h('div', { class: 'wide' }, h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
-      h('section', { class: 'panel', 'aria-label': pump.name }, top, this.warnings, stop),
-      h('div', { class: 'two' },
-        h('div', {}, block(head2('Dose'), doseForm(pump, true)),
-          block(head2('Care'),
-            para('Weigh a dose, so that the next ones are right.'),
-            inRow(h('button', { text: 'Calibrate…', onclick: () => calibrate(pump) }),
-              h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) })))),
-        block(head2('State'), this.facts),
-        block(head2('Line'),
-          plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
-          plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs backwards.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
-          plainForm(pump, 'run', 'Run', 'Runs at a rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
-            const options = {};
-            if (text(rate)) options.rate = text(rate, 'mL/s');
-            if (text(time)) options.for = text(time);
-            return { options };
-          }))),
-      block(head2('Last doses'), log));
-  }
+	constructor(pump, isWide) {
+		this.pump = pump;
+		this.isWide = isWide;
+		const { view } = pump;
+		this.head = new Head(view.rollers);
+		this.state = h('p', { class: 'state' });
+		this.notice = h('div', { class: 'notices' });
+		this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
+		this.below = h('p', { class: 'what' });
+		this.time = h('p', { class: 'time', hidden: true });
+		this.full = h('div', { class: 'full' });
+		this.band = h('div', { class: 'band' });
+		this.mark = h('div', { class: 'mark' });
+		this.bar = h('div', { class: 'bar', 'aria-hidden': 'true' }, this.band, this.full, this.mark);
+		this.facts = h('dl', { class: 'facts' });
+		this.warnings = h('div');
+		const title = isWide ? h('h1', { tabindex: '-1', text: pump.name })
+			: h('h2', {}, h('a', { href: `#/pump/${inPath(pump.name)}`, text: pump.name }));
+		this.sim = h('p', { class: 'sim', text: 'Simulated: no motor moves', hidden: !view.simulated });
+		const top = [h('div', { class: 'titled' }, title, this.sim), h('p', { class: 'what', text: view.title }), this.state,
+			this.notice, h('div', { class: 'face' }, this.head.el,
+				h('div', { class: 'read' }, this.figure, this.bar, this.below, this.time))];
+		const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
+		this.stop = stop;
+		if (!isWide) {
+			this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false), stop, this.facts);
+			return;
+		}
+		const volume = (label, hint) => field(label, { required: true, placeholder: '20mL', hint });
+		const [prime, purge] = [volume('Volume'), volume('Volume')];
+		const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min' })];
+		const log = h('div');
+		const logView = pumpLog(pump.name, log, '30d', 10);
+		this.log = logView;
+		this.el = h('div', { class: 'wide' }, h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
+			h('section', { class: 'panel', 'aria-label': pump.name }, top, this.warnings, stop),
+			h('div', { class: 'two' },
+				h('div', {}, block(head2('Dose'), doseForm(pump, true)),
+					block(head2('Care'),
+						para('Weigh a dose, so that the next ones are right.'),
+						inRow(h('button', { text: 'Calibrate…', onclick: () => calibrate(pump) }),
+							h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) })))),
+				block(head2('State'), this.facts),
+				block(head2('Line'),
+					plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
+					plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs backwards.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
+					plainForm(pump, 'run', 'Run', 'Runs at a rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
+						const options = {};
+						if (text(rate)) options.rate = text(rate, 'mL/s');
+						if (text(time)) options.for = text(time);
+						return { options };
+					}))),
+			block(head2('Last doses'), log));
+	}
 
-  update() {
-    const { pump } = this;
-    const { view, motion, fault } = pump;
-    const { status } = view;
-    const [state, words] = stateOf(pump);
-    attr(this.el, 'data-state', state);
-    say(this.state, words);
-    this.sim.hidden = !view.simulated;
-    this.stop.classList.toggle('calm', !motion);
-    const unfinished = !motion && status && !status.in_use_by && status.unfinished;
-    const stand = status?.safety.stand;
-    const busy = isBusy(pump);
-    remake(this.notice, [view.error, fault, stand, unfinished && [unfinished.began_unix_s, unfinished.delivered_most_ml], busy], () => [
-      view.error && danger(bad(view.error)),
-      fault && danger(bad(`The last order failed: ${fault.message}`)),
-      stand && !busy && danger(bad(standWords(pump)), standActions(pump)),
-      unfinished && h('div', { class: 'notice' },
-        para(`A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
-        unfinishedActions(pump)),
-    ]);
-    if (this.isWide && unfinished && pump.leads) {
-      pump.leads = false;
-      this.notice.scrollIntoView({ block: 'center' });
-    }
-    for (const [said, code] of pump.refused) {
-      if (!status || (code === 3 ? busy : code === 4 ? status.unfinished && !motion : stand)) continue;
-      said.replaceChildren();
-      pump.refused.delete(said);
-    }
-    this.figures();
-    showFacts(this.facts, factsOf(pump, this.isWide));
-    const angleKnown = Boolean(status?.angle_known);
-    this.head.know(angleKnown);
-    if (!motion?.progress && angleKnown) {
-      if (this.stoodAt !== status.angle_deg || this.wasTurning) this.head.stand(status.angle_deg);
-      this.stoodAt = status.angle_deg;
-    }
-    this.wasTurning = Boolean(motion?.progress);
-    const turns = this.wasTurning ? 'turning' : 'standing';
-    attr(this.head.el, 'aria-label', angleKnown
-      ? `Pump head with ${view.rollers} rollers, ${this.wasTurning ? turns : `${turns} at ${fixed(status.angle_deg, 1)}°`}`
-      : `Pump head with ${view.rollers} rollers, ${turns}; the angle is unknown`);
-    if (this.isWide) {
-      const report = pump.last && !motion ? pump.last.report : null;
-      remake(this.warnings, report?.warnings, () => report && warningsOf(report));
-      const shown = pump.last?.order;
-      if (!motion && this.logged !== shown) {
-        this.logged = shown;
-        this.log();
-      }
-    }
-  }
+	update() {
+		const { pump } = this;
+		const { view, motion, fault } = pump;
+		const { status } = view;
+		const [state, words] = stateOf(pump);
+		attr(this.el, 'data-state', state);
+		say(this.state, words);
+		this.sim.hidden = !view.simulated;
+		this.stop.classList.toggle('calm', !motion);
+		const unfinished = !motion && status && !status.in_use_by && status.unfinished;
+		const stand = status?.safety.stand;
+		const busy = isBusy(pump);
+		remake(this.notice, [view.error, fault, stand, unfinished && [unfinished.began_unix_s, unfinished.delivered_most_ml], busy], () => [
+			view.error && danger(bad(view.error)),
+			fault && danger(bad(`The last order failed: ${fault.message}`)),
+			stand && !busy && danger(bad(standWords(pump)), standActions(pump)),
+			unfinished && h('div', { class: 'notice' },
+				para(`A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
+				unfinishedActions(pump)),
+		]);
+		if (this.isWide && unfinished && pump.leads) {
+			pump.leads = false;
+			this.notice.scrollIntoView({ block: 'center' });
+		}
+		for (const [said, code] of pump.refused) {
+			if (!status || (code === 3 ? busy : code === 4 ? status.unfinished && !motion : stand)) continue;
+			said.replaceChildren();
+			pump.refused.delete(said);
+		}
+		this.figures();
+		showFacts(this.facts, factsOf(pump, this.isWide));
+		const angleKnown = Boolean(status?.angle_known);
+		this.head.know(angleKnown);
+		if (!motion?.progress && angleKnown) {
+			if (this.stoodAt !== status.angle_deg || this.wasTurning) this.head.stand(status.angle_deg);
+			this.stoodAt = status.angle_deg;
+		}
+		this.wasTurning = Boolean(motion?.progress);
+		const turns = this.wasTurning ? 'turning' : 'standing';
+		attr(this.head.el, 'aria-label', angleKnown
+			? `Pump head with ${view.rollers} rollers, ${this.wasTurning ? turns : `${turns} at ${fixed(status.angle_deg, 1)}°`}`
+			: `Pump head with ${view.rollers} rollers, ${turns}; the angle is unknown`);
+		if (this.isWide) {
+			const report = pump.last && !motion ? pump.last.report : null;
+			remake(this.warnings, report?.warnings, () => report && warningsOf(report));
+			const shown = pump.last?.order;
+			if (!motion && this.logged !== shown) {
+				this.logged = shown;
+				this.log();
+			}
+		}
+	}
 
-  /** Shows what changes while the pump turns. */
-  figures() {
-    const { pump } = this;
-    const read = readOf(pump);
-    say(this.figure.firstChild, read.figure);
-    this.figure.classList.toggle('long', read.figure.length > 8);
-    say(this.below, read.below);
-    say(this.time, read.time || '');
-    if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
-    if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
-    if (read.bar) this.drawBar(read.bar);
-    if (pump.view.status && this.facts.children[1]) say(this.facts.children[1].firstChild, angleWords(pump));
-  }
+	/** Shows what changes while the pump turns. */
+	figures() {
+		const { pump } = this;
+		const read = readOf(pump);
+		say(this.figure.firstChild, read.figure);
+		this.figure.classList.toggle('long', read.figure.length > 8);
+		say(this.below, read.below);
+		say(this.time, read.time || '');
+		if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
+		if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
+		if (read.bar) this.drawBar(read.bar);
+		if (pump.view.status && this.facts.children[1]) say(this.facts.children[1].firstChild, angleWords(pump));
+	}
 
-  drawBar({ at, asked, of, u }) {
-    const whole = 1.03 * (Math.max(Math.abs(asked), Math.abs(of)) + u) || 1;
-    const part = (value) => Math.min(1, Math.max(0, Math.abs(value) / whole));
-    this.full.style.transform = `scaleX(${part(at).toFixed(4)})`;
-    const key = `${asked} ${of} ${u}`;
-    if (this.bar.key === key) return;
-    this.bar.key = key;
-    const low = part(Math.max(0, Math.abs(of) - u));
-    this.band.style.left = `${100 * low}%`;
-    this.band.style.right = `${100 * (1 - part(Math.abs(of) + u))}%`;
-    this.mark.style.left = `calc(${100 * part(asked)}% - 1px)`;
-  }
+	drawBar({ at, asked, of, u }) {
+		const whole = 1.03 * (Math.max(Math.abs(asked), Math.abs(of)) + u) || 1;
+		const part = (value) => Math.min(1, Math.max(0, Math.abs(value) / whole));
+		this.full.style.transform = `scaleX(${part(at).toFixed(4)})`;
+		const key = `${asked} ${of} ${u}`;
+		if (this.bar.key === key) return;
+		this.bar.key = key;
+		const low = part(Math.max(0, Math.abs(of) - u));
+		this.band.style.left = `${100 * low}%`;
+		this.band.style.right = `${100 * (1 - part(Math.abs(of) + u))}%`;
+		this.mark.style.left = `calc(${100 * part(asked)}% - 1px)`;
+	}
 }
 
 function refresh(pump) {
-  for (const panel of pump.panels) panel.update();
+	for (const panel of pump.panels) panel.update();
 }
 // What counts down by itself: a batch that waits.
 setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait) refresh(pump); }), 1000);
@@ -1340,73 +1340,73 @@ setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait) refresh(pump)
 /* The log. */
 
 function table(caption, heads, rows) {
-  // Blocks on a phone lose the roles of a table, so the roles are written.
-  return h('table', { role: 'table' }, h('caption', { text: caption }),
-    h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, heads.map((text) => h('th', { role: 'columnheader', scope: 'col', text })))),
-    h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row', class: row.isBad && 'bad' },
-      row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, cell instanceof Node ? cell : cell && h('span', { text: cell })))))));
+	// Blocks on a phone lose the roles of a table, so the roles are written.
+	return h('table', { role: 'table' }, h('caption', { text: caption }),
+		h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, heads.map((text) => h('th', { role: 'columnheader', scope: 'col', text })))),
+		h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row', class: row.isBad && 'bad' },
+			row.map((cell, i) => h('td', { role: 'cell', 'data-label': heads[i] }, cell instanceof Node ? cell : cell && h('span', { text: cell })))))));
 }
 
 /** Reads a log line by line, and keeps its last `most` doses. */
 async function readLog(path, most) {
-  const answer = await fetch(path, { cache: 'no-store' });
-  if (!answer.ok) {
-    if (answer.status === 401) showLogin();
-    const report = await answer.json().catch(() => ({ message: `the service answered with status ${answer.status}` }));
-    throw new Refused(report, answer.status);
-  }
-  const [reader, decoder] = [answer.body.getReader(), new TextDecoder()];
-  const kept = [];
-  let count = 0;
-  let rest = '';
-  for (;;) {
-    const { done, value } = await reader.read();
-    rest += done ? '\n' : decoder.decode(value, { stream: true });
-    const lines = rest.split('\n');
-    rest = lines.pop();
-    for (const line of lines) {
-      if (!line.includes('"log/1"')) continue;
-      kept.push(line);
-      count += 1;
-    }
-    if (kept.length > 2 * most) kept.splice(0, kept.length - most);
-    if (done) return { count, doses: kept.slice(-most).map((line) => JSON.parse(line)).reverse() };
-  }
+	const answer = await fetch(path, { cache: 'no-store' });
+	if (!answer.ok) {
+		if (answer.status === 401) showLogin();
+		const report = await answer.json().catch(() => ({ message: `the service answered with status ${answer.status}` }));
+		throw new Refused(report, answer.status);
+	}
+	const [reader, decoder] = [answer.body.getReader(), new TextDecoder()];
+	const kept = [];
+	let count = 0;
+	let rest = '';
+	for (;;) {
+		const { done, value } = await reader.read();
+		rest += done ? '\n' : decoder.decode(value, { stream: true });
+		const lines = rest.split('\n');
+		rest = lines.pop();
+		for (const line of lines) {
+			if (!line.includes('"log/1"')) continue;
+			kept.push(line);
+			count += 1;
+		}
+		if (kept.length > 2 * most) kept.splice(0, kept.length - most);
+		if (done) return { count, doses: kept.slice(-most).map((line) => JSON.parse(line)).reverse() };
+	}
 }
 
 function logRow(dose) {
-  const u = dose.expanded_uncertainty_ml;
-  const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${spread(u)}`} mL`
-    : `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
-  const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
-  const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
-  return [String(dose.number), date(new Date(dose.time)) + (dose.clock_went_back ? ' (the clock had gone back)' : ''), what, asked, volume,
-    small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube)];
+	const u = dose.expanded_uncertainty_ml;
+	const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${spread(u)}`} mL`
+		: `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
+	const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
+	const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
+	return [String(dose.number), date(new Date(dose.time)) + (dose.clock_went_back ? ' (the clock had gone back)' : ''), what, asked, volume,
+		small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube)];
 }
 
 /** Fills `box` with the last doses of a pump. Returns the function that reads them anew. */
 function pumpLog(name, box, since, most) {
-  let run = 0;
-  return async () => {
-    const mine = ++run;
-    const part = since ? `since=${since}` : '';
-    const path = (format) => `${ofPump(name, 'log')}?${[`format=${format}`, part].filter(Boolean).join('&')}`;
-    const links = h('p', { class: 'row' },
-      h('a', { class: 'button', href: path('csv'), download: `${name}.csv`, text: 'Export CSV' }),
-      h('a', { class: 'button', href: path('json'), download: `${name}.jsonl`, text: 'Export JSON' }));
-    try {
-      const { count, doses } = await readLog(path('json'), most);
-      if (mine !== run) return;
-      const which = count > doses.length ? `The last ${doses.length} of ${count} doses of ${name}` : `Doses of ${name}`;
-      box.replaceChildren(doses.length ? table(`${which}, latest first; ± is k = 2`,
-        ['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube'], doses.map(logRow))
-        : para(`${name} has no dose on record in this time.`), links);
-    } catch (error) {
-      if (mine !== run) return;
-      const words = error instanceof Refused ? error.message : 'The log cannot be read: the service does not answer.';
-      box.replaceChildren(bad(words), links);
-    }
-  };
+	let run = 0;
+	return async () => {
+		const mine = ++run;
+		const part = since ? `since=${since}` : '';
+		const path = (format) => `${ofPump(name, 'log')}?${[`format=${format}`, part].filter(Boolean).join('&')}`;
+		const links = h('p', { class: 'row' },
+			h('a', { class: 'button', href: path('csv'), download: `${name}.csv`, text: 'Export CSV' }),
+			h('a', { class: 'button', href: path('json'), download: `${name}.jsonl`, text: 'Export JSON' }));
+		try {
+			const { count, doses } = await readLog(path('json'), most);
+			if (mine !== run) return;
+			const which = count > doses.length ? `The last ${doses.length} of ${count} doses of ${name}` : `Doses of ${name}`;
+			box.replaceChildren(doses.length ? table(`${which}, latest first; ± is k = 2`,
+				['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube'], doses.map(logRow))
+				: para(`${name} has no dose on record in this time.`), links);
+		} catch (error) {
+			if (mine !== run) return;
+			const words = error instanceof Refused ? error.message : 'The log cannot be read: the service does not answer.';
+			box.replaceChildren(bad(words), links);
+		}
+	};
 }
 
 /* Views. */
@@ -1414,170 +1414,170 @@ function pumpLog(name, box, since, most) {
 const SAYS = { waiting: 'waiting for its first word', well: 'alive: all is well', bad: 'not well: ', silent: '' };
 /** The inputs of the guard: what each said last, and how long ago. */
 function guardSection() {
-  const box = h('div');
-  const section = h('section', { class: 'panel', hidden: true }, head2('Guard'), box);
-  onInputs = async () => {
-    const inputs = await call('GET', '/api/v1/inputs').catch(() => null);
-    if (!inputs || !section.isConnected) return;
-    section.hidden = inputs.length === 0;
-    const rows = inputs.map(({ name, state, reason, last, pumps: guarded }) => {
-      const row = [name, SAYS[state] + (reason || '').replace(`${name}: `, ''), last ? `${span((Date.now() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
-      row.isBad = state === 'bad' || state === 'silent';
-      return row;
-    });
-    box.replaceChildren(table('Inputs that must say that all is well', ['Input', 'State', 'Last word', 'Pumps'], rows));
-  };
-  return section;
+	const box = h('div');
+	const section = h('section', { class: 'panel', hidden: true }, head2('Guard'), box);
+	onInputs = async () => {
+		const inputs = await call('GET', '/api/v1/inputs').catch(() => null);
+		if (!inputs || !section.isConnected) return;
+		section.hidden = inputs.length === 0;
+		const rows = inputs.map(({ name, state, reason, last, pumps: guarded }) => {
+			const row = [name, SAYS[state] + (reason || '').replace(`${name}: `, ''), last ? `${span((Date.now() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
+			row.isBad = state === 'bad' || state === 'silent';
+			return row;
+		});
+		box.replaceChildren(table('Inputs that must say that all is well', ['Input', 'State', 'Last word', 'Pumps'], rows));
+	};
+	return section;
 }
 setInterval(() => { if (onInputs && isLive && !document.hidden) onInputs(); }, 5000);
 
 function viewPumps() {
-  const cards = [...pumps.values()].map((pump) => panelOf(pump, false).el);
-  const rackCards = racks.map((name) => {
-    const said = saidBox();
-    const [slot, planSlot] = [{}, {}];
-    const path = `/api/v1/racks/${inPath(name)}/run`;
-    const plan = h('button', { text: 'Plan', 'aria-label': `Plan rack ${name}` });
-    plan.addEventListener('click', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
-      showPlans(said, await completed(order));
-    }));
-    const run = h('button', { text: 'Run…', 'aria-label': `Run rack ${name}` });
-    run.addEventListener('click', () => {
-      const answer = saidBox();
-      const go = firstly('Run the rack');
-      const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
-      go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
-        sound(order);
-        box.close();
-        tellTaken(said, order, `rack ${name}`);
-      }));
-    });
-    return block(h('h3', { text: name }), inRow(run, plan), said);
-  });
-  const events = h('ul', { class: 'plain' });
-  const section = block(head2('Last events'), events, h('p', {}, h('a', { href: '#/log', text: 'All events' })));
-  watchNotes(5, () => {
-    section.hidden = notes.length === 0;
-    events.replaceChildren(...notes.slice(0, 5).map((note) => h('li', { text: `${date(new Date(note.time))} ${noteWords(note)}` })));
-  });
-  return ['Pumps', [head1('Pumps'), h('div', { class: 'grid' }, cards),
-    racks.length ? head2('Racks') : null, racks.length ? h('div', { class: 'grid' }, rackCards) : null, guardSection(), section]];
+	const cards = [...pumps.values()].map((pump) => panelOf(pump, false).el);
+	const rackCards = racks.map((name) => {
+		const said = saidBox();
+		const [slot, planSlot] = [{}, {}];
+		const path = `/api/v1/racks/${inPath(name)}/run`;
+		const plan = h('button', { text: 'Plan', 'aria-label': `Plan rack ${name}` });
+		plan.addEventListener('click', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
+			showPlans(said, await completed(order));
+		}));
+		const run = h('button', { text: 'Run…', 'aria-label': `Run rack ${name}` });
+		run.addEventListener('click', () => {
+			const answer = saidBox();
+			const go = firstly('Run the rack');
+			const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
+			go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
+				sound(order);
+				box.close();
+				tellTaken(said, order, `rack ${name}`);
+			}));
+		});
+		return block(h('h3', { text: name }), inRow(run, plan), said);
+	});
+	const events = h('ul', { class: 'plain' });
+	const section = block(head2('Last events'), events, h('p', {}, h('a', { href: '#/log', text: 'All events' })));
+	watchNotes(5, () => {
+		section.hidden = notes.length === 0;
+		events.replaceChildren(...notes.slice(0, 5).map((note) => h('li', { text: `${date(new Date(note.time))} ${noteWords(note)}` })));
+	});
+	return ['Pumps', [head1('Pumps'), h('div', { class: 'grid' }, cards),
+		racks.length ? head2('Racks') : null, racks.length ? h('div', { class: 'grid' }, rackCards) : null, guardSection(), section]];
 }
 
 function panelOf(pump, isWide) {
-  const panel = new Panel(pump, isWide);
-  pump.panels.add(panel);
-  panel.update();
-  const told = pump.motion?.progress;
-  if (told) panel.head.sample(told.angle_deg, performance.now());
-  return panel;
+	const panel = new Panel(pump, isWide);
+	pump.panels.add(panel);
+	panel.update();
+	const told = pump.motion?.progress;
+	if (told) panel.head.sample(told.angle_deg, performance.now());
+	return panel;
 }
 
 function viewPump(name) {
-  const pump = pumps.get(name);
-  if (!pump) return ['No such pump', [head1('No such pump'),
-    h('p', {}, `The configuration has no pump named ${name}. `, h('a', { href: '#/', text: 'All pumps' }))]];
-  const panel = panelOf(pump, true);
-  panel.log();
-  return [name, [panel.el]];
+	const pump = pumps.get(name);
+	if (!pump) return ['No such pump', [head1('No such pump'),
+		h('p', {}, `The configuration has no pump named ${name}. `, h('a', { href: '#/', text: 'All pumps' }))]];
+	const panel = panelOf(pump, true);
+	panel.log();
+	return [name, [panel.el]];
 }
 
 function viewLog() {
-  const which = choice('Pump', [...pumps.keys()].map((name) => [name, name]));
-  const since = choice('Since', [['1d', '1 day ago'], ['7d', '7 days ago'], ['30d', '30 days ago'], ['', 'the first dose']]);
-  since.input.value = '7d';
-  const box = h('div');
-  const load = () => pumpLog(which.input.value, box, since.input.value, 200)();
-  which.input.addEventListener('change', load);
-  since.input.addEventListener('change', load);
-  const list = h('div');
-  const showNotes = () => {
-    list.replaceChildren(notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
-      notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', note.text])) : para('There is no event on record.'));
-  };
-  watchNotes(100, showNotes,
-    () => list.replaceChildren(bad('The events cannot be read: the service does not answer.')));
-  if (pumps.size) load();
-  return ['Log', [head1('Log'),
-    block(head2('Doses'), fields(which.el, since.el), box),
-    block(head2('Events'), list)]];
+	const which = choice('Pump', [...pumps.keys()].map((name) => [name, name]));
+	const since = choice('Since', [['1d', '1 day ago'], ['7d', '7 days ago'], ['30d', '30 days ago'], ['', 'the first dose']]);
+	since.input.value = '7d';
+	const box = h('div');
+	const load = () => pumpLog(which.input.value, box, since.input.value, 200)();
+	which.input.addEventListener('change', load);
+	since.input.addEventListener('change', load);
+	const list = h('div');
+	const showNotes = () => {
+		list.replaceChildren(notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
+			notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', note.text])) : para('There is no event on record.'));
+	};
+	watchNotes(100, showNotes,
+		() => list.replaceChildren(bad('The events cannot be read: the service does not answer.')));
+	if (pumps.size) load();
+	return ['Log', [head1('Log'),
+		block(head2('Doses'), fields(which.el, since.el), box),
+		block(head2('Events'), list)]];
 }
 
 function entryWords(entry) {
-  const what = entry.dose ? `${entry.pump}: dose ${entry.dose}` : entry.prime ? `${entry.pump}: prime ${entry.prime}` : `rack ${entry.rack}`;
-  const batch = entry.batch ? `, ${entry.batch.repeat} times${entry.batch.every ? `, one every ${entry.batch.every}` : ''}` : '';
-  const options = Object.entries(entry.options || {}).map(([name, value]) => (value === true ? name : `${name} ${value}`));
-  return what + batch + (options.length ? ` (${options.join(', ')})` : '');
+	const what = entry.dose ? `${entry.pump}: dose ${entry.dose}` : entry.prime ? `${entry.pump}: prime ${entry.prime}` : `rack ${entry.rack}`;
+	const batch = entry.batch ? `, ${entry.batch.repeat} times${entry.batch.every ? `, one every ${entry.batch.every}` : ''}` : '';
+	const options = Object.entries(entry.options || {}).map(([name, value]) => (value === true ? name : `${name} ${value}`));
+	return what + batch + (options.length ? ` (${options.join(', ')})` : '');
 }
 const listed = (value) => (Array.isArray(value) ? value.join(', ') : value || '');
 /** Times of an entry with the zone whose clock has them. */
 function timeWords(entry, zone) {
-  const parts = [entry.at && `at ${listed(entry.at)}`, entry.every && `every ${entry.every}`,
-    entry.between && `from ${entry.between[0]} to ${entry.between[1]}`, entry.anchor && `counted from ${entry.anchor}`,
-    entry.days && `on ${listed(entry.days)}`, entry.dates && `on ${listed(entry.dates)}`, entry.from && `since ${entry.from}`,
-    entry.until && `until ${entry.until}`, `(${zone || 'zone of the service’s machine'})`];
-  return parts.filter(Boolean).join(' ');
+	const parts = [entry.at && `at ${listed(entry.at)}`, entry.every && `every ${entry.every}`,
+		entry.between && `from ${entry.between[0]} to ${entry.between[1]}`, entry.anchor && `counted from ${entry.anchor}`,
+		entry.days && `on ${listed(entry.days)}`, entry.dates && `on ${listed(entry.dates)}`, entry.from && `since ${entry.from}`,
+		entry.until && `until ${entry.until}`, `(${zone || 'zone of the service’s machine'})`];
+	return parts.filter(Boolean).join(' ');
 }
 const ownZone = () => Intl.DateTimeFormat().resolvedOptions().timeZone || 'this device';
 const ofEntry = (name) => `/api/v1/schedule/entries/${inPath(name)}`;
 const wordsOf = (error) => (error instanceof Refused ? error.message : 'The service did not answer: look at the schedule before you try again.');
 
 function viewSchedule() {
-  const box = h('div', {}, para('Reading…'));
-  const said = saidBox();
-  let told = null;
-  const edit = (entry) => editEntry(told, entry, load);
-  const add = h('button', { text: 'Add an entry…', hidden: true, onclick: () => edit(null) });
-  const turn = async (entry, enabled) => {
-    said.replaceChildren();
-    try {
-      await call('PUT', ofEntry(entry.name), { body: JSON.stringify({ ...entry, enabled }), match: told.etag });
-      politely(`${entry.name} is switched ${enabled ? 'on' : 'off'}.`, true);
-    } catch (error) {
-      said.replaceChildren(alarm(wordsOf(error)));
-    }
-    load();
-  };
-  const rowOf = ({ doubt: own, ...entry }, one) => {
-    const at = one?.at ? new Date(one.at) : null;
-    const isOff = entry.enabled === false;
-    const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
-    const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
-      entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
-    const doubt = own || one?.doubt;
-    const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name, onclick: run });
-    const row = [doubt ? h('span', { class: 'error', text: `${entry.name}: its runs will be refused: ${doubt}` }) : entry.name, when,
-      entryWords(entry), timeWords(entry, one?.zone), word,
-      h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(isOff ? 'Switch on' : 'Switch off', () => turn(entry, isOff)))];
-    row.isBad = Boolean(doubt);
-    return row;
-  };
-  const put = () => {
-    if (!told.schedule) return box.replaceChildren(para('The service has no schedule. Start it with --schedule FILE.'));
-    const next = new Map(told.next.map((one) => [one.entry, one]));
-    const at = ({ name }) => { const one = next.get(name); return one?.at ? new Date(one.at).getTime() : Infinity; };
-    const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
-    const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
-    box.replaceChildren(told.error ? bad(told.error) : '',
-      entries.length ? table(`Next runs, by the clock of this device (${ownZone()})`, ['Entry', 'Next', 'What', 'Times', 'Policy', 'Change'],
-        entries.map((entry) => rowOf(entry, next.get(entry.name)))) : para('The schedule has no entry.'),
-      aside(`File: ${told.file}. Edits keep its comments.`));
-    // The last button of the same entry: the one that was pressed has another name now.
-    const again = [...box.querySelectorAll('button')].findLast((button) => button.dataset.of === active);
-    if (again) again.focus();
-  };
-  const load = async () => {
-    try {
-      told = await call('GET', '/api/v1/schedule');
-      add.hidden = !told.schedule || told.error;
-      put();
-    } catch (error) {
-      box.replaceChildren(bad(wordsOf(error)));
-    }
-  };
-  onNotes = load;
-  load();
-  return ['Schedule', [head1('Schedule'), h('section', { class: 'panel', 'aria-label': 'Next runs' }, box, add, said)]];
+	const box = h('div', {}, para('Reading…'));
+	const said = saidBox();
+	let told = null;
+	const edit = (entry) => editEntry(told, entry, load);
+	const add = h('button', { text: 'Add an entry…', hidden: true, onclick: () => edit(null) });
+	const turn = async (entry, enabled) => {
+		said.replaceChildren();
+		try {
+			await call('PUT', ofEntry(entry.name), { body: JSON.stringify({ ...entry, enabled }), match: told.etag });
+			politely(`${entry.name} is switched ${enabled ? 'on' : 'off'}.`, true);
+		} catch (error) {
+			said.replaceChildren(alarm(wordsOf(error)));
+		}
+		load();
+	};
+	const rowOf = ({ doubt: own, ...entry }, one) => {
+		const at = one?.at ? new Date(one.at) : null;
+		const isOff = entry.enabled === false;
+		const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
+		const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
+			entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
+		const doubt = own || one?.doubt;
+		const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name, onclick: run });
+		const row = [doubt ? h('span', { class: 'error', text: `${entry.name}: its runs will be refused: ${doubt}` }) : entry.name, when,
+			entryWords(entry), timeWords(entry, one?.zone), word,
+			h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(isOff ? 'Switch on' : 'Switch off', () => turn(entry, isOff)))];
+		row.isBad = Boolean(doubt);
+		return row;
+	};
+	const put = () => {
+		if (!told.schedule) return box.replaceChildren(para('The service has no schedule. Start it with --schedule FILE.'));
+		const next = new Map(told.next.map((one) => [one.entry, one]));
+		const at = ({ name }) => { const one = next.get(name); return one?.at ? new Date(one.at).getTime() : Infinity; };
+		const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
+		const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
+		box.replaceChildren(told.error ? bad(told.error) : '',
+			entries.length ? table(`Next runs, by the clock of this device (${ownZone()})`, ['Entry', 'Next', 'What', 'Times', 'Policy', 'Change'],
+				entries.map((entry) => rowOf(entry, next.get(entry.name)))) : para('The schedule has no entry.'),
+			aside(`File: ${told.file}. Edits keep its comments.`));
+		// The last button of the same entry: the one that was pressed has another name now.
+		const again = [...box.querySelectorAll('button')].findLast((button) => button.dataset.of === active);
+		if (again) again.focus();
+	};
+	const load = async () => {
+		try {
+			told = await call('GET', '/api/v1/schedule');
+			add.hidden = !told.schedule || told.error;
+			put();
+		} catch (error) {
+			box.replaceChildren(bad(wordsOf(error)));
+		}
+	};
+	onNotes = load;
+	load();
+	return ['Schedule', [head1('Schedule'), h('section', { class: 'panel', 'aria-label': 'Next runs' }, box, add, said)]];
 }
 
 const WEEK = ['mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun'];
@@ -1587,226 +1587,226 @@ const split = (text) => text.split(/[\s,;]+/).filter(Boolean);
 
 /** Fields of the keys that are not named as their field. */
 const FIELDS = { dose: 'volume', prime: 'volume', batch: 'repeat', 'repeat of batch': 'repeat', 'every of batch': 'apart',
-  'its time': 'when', 'between or anchor': 'when', 'what it does': 'what' };
+	'its time': 'when', 'between or anchor': 'when', 'what it does': 'what' };
 /** The form of an entry. It is checked first, which shows its next runs, and then saved. */
 function editEntry(told, entry, done) {
-  const old = entry || {};
-  const parts = {
-    name: field('Name', { hint: '1 to 64 of a-z, 0-9, - and _' }),
-    what: choice('It makes', [['dose', 'a dose'], ['prime', 'a prime'], ['rack', 'a run of a rack']]),
-    pump: choice('Pump', pairs(pumps.keys(), old.pump)), rack: choice('Rack', pairs(racks, old.rack)),
-    volume: field('Volume', { placeholder: '25mL' }), repeat: field('Number of doses', { placeholder: '1', inputmode: 'numeric' }),
-    apart: field('One every', { placeholder: '30s' }), options: field('Options', { placeholder: 'rate=5mL/s, smooth' }),
-    when: choice('When', [['at', 'at times of day'], ['between', 'every so often in a window of the day'], ['anchor', 'every so often from a moment on']]),
-    at: field('Times of day', { placeholder: '06:00, 18:00' }), every: field('Every', { placeholder: '30min' }),
-    between: field('Window', { placeholder: '08:00, 20:00', hint: 'Its first and its last time of day' }),
-    anchor: field('First run', { placeholder: '2026-03-01 06:30' }),
-    days: { input: h('fieldset', { tabindex: '-1' }, h('legend', { text: 'Days; none is every day' })) },
-    dates: field('Dates, in place of days', { placeholder: '2026-03-01' }),
-    from: field('First date', { placeholder: '2026-03-01' }), until: field('Last date', { placeholder: '2026-05-31' }),
-    zone: field('Time zone', { placeholder: told.schedule.zone || 'Europe/Berlin', hint: 'Without one: that of the file or of the service’s machine' }),
-    missed: choice('Missed runs', [['', 'are left out'], ['once', 'are made up for by one'], ['all', 'are all made up for']]),
-    missed_within: field('At most so late', { placeholder: '2h' }),
-    unfinished: choice('An interrupted dose', [['', 'has the run refused'], ['resume', 'is delivered first'], ['accept', 'is accepted']]),
-    busy: choice('A pump that moves', [['', 'has the run left out'], ['wait', 'is waited for']]),
-    enabled: check('Switched on'),
-  };
-  const days = WEEK.map((word) => [word, check(word)]);
-  const value = (key) => parts[key].input.value.trim();
-  const zone = () => value('zone') || told.schedule.zone || 'the service’s machine';
-  parts.days.el = parts.days.input;
-  parts.days.input.append(inRow(days.map(([, part]) => part.el)));
-  const kind = old.rack ? 'rack' : old.prime ? 'prime' : 'dose';
-  const batch = old.batch || {};
-  const options = Object.entries(old.options || {}).map(([name, text]) => (text === true ? name : `${name}=${text}`)).join(', ');
-  const shown = { ...old, what: kind, volume: old[kind], repeat: batch.repeat, apart: batch.every, options,
-    when: old.anchor ? 'anchor' : old.between ? 'between' : 'at' };
-  for (const [key, part] of Object.entries(parts)) if (shown[key] && key !== 'days') part.input.value = listed(shown[key]);
-  for (const [word, part] of days) part.input.checked = listed(old.days).includes(word);
-  parts.enabled.input.checked = old.enabled !== false;
+	const old = entry || {};
+	const parts = {
+		name: field('Name', { hint: '1 to 64 of a-z, 0-9, - and _' }),
+		what: choice('It makes', [['dose', 'a dose'], ['prime', 'a prime'], ['rack', 'a run of a rack']]),
+		pump: choice('Pump', pairs(pumps.keys(), old.pump)), rack: choice('Rack', pairs(racks, old.rack)),
+		volume: field('Volume', { placeholder: '25mL' }), repeat: field('Number of doses', { placeholder: '1', inputmode: 'numeric' }),
+		apart: field('One every', { placeholder: '30s' }), options: field('Options', { placeholder: 'rate=5mL/s, smooth' }),
+		when: choice('When', [['at', 'at times of day'], ['between', 'every so often in a window of the day'], ['anchor', 'every so often from a moment on']]),
+		at: field('Times of day', { placeholder: '06:00, 18:00' }), every: field('Every', { placeholder: '30min' }),
+		between: field('Window', { placeholder: '08:00, 20:00', hint: 'Its first and its last time of day' }),
+		anchor: field('First run', { placeholder: '2026-03-01 06:30' }),
+		days: { input: h('fieldset', { tabindex: '-1' }, h('legend', { text: 'Days; none is every day' })) },
+		dates: field('Dates, in place of days', { placeholder: '2026-03-01' }),
+		from: field('First date', { placeholder: '2026-03-01' }), until: field('Last date', { placeholder: '2026-05-31' }),
+		zone: field('Time zone', { placeholder: told.schedule.zone || 'Europe/Berlin', hint: 'Without one: that of the file or of the service’s machine' }),
+		missed: choice('Missed runs', [['', 'are left out'], ['once', 'are made up for by one'], ['all', 'are all made up for']]),
+		missed_within: field('At most so late', { placeholder: '2h' }),
+		unfinished: choice('An interrupted dose', [['', 'has the run refused'], ['resume', 'is delivered first'], ['accept', 'is accepted']]),
+		busy: choice('A pump that moves', [['', 'has the run left out'], ['wait', 'is waited for']]),
+		enabled: check('Switched on'),
+	};
+	const days = WEEK.map((word) => [word, check(word)]);
+	const value = (key) => parts[key].input.value.trim();
+	const zone = () => value('zone') || told.schedule.zone || 'the service’s machine';
+	parts.days.el = parts.days.input;
+	parts.days.input.append(inRow(days.map(([, part]) => part.el)));
+	const kind = old.rack ? 'rack' : old.prime ? 'prime' : 'dose';
+	const batch = old.batch || {};
+	const options = Object.entries(old.options || {}).map(([name, text]) => (text === true ? name : `${name}=${text}`)).join(', ');
+	const shown = { ...old, what: kind, volume: old[kind], repeat: batch.repeat, apart: batch.every, options,
+		when: old.anchor ? 'anchor' : old.between ? 'between' : 'at' };
+	for (const [key, part] of Object.entries(parts)) if (shown[key] && key !== 'days') part.input.value = listed(shown[key]);
+	for (const [word, part] of days) part.input.checked = listed(old.days).includes(word);
+	parts.enabled.input.checked = old.enabled !== false;
 
-  const clockOf = aside('');
-  const fit = () => {
-    const [what, when] = [value('what'), value('when')];
-    const on = { pump: what !== 'rack', volume: what !== 'rack', rack: what === 'rack', repeat: what === 'dose', apart: what === 'dose',
-      at: when === 'at', every: when !== 'at', between: when === 'between', anchor: when === 'anchor', days: when !== 'anchor',
-      dates: when !== 'anchor', missed_within: value('missed') !== '' };
-    for (const [key, isOn] of Object.entries(on)) parts[key].el.hidden = !isOn;
-    say(clockOf, `Times are by the clock of ${zone()}.`);
-  };
-  /** The entry as the file has it. */
-  const keys = () => {
-    const of = (names) => Object.fromEntries(names.filter((key) => value(key)).map((key) => [key, value(key)]));
-    const made = { name: value('name'), ...of(['from', 'until', 'zone', 'missed', 'unfinished', 'busy']) };
-    if (!parts.enabled.input.checked) made.enabled = false;
-    const [what, when] = [value('what'), value('when')];
-    if (what === 'rack') made.rack = value('rack');
-    else Object.assign(made, { pump: value('pump'), [what]: withUnit(value('volume'), 'mL') });
-    const repeat = value('repeat');
-    if (what === 'dose' && (repeat || value('apart'))) {
-      made.batch = { repeat: /^\d+$/.test(repeat) ? Number(repeat) : repeat, ...(value('apart') && { every: value('apart') }) };
-    }
-    const words = value('options').split(/,\s*(?=[a-z][a-z0-9-]*(?:[=,]| \S*\d|$))/).map((word) => word.trim()).filter(Boolean);
-    if (words.length) {
-      made.options = Object.fromEntries(words.map((word) => { const [, name, value] = /^([^\s=]*)\s*=?\s*(.*)$/.exec(word); return [name, value || true]; }));
-    }
-    if (when === 'at') made.at = split(value('at'));
-    else Object.assign(made, { every: value('every').replace(/\s+/g, '') }, when === 'between' ? { between: split(value('between')) } : { anchor: value('anchor') });
-    const week = days.filter(([, part]) => part.input.checked).map(([word]) => word);
-    if (when !== 'anchor' && week.length) made.days = week;
-    if (when !== 'anchor' && value('dates')) made.dates = split(value('dates'));
-    if (made.missed && value('missed_within')) made.missed_within = value('missed_within');
-    return made;
-  };
+	const clockOf = aside('');
+	const fit = () => {
+		const [what, when] = [value('what'), value('when')];
+		const on = { pump: what !== 'rack', volume: what !== 'rack', rack: what === 'rack', repeat: what === 'dose', apart: what === 'dose',
+			at: when === 'at', every: when !== 'at', between: when === 'between', anchor: when === 'anchor', days: when !== 'anchor',
+			dates: when !== 'anchor', missed_within: value('missed') !== '' };
+		for (const [key, isOn] of Object.entries(on)) parts[key].el.hidden = !isOn;
+		say(clockOf, `Times are by the clock of ${zone()}.`);
+	};
+	/** The entry as the file has it. */
+	const keys = () => {
+		const of = (names) => Object.fromEntries(names.filter((key) => value(key)).map((key) => [key, value(key)]));
+		const made = { name: value('name'), ...of(['from', 'until', 'zone', 'missed', 'unfinished', 'busy']) };
+		if (!parts.enabled.input.checked) made.enabled = false;
+		const [what, when] = [value('what'), value('when')];
+		if (what === 'rack') made.rack = value('rack');
+		else Object.assign(made, { pump: value('pump'), [what]: withUnit(value('volume'), 'mL') });
+		const repeat = value('repeat');
+		if (what === 'dose' && (repeat || value('apart'))) {
+			made.batch = { repeat: /^\d+$/.test(repeat) ? Number(repeat) : repeat, ...(value('apart') && { every: value('apart') }) };
+		}
+		const words = value('options').split(/,\s*(?=[a-z][a-z0-9-]*(?:[=,]| \S*\d|$))/).map((word) => word.trim()).filter(Boolean);
+		if (words.length) {
+			made.options = Object.fromEntries(words.map((word) => { const [, name, value] = /^([^\s=]*)\s*=?\s*(.*)$/.exec(word); return [name, value || true]; }));
+		}
+		if (when === 'at') made.at = split(value('at'));
+		else Object.assign(made, { every: value('every').replace(/\s+/g, '') }, when === 'between' ? { between: split(value('between')) } : { anchor: value('anchor') });
+		const week = days.filter(([, part]) => part.input.checked).map(([word]) => word);
+		if (when !== 'anchor' && week.length) made.days = week;
+		if (when !== 'anchor' && value('dates')) made.dates = split(value('dates'));
+		if (made.missed && value('missed_within')) made.missed_within = value('missed_within');
+		return made;
+	};
 
-  const said = saidBox();
-  const button = h('button', { type: 'submit', class: 'first' });
-  let checked = null;
-  const isChecked = (body) => {
-    checked = body;
-    say(button, body ? 'Save' : 'Show the next runs');
-  };
-  isChecked(null);
-  let marked = null;
-  const unmark = () => {
-    if (!marked) return;
-    marked.words.remove();
-    for (const name of ['aria-invalid', 'aria-errormessage']) marked.input.removeAttribute(name);
-    marked = null;
-  };
-  /** Says a refusal beside the field that it is about. */
-  const refuse = async (error) => {
-    const key = error.key || '';
-    const part = parts[FIELDS[key] || (key.endsWith('options') ? 'options' : key)];
-    const words = alarm(wordsOf(error));
-    words.id = newId();
-    if (part) {
-      part.el.append(words);
-      fill(part.input, { 'aria-invalid': 'true', 'aria-errormessage': words.id }, []);
-      marked = { input: part.input, words };
-      if (part.el.closest('details')) part.el.closest('details').open = true;
-      part.input.focus();
-      said.replaceChildren();
-    } else {
-      said.replaceChildren(words);
-    }
-    if (error.status === 409) told = await call('GET', '/api/v1/schedule').catch(() => told);
-  };
-  const showRuns = ({ next, entry: made }) => {
-    const runs = next.map(({ at, words }) => {
-      // The words have the time by the clock of the entry, and how a change of the clock moved it.
-      const [[, there, moved], here] = [/ at (\S+ \S+) \S+(.*)/.exec(words), date(new Date(at))];
-      return h('li', { text: `${there}${there === here ? '' : `, here ${here}`}${moved}` });
-    });
-    said.replaceChildren(h('div', { class: 'plan' },
-      h('h3', { text: made.enabled === false ? 'It is switched off, so nothing runs' : runs.length ? 'Next runs' : 'It has no further run' }),
-      h('ol', { class: 'plain' }, runs), aside(`By the clock of ${zone()}; here is ${ownZone()}. Nothing is saved yet.`)));
-  };
-  const ask = (act) => once(button, () => {
-    unmark();
-    return act();
-  }, (error) => {
-    isChecked(null);
-    return refuse(error);
-  });
-  const close = (words) => {
-    box.close();
-    politely(words, true);
-    done();
-  };
-  const save = () => {
-    const body = JSON.stringify(keys());
-    const isDry = checked !== body;
-    ask(async () => {
-      const path = (entry ? ofEntry(old.name) : '/api/v1/schedule/entries') + (isDry ? '?dry-run=true' : '');
-      const made = await call(entry ? 'PUT' : 'POST', path, { body, match: told.etag });
-      if (!isDry) return close(`${made.entry.name} is saved.`);
-      isChecked(body);
-      showRuns(made);
-    });
-  };
-  const remove = () => {
-    const sure = firstly(`Remove ${old.name}`, () => ask(async () => {
-      await call('DELETE', ofEntry(old.name), { match: told.etag });
-      close(`${old.name} is removed.`);
-      $('main').querySelector('h1').focus();
-    }));
-    said.replaceChildren(h('div', { class: 'notice' }, para('The file loses the entry and the comment above it.'), inRow(sure)));
-    sure.focus();
-  };
-  const group = (...names) => fields(names.map((name) => parts[name].el));
-  const form = formOf(save, { oninput: () => {
-    isChecked(null);
-    fit();
-  } }, group('name', 'what', 'pump', 'rack', 'volume', 'when', 'at', 'every', 'between', 'anchor'), clockOf, parts.days.el,
-  moreOf(
-    group('dates', 'from', 'until', 'zone', 'repeat', 'apart', 'options', 'missed', 'missed_within', 'unfinished', 'busy')),
-  parts.enabled.el, said,
-  inRow(button, entry && h('button', { text: 'Remove…', onclick: remove })));
-  fit();
-  const box = dialog(entry ? `Edit ${old.name}` : 'Add an entry', [form]);
+	const said = saidBox();
+	const button = h('button', { type: 'submit', class: 'first' });
+	let checked = null;
+	const isChecked = (body) => {
+		checked = body;
+		say(button, body ? 'Save' : 'Show the next runs');
+	};
+	isChecked(null);
+	let marked = null;
+	const unmark = () => {
+		if (!marked) return;
+		marked.words.remove();
+		for (const name of ['aria-invalid', 'aria-errormessage']) marked.input.removeAttribute(name);
+		marked = null;
+	};
+	/** Says a refusal beside the field that it is about. */
+	const refuse = async (error) => {
+		const key = error.key || '';
+		const part = parts[FIELDS[key] || (key.endsWith('options') ? 'options' : key)];
+		const words = alarm(wordsOf(error));
+		words.id = newId();
+		if (part) {
+			part.el.append(words);
+			fill(part.input, { 'aria-invalid': 'true', 'aria-errormessage': words.id }, []);
+			marked = { input: part.input, words };
+			if (part.el.closest('details')) part.el.closest('details').open = true;
+			part.input.focus();
+			said.replaceChildren();
+		} else {
+			said.replaceChildren(words);
+		}
+		if (error.status === 409) told = await call('GET', '/api/v1/schedule').catch(() => told);
+	};
+	const showRuns = ({ next, entry: made }) => {
+		const runs = next.map(({ at, words }) => {
+			// The words have the time by the clock of the entry, and how a change of the clock moved it.
+			const [[, there, moved], here] = [/ at (\S+ \S+) \S+(.*)/.exec(words), date(new Date(at))];
+			return h('li', { text: `${there}${there === here ? '' : `, here ${here}`}${moved}` });
+		});
+		said.replaceChildren(h('div', { class: 'plan' },
+			h('h3', { text: made.enabled === false ? 'It is switched off, so nothing runs' : runs.length ? 'Next runs' : 'It has no further run' }),
+			h('ol', { class: 'plain' }, runs), aside(`By the clock of ${zone()}; here is ${ownZone()}. Nothing is saved yet.`)));
+	};
+	const ask = (act) => once(button, () => {
+		unmark();
+		return act();
+	}, (error) => {
+		isChecked(null);
+		return refuse(error);
+	});
+	const close = (words) => {
+		box.close();
+		politely(words, true);
+		done();
+	};
+	const save = () => {
+		const body = JSON.stringify(keys());
+		const isDry = checked !== body;
+		ask(async () => {
+			const path = (entry ? ofEntry(old.name) : '/api/v1/schedule/entries') + (isDry ? '?dry-run=true' : '');
+			const made = await call(entry ? 'PUT' : 'POST', path, { body, match: told.etag });
+			if (!isDry) return close(`${made.entry.name} is saved.`);
+			isChecked(body);
+			showRuns(made);
+		});
+	};
+	const remove = () => {
+		const sure = firstly(`Remove ${old.name}`, () => ask(async () => {
+			await call('DELETE', ofEntry(old.name), { match: told.etag });
+			close(`${old.name} is removed.`);
+			$('main').querySelector('h1').focus();
+		}));
+		said.replaceChildren(h('div', { class: 'notice' }, para('The file loses the entry and the comment above it.'), inRow(sure)));
+		sure.focus();
+	};
+	const group = (...names) => fields(names.map((name) => parts[name].el));
+	const form = formOf(save, { oninput: () => {
+		isChecked(null);
+		fit();
+	} }, group('name', 'what', 'pump', 'rack', 'volume', 'when', 'at', 'every', 'between', 'anchor'), clockOf, parts.days.el,
+	moreOf(
+		group('dates', 'from', 'until', 'zone', 'repeat', 'apart', 'options', 'missed', 'missed_within', 'unfinished', 'busy')),
+	parts.enabled.el, said,
+	inRow(button, entry && h('button', { text: 'Remove…', onclick: remove })));
+	fit();
+	const box = dialog(entry ? `Edit ${old.name}` : 'Add an entry', [form]);
 }
 
 function showLogin() {
-  if ($('main').dataset.view === 'login') return;
-  closeAll();
-  if (source) source.close();
-  source = null;
-  clearTimeout(retryTimer);
-  isLive = false;
-  $('main').dataset.view = 'login';
-  document.body.classList.remove('lost');
-  say($('link').firstElementChild, 'Not logged in');
-  const token = field('Token', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with (--token-file).' });
-  const said = saidBox();
-  const button = submit('Log in');
-  const form = formOf(async () => {
-    try {
-      await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }) });
-      delete $('main').dataset.view;
-      begin();
-    } catch (error) {
-      needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
-    }
-  }, {}, token.el, inRow(button), said);
-  $('main').replaceChildren(h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
-  document.title = 'Log in · pump-dose';
-  token.input.focus();
+	if ($('main').dataset.view === 'login') return;
+	closeAll();
+	if (source) source.close();
+	source = null;
+	clearTimeout(retryTimer);
+	isLive = false;
+	$('main').dataset.view = 'login';
+	document.body.classList.remove('lost');
+	say($('link').firstElementChild, 'Not logged in');
+	const token = field('Token', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with (--token-file).' });
+	const said = saidBox();
+	const button = submit('Log in');
+	const form = formOf(async () => {
+		try {
+			await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }) });
+			delete $('main').dataset.view;
+			begin();
+		} catch (error) {
+			needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
+		}
+	}, {}, token.el, inRow(button), said);
+	$('main').replaceChildren(h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
+	document.title = 'Log in · pump-dose';
+	token.input.focus();
 }
 
 /** Shows the view that the address names. */
 function show(isMoved) {
-  if (!version) return;
-  pumps.forEach((pump) => pump.panels.clear());
-  onNotes = onInputs = null;
-  const path = location.hash.replace(/^#/, '') || '/';
-  let name = null;
-  try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
-  const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
-  $('main').dataset.view = path;
-  $('main').replaceChildren(...kids.filter(Boolean));
-  if (onInputs) onInputs();
-  document.title = `${title} · pump-dose`;
-  for (const link of document.querySelectorAll('nav a')) {
-    const here = link.getAttribute('href').slice(1) === (name != null ? '/' : path);
-    if (here) link.setAttribute('aria-current', name != null ? 'true' : 'page');
-    else link.removeAttribute('aria-current');
-  }
-  if (isMoved !== true) return;
-  closeAll();
-  scrollTo(0, 0);
-  const heading = $('main').querySelector('h1');
-  if (heading) heading.focus({ preventScroll: true });
+	if (!version) return;
+	pumps.forEach((pump) => pump.panels.clear());
+	onNotes = onInputs = null;
+	const path = location.hash.replace(/^#/, '') || '/';
+	let name = null;
+	try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
+	const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
+	$('main').dataset.view = path;
+	$('main').replaceChildren(...kids.filter(Boolean));
+	if (onInputs) onInputs();
+	document.title = `${title} · pump-dose`;
+	for (const link of document.querySelectorAll('nav a')) {
+		const here = link.getAttribute('href').slice(1) === (name != null ? '/' : path);
+		if (here) link.setAttribute('aria-current', name != null ? 'true' : 'page');
+		else link.removeAttribute('aria-current');
+	}
+	if (isMoved !== true) return;
+	closeAll();
+	scrollTo(0, 0);
+	const heading = $('main').querySelector('h1');
+	if (heading) heading.focus({ preventScroll: true });
 }
 // The address names the view, so the link to the content must not change it.
 document.querySelector('.skip').addEventListener('click', (event) => {
-  event.preventDefault();
-  $('main').focus();
+	event.preventDefault();
+	$('main').focus();
 });
 addEventListener('hashchange', () => { if ($('main').dataset.view !== 'login') show(true); });
 $('logout').addEventListener('click', async () => {
-  await call('POST', '/logout', { body: '{}' }).catch(() => {});
-  showLogin();
+	await call('POST', '/logout', { body: '{}' }).catch(() => {});
+	showLogin();
 });
 calm.addEventListener('change', () => { if (version) show(); });
 begin();
