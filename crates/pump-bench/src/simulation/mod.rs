@@ -15,5 +15,5 @@ pub(crate) use sample::Columns;
 pub use sample::{COLUMNS, Sample};
 pub use sensitivity::{Derivatives, SensitiveWaveform, steady_sensitivities};
 pub use simulation::{AskedMethod, MethodError, ModelName, Simulation, SteadyReport, choose_method};
-pub use times::{EqualTimes, times};
+pub use times::{EqualTimes, interval_s, times};
 pub use waveform::{Integration, Method, Waveform};

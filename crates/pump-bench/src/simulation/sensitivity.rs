@@ -9,7 +9,7 @@ use pump_model::{
 const PARAMETERS: usize = SensitivityParameter::COUNT;
 
 /// Most samples that are computed at once.
-const BLOCK: usize = 64;
+const BLOCK: usize = 512;
 
 /// Derivatives of the pressures of both ports and of the delivered volume over a motion, by the parameters of
 /// [`SensitivityParameter::ALL`]. Those by R, C and L of the delivered volume are by those of the outlet's line.
@@ -61,11 +61,12 @@ pub fn steady_sensitivities(
 
 impl<'a, M: Iterator<Item = Leg> + Clone> SensitiveWaveform<'a, M> {
     /// Starts in the states of the lines of inlet and outlet when the first of the `legs` starts. The samples are at
-    /// intervals of `every_s` from there, or at any times if there is none.
+    /// intervals of `every_s` from time 0, or at any times if there is none.
     pub fn new(pump: &'a Pump, legs: M, [inlet, outlet]: [SensitiveState; 2], every_s: Option<f64>) -> Self {
-        let start_rad = legs.clone().next().map_or(0.0, |leg| leg.angle_rad);
+        let first = legs.clone().next().unwrap_or(Leg::rest(0.0, 0.0));
+        let start_rad = first.angle_rad;
         let run = |port, start| SensitiveRun::new(pump, port, legs.clone(), start);
-        let source = |run: SensitiveRun<'a, M>| match every_s {
+        let source = |run: SensitiveRun<'a, M>| match every_s.filter(|_| first.start_s == 0.0) {
             Some(dt_s) => Source::Every(Box::new(run.every(dt_s))),
             None => Source::At(Box::new(run)),
         };

@@ -66,3 +66,20 @@ mod tests {
         assert_eq!(all(1.0, 2.0, 2.0), [0.0, 1.0, 2.0]);
     }
 }
+
+/// Returns the interval of times that are n intervals from 0 on, n = 0, 1, 2 ..., but for rounding, s. There are none of
+/// other times, or of fewer than two.
+///
+/// ```
+/// use pump_bench::simulation::interval_s;
+/// assert_eq!(interval_s(&[0.0, 0.1, 0.2, 0.1 + 0.2]), Some((0.1 + 0.2) / 3.0));
+/// assert_eq!(interval_s(&[0.0, 0.1, 0.3]), None);
+/// ```
+pub fn interval_s(times_s: &[f64]) -> Option<f64> {
+    let [0.0, .., last_s] = *times_s else { return None };
+    let interval_s = last_s / (times_s.len() - 1) as f64;
+    // A sum of two rounded numbers is that near.
+    let near_s = 2.0 * f64::EPSILON * last_s;
+    let is_equal = times_s.iter().enumerate().all(|(n, t)| (t - n as f64 * interval_s).abs() <= near_s);
+    (interval_s > 0.0 && is_equal).then_some(interval_s)
+}

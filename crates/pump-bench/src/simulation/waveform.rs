@@ -134,13 +134,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
         states: [LineState; 2],
     ) -> Result<Self, ModelError> {
         let waveform = Self::starting(pump, legs, method, EqualTimes::new(dt_s, intervals), states)?;
-        let ports = match waveform.ports {
-            Ports::FlowCentric(Lines::Exact(ports)) => {
-                Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.into_run().every(dt_s)))))
-            }
-            other => other,
-        };
-        Ok(Self { ports, ..waveform })
+        Ok(waveform.at_equal_intervals(dt_s))
     }
 }
 
@@ -211,6 +205,20 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         let held_ml = pump.outlet().compliance_ml_kpa * outlet.above_reservoir_kpa;
         let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad) - held_ml;
         Ok(Self { pump, times, legs, leg, start_ml, last_s: leg.start_s, ports })
+    }
+
+    /// Returns this waveform, of which no sample was taken yet, for times that are n `dt_s` to rounding, n = 0, 1, 2 ...
+    /// [`interval_s`](super::interval_s) tells such times. The exact solution takes the least for them.
+    #[must_use]
+    pub fn at_equal_intervals(self, dt_s: f64) -> Self {
+        let ports = match self.ports {
+            // The intervals count from the start of the legs.
+            Ports::FlowCentric(Lines::Exact(ports)) if self.leg.start_s == 0.0 => {
+                Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.into_run().every(dt_s)))))
+            }
+            other => other,
+        };
+        Self { ports, ..self }
     }
 
     /// Returns the states of the lines of inlet and outlet at the last sample, from which a later run may go on;

@@ -13,7 +13,7 @@ pub(crate) mod oscillator;
 pub(crate) mod outflow_ripple;
 pub(crate) mod periodic_state;
 pub(crate) mod propagator;
-mod reach;
+pub(crate) mod reach;
 mod ringing;
 pub(crate) mod settling;
 mod turns;

@@ -6,20 +6,23 @@ use super::oscillator::{Balanced, Oscillator};
 use super::propagator::{Propagator, RECIPROCALS};
 
 /// Number of what decides the states: the first one's two parts, and the coefficients of a flow of degree 4.
-pub(super) const CAUSES: usize = 7;
+pub(crate) const CAUSES: usize = 7;
 
 /// Number of causes where the flow does not change.
 const EVEN: usize = 3;
 
 /// Number of states that are computed together, each in a lane of its own.
-pub(super) const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
+
+/// A state's two parts, and the coefficients of the flow in powers of the interval.
+pub(crate) type Causes = [f64; CAUSES];
 
 /// Effects of every cause on the lanes of a row.
-type Row = [[f64; LANES]; CAUSES];
+pub(crate) type Row = [[f64; LANES]; CAUSES];
 
 /// Effect of each cause on the states n intervals on, n = 0, 1, 2 ..., in `ROWS` rows of lanes.
 #[derive(Debug, Clone)]
-pub(super) struct Reach<const ROWS: usize> {
+pub(crate) struct Reach<const ROWS: usize> {
     /// Effects on the states x, the pressure, and y.
     effects: [[Row; 2]; ROWS],
     /// Powers 0 to 4 of the interval, s^n.
@@ -27,7 +30,7 @@ pub(super) struct Reach<const ROWS: usize> {
 }
 
 impl<const ROWS: usize> Reach<ROWS> {
-    pub(super) fn new(oscillator: &Oscillator, dt_s: f64) -> Self {
+    pub(crate) fn new(oscillator: &Oscillator, dt_s: f64) -> Self {
         let one = Propagator::new(oscillator, dt_s, 4);
         // Effects after n intervals: of the state's two parts, and of flows (t/dt)^k.
         let mut effects = [[0.0; 2]; CAUSES];
@@ -59,26 +62,39 @@ impl<const ROWS: usize> Reach<ROWS> {
 
     /// Returns the causes of states from `state` on. `flow`, of degree 4 at most, counts time from `since_s` before.
     #[inline]
-    pub(super) fn causes(&self, [x, y]: Balanced, flow: &Flow, since_s: f64) -> [f64; CAUSES] {
+    pub(crate) fn causes(&self, [x, y]: Balanced, flow: &Flow, since_s: f64) -> Causes {
         let [[c0, c1, c2, c3, c4], t] = [flow.quartic_after(since_s), self.powers_s];
         [x, y, c0, c1 * t[1], c2 * t[2], c3 * t[3], c4 * t[4]]
     }
 
+    /// Returns the effects on x and y row by row.
+    #[cfg(feature = "sensitivity")]
+    pub(crate) fn rows(&self) -> &[[Row; 2]; ROWS] {
+        &self.effects
+    }
+
+    /// Returns the effect of a cause on the state `n` intervals on. There must be a lane for it.
+    #[cfg(feature = "sensitivity")]
+    pub(crate) fn effect(&self, n: usize, cause: usize) -> Balanced {
+        let [x, y] = &self.effects[n / LANES];
+        [x[cause][n % LANES], y[cause][n % LANES]]
+    }
+
     /// Returns the pressures row by row, kPa.
     #[inline]
-    pub(super) fn kpa(&self, causes: [f64; CAUSES]) -> impl Iterator<Item = [f64; LANES]> {
+    pub(crate) fn kpa(&self, causes: Causes) -> impl Iterator<Item = [f64; LANES]> {
         self.effects.iter().map(move |[x, _]| sums(x, &causes))
     }
 
     /// Returns the states row by row, kPa.
     #[inline]
-    pub(super) fn states(&self, causes: [f64; CAUSES]) -> impl Iterator<Item = [[f64; LANES]; 2]> {
+    pub(crate) fn states(&self, causes: Causes) -> impl Iterator<Item = [[f64; LANES]; 2]> {
         self.effects.iter().map(move |[x, y]| [sums(x, &causes), sums(y, &causes)])
     }
 
     /// Returns the state `n` intervals on. There must be a lane for it.
     #[inline]
-    pub(super) fn state(&self, n: usize, causes: &[f64; CAUSES]) -> Balanced {
+    pub(crate) fn state(&self, n: usize, causes: &Causes) -> Balanced {
         let [x, y] = &self.effects[n / LANES];
         let sum = |row: &Row| {
             row.iter().zip(causes).fold(0.0, |sum, (effect, cause)| sum + effect[n % LANES] * cause)
@@ -88,8 +104,8 @@ impl<const ROWS: usize> Reach<ROWS> {
 }
 
 /// Returns the sums of all effects by lane.
-#[inline]
-fn sums(row: &Row, causes: &[f64; CAUSES]) -> [f64; LANES] {
+#[inline(always)]
+pub(crate) fn sums(row: &Row, causes: &Causes) -> [f64; LANES] {
     let mut sums = [0.0; LANES];
     let mut add = |causes: &[f64], row: &[[f64; LANES]]| {
         for (effects, cause) in row.iter().zip(causes) {

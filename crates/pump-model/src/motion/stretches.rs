@@ -40,6 +40,7 @@ impl Stretch {
     }
 
     /// Returns the flow per radian at time `t_s`, mL/rad. At an edge it is the value on this side.
+    #[inline]
     pub fn flow_ml_rad(&self, t_s: f64) -> f64 {
         self.flow.at(self.offset_rad + self.leg.turned(t_s - self.leg.start_s))
     }

@@ -1,9 +1,9 @@
 //! Exact sensitivities of a line's state to its parameters and to the flow, in one solve with the state.
 
 mod augmented;
-mod interval;
 pub(crate) mod parameter;
 mod propagator;
+mod reach;
 pub(crate) mod run;
 pub(crate) mod samples;
 mod short_steps;

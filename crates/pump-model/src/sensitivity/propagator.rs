@@ -9,7 +9,6 @@ use crate::line::propagator::{Propagator, RECIPROCALS, TERMS, product};
 use crate::motion::flow::DEGREE;
 
 use super::augmented::{ANGLE, Augmented, ByLine, Flows, LINE, ROLLER, STATES};
-use super::interval::Inputs;
 use super::short_steps::by_input;
 
 /// Derivatives of a [`Propagator`] by one of the line's parameters.
@@ -96,9 +95,9 @@ impl SensitivePropagator {
         after
     }
 
-    /// Returns the matrix e^(A h) by columns.
-    pub(super) fn decay(&self) -> [Balanced; 2] {
-        [self.propagator.moved([1.0, 0.0]), self.propagator.moved([0.0, 1.0])]
+    /// Returns e^(A h) z.
+    pub(super) fn moved(&self, state: Balanced) -> Balanced {
+        self.propagator.moved(state)
     }
 
     /// Returns the derivatives of e^(A h) by R, C and L, by columns.
@@ -106,58 +105,9 @@ impl SensitivePropagator {
         self.slopes.map(|slope| slope.change)
     }
 
-    /// Returns the weights by which flows of degree 4 act on the states over a step.
-    pub(super) fn input_weights(&self) -> InputWeights {
-        let mut weights = [[0.0; RESPONSES]; PAIRS];
-        let mut place = weights.iter_mut();
-        for j in 0..5 {
-            let mut weight = 1.0; // C(j + k, k) h^k
-            for (k, place) in place.by_ref().take(5 - j).enumerate() {
-                let slopes = self.slopes.iter().map(|slope| slope.response[k]);
-                let (pairs, _) = place.as_chunks_mut::<2>();
-                for (pair, response) in
-                    pairs.iter_mut().zip([self.propagator.response[k]].into_iter().chain(slopes))
-                {
-                    *pair = response.map(|x| weight * x);
-                }
-                weight *= (j + k + 1) as f64 * RECIPROCALS[k + 1] * self.propagator.step_s;
-            }
-        }
-        InputWeights(weights)
-    }
-}
-
-/// Pairs (j, k) with j + k up to 4.
-const PAIRS: usize = 15;
-/// A state and its derivatives by R, C and L, one after the other.
-const RESPONSES: usize = 2 * (1 + LINE);
-
-/// Weights C(j + k, k) h^k gamma_k by which the flow's coefficient c_(j+k) acts on the input's coefficient j, see
-/// `Propagator::input`, with their derivatives.
-#[derive(Debug, Clone)]
-pub(super) struct InputWeights([[f64; RESPONSES]; PAIRS]);
-
-impl InputWeights {
-    /// Returns the inputs that flows of degree 4 add to all states over a step that starts at t, as polynomials in
-    /// t.
-    pub(super) fn inputs(&self, flows: &Flows) -> Inputs {
-        let mut inputs = Inputs::default();
-        let mut weights = self.0.iter();
-        for j in 0..5 {
-            for (k, weights) in weights.by_ref().take(5 - j).enumerate() {
-                let [line, angle, roller] =
-                    [&flows.line, &flows.by_angle, &flows.by_roller].map(|flow| flow.c[j + k]);
-                let (pairs, _) = weights.as_chunks::<2>();
-                for (row, input) in inputs.iter_mut().enumerate() {
-                    for (input, pair) in input[j].iter_mut().zip(pairs) {
-                        *input += line * pair[row];
-                    }
-                    input[j][ANGLE] += angle * weights[row];
-                    input[j][ROLLER] += roller * weights[row];
-                }
-            }
-        }
-        inputs
+    /// Returns the derivatives by R, C and L of the responses to flows of (t/h)^k.
+    pub(super) fn responses_by_line(&self) -> ByLine<[Balanced; DEGREE + 1]> {
+        self.slopes.map(|slope| slope.response)
     }
 }
 

@@ -1,25 +1,31 @@
 //! Samples of a run with derivatives at equal intervals.
 
+use crate::line::reach::LANES;
 use crate::motion::leg::Leg;
 
-use super::augmented::{STATES, physical, units};
-use super::interval::Interval;
+use super::augmented::{Augmented, physical, units};
 use super::parameter::SensitivityParameter;
+use super::reach::{SensitiveCauses, SensitiveReach};
 use super::run::SensitiveRun;
 use super::state::SensitiveState;
 
+/// Number of rows of samples that follow from one sample.
+const ROWS: usize = 4;
+
+/// Number of samples that follow from one, itself included.
+const COUNT: usize = ROWS * LANES;
+
 /// Samples of a [`SensitiveRun`] at equal intervals, as [`crate::ExactSamples`] are those of an exact run. Inside a
-/// stretch at constant speed each costs some 50 multiplications.
+/// stretch at constant speed each costs some 50 multiplications, none of which waits for another sample.
 #[derive(Debug, Clone)]
 pub struct SensitiveSamples<'a, M> {
+    /// The run at the next sample.
     run: SensitiveRun<'a, M>,
-    /// Units of the pressure and of its derivatives.
-    units: [f64; STATES],
+    /// Units of the derivatives.
+    units: [f64; SensitivityParameter::COUNT],
     start_s: f64,
     dt_s: f64,
-    interval: Interval,
-    /// True if the interval has the inputs of the stretch under way.
-    ready: bool,
+    reach: SensitiveReach<ROWS>,
     /// Number of the next sample.
     number: u64,
 }
@@ -40,14 +46,12 @@ impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
     /// Returns the states at n `dt_s` from the time reached on, n = 0, 1, 2 ... without end. `dt_s` must be
     /// positive.
     pub fn every(self, dt_s: f64) -> SensitiveSamples<'a, M> {
-        let [by_0, by_1, by_2, by_3, by_4] = units(self.line, &self.oscillator);
         SensitiveSamples {
-            units: [1.0, by_0, by_1, by_2, by_3, by_4],
+            units: units(self.line, &self.oscillator),
             start_s: self.time_s(),
             dt_s,
-            interval: Interval::new(&self.oscillator, dt_s),
+            reach: SensitiveReach::new(&self.oscillator, dt_s),
             run: self,
-            ready: false,
             number: 0,
         }
     }
@@ -56,82 +60,95 @@ impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
 impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
     /// Writes the pressures of the next samples and their derivatives, for less than asking for them one by one.
     pub fn fill(&mut self, columns: SensitiveColumns<'_>) {
-        let SensitiveColumns { kpa, kpa_by, flow_ml_rad } = columns;
-        let count =
-            kpa_by.iter().map(|column| column.len()).fold(kpa.len().min(flow_ml_rad.len()), usize::min);
-        let [by_0, by_1, by_2, by_3, by_4] = kpa_by.map(|column| column.iter_mut());
-        let units = self.units;
-        let mut places = kpa.iter_mut().zip(flow_ml_rad).zip(by_0).zip(by_1).zip(by_2).zip(by_3).zip(by_4);
-        self.go(count, |x, flow| {
-            if let Some(((((((kpa, flow_ml_rad), by_0), by_1), by_2), by_3), by_4)) = places.next() {
-                *kpa = x[0];
-                *by_0 = units[1] * x[1];
-                *by_1 = units[2] * x[2];
-                *by_2 = units[3] * x[3];
-                *by_3 = units[4] * x[4];
-                *by_4 = units[5] * x[5];
-                *flow_ml_rad = flow;
+        let SensitiveColumns { kpa, mut kpa_by, flow_ml_rad } = columns;
+        let lengths = kpa_by.iter().map(|column| column.len());
+        let count = lengths.fold(kpa.len().min(flow_ml_rad.len()), usize::min);
+        let mut done = 0;
+        while done < count {
+            let causes = self.reach.causes(&self.run.state, &self.run.flows, self.run.reached_s);
+            let inside = self.inside().min(count - done);
+            if count - done >= COUNT {
+                // What a row has too much, the next samples overwrite.
+                let rows = inside.div_ceil(LANES);
+                for (row, lanes) in self.reach.kpa(causes).take(rows).enumerate() {
+                    let place = done + row * LANES..done + (row + 1) * LANES;
+                    let [states, derivatives @ ..] = lanes;
+                    kpa[place.clone()].copy_from_slice(&states);
+                    for ((column, by), unit) in kpa_by.iter_mut().zip(derivatives).zip(self.units) {
+                        column[place.clone()].copy_from_slice(&by.map(|by| unit * by));
+                    }
+                }
+            } else {
+                for n in 0..inside {
+                    let [[x, _], derivatives @ ..] = self.sample(n, &causes);
+                    kpa[done + n] = x;
+                    for ((column, [by, _]), unit) in kpa_by.iter_mut().zip(derivatives).zip(self.units) {
+                        column[done + n] = unit * by;
+                    }
+                }
             }
-        });
-    }
-
-    /// Goes over the next `count` samples, and reports the pressures of the augmented state and the flow per radian
-    /// at each.
-    fn go(&mut self, count: usize, mut note: impl FnMut(&[f64; STATES], f64)) {
-        let mut left = count;
-        while left > 0 {
-            left -= match (self.ready, self.interval.is_even()) {
-                (false, _) => 0,
-                (true, true) => self.go_inside::<true>(left, &mut note),
-                (true, false) => self.go_inside::<false>(left, &mut note),
-            };
-            if left > 0 {
-                // The next sample lies beyond an edge, or the rotor speeds up or down.
-                self.run.go_to(self.next_s());
-                self.number += 1;
-                left -= 1;
-                note(&self.run.state.map(|[x, _]| x), self.run.flow_ml_rad());
-                self.ready = self.interval.take(&self.run.flows);
-            }
+            self.fill_flow_ml_rad(&mut flow_ml_rad[done..done + inside]);
+            self.go_on(inside, &causes);
+            done += inside;
         }
     }
 
-    /// Goes over the next samples, `most` at most, that lie inside the stretch under way. Returns their number.
-    #[inline]
-    fn go_inside<const EVEN: bool>(
-        &mut self,
-        most: usize,
-        note: &mut impl FnMut(&[f64; STATES], f64),
-    ) -> usize {
-        let (stretch_s, length_s) =
-            (self.run.stretch.start_s, self.run.stretch.end_s - self.run.stretch.start_s);
-        let (mut x, mut y) = (self.run.state.map(|[x, _]| x), self.run.state.map(|[_, y]| y));
-        let mut reached_s = self.run.reached_s;
-        let even_ml_rad = self.run.flow_ml_rad();
-        let mut count = 0;
-        while count < most {
-            let next_s = self.next_s() - stretch_s;
-            if next_s > length_s {
-                break;
-            }
-            (x, y) = self.interval.after::<EVEN>(&x, &y, reached_s);
-            let flow_ml_rad =
-                if EVEN { even_ml_rad } else { self.run.stretch.flow_ml_rad(stretch_s + next_s) };
-            note(&x, flow_ml_rad);
-            reached_s = next_s;
-            self.number += 1;
-            count += 1;
+    /// Writes the flow per radian at the next samples, which must lie inside the stretch.
+    fn fill_flow_ml_rad(&self, flow_ml_rad: &mut [f64]) {
+        let stretch = self.run.stretch;
+        if self.run.flows.are_even() {
+            flow_ml_rad.fill(stretch.flow_ml_rad(self.time_s(0)));
+            return;
         }
-        for (state, (x, y)) in self.run.state.iter_mut().zip(x.into_iter().zip(y)) {
-            *state = [x, y];
+        let first_s = self.time_s(0);
+        for (n, flow_ml_rad) in flow_ml_rad.iter_mut().enumerate() {
+            *flow_ml_rad = stretch.flow_ml_rad(first_s + n as f64 * self.dt_s);
         }
-        self.run.reached_s = reached_s;
-        count
     }
 
-    /// Returns the time of the next sample, s.
-    fn next_s(&self) -> f64 {
-        self.start_s + self.number as f64 * self.dt_s
+    /// Returns the state of the next sample, n = 0, or of a later one inside the stretch.
+    fn sample(&self, n: usize, causes: &SensitiveCauses) -> Augmented {
+        if n == 0 { self.run.state } else { self.reach.state(n, causes) }
+    }
+
+    /// Goes on over `count` samples, one or more of which lie inside the stretch.
+    fn go_on(&mut self, count: usize, causes: &SensitiveCauses) {
+        let next_s = self.time_s(count);
+        let is_inside = next_s <= self.run.stretch.end_s && self.run.flows.line.degree <= 4;
+        // The last sample inside is nearer to the edge than the first.
+        let known = if is_inside { count } else { count - 1 };
+        self.run.state = self.sample(known, causes);
+        self.run.reached_s = self.time_s(known) - self.run.stretch.start_s;
+        if !is_inside {
+            self.run.go_to(next_s);
+        }
+        self.number += count as u64;
+    }
+
+    /// Returns the number of next samples that lie inside the stretch and have a lane, without the last lane. It is one
+    /// at least: the run stands at the next sample.
+    fn inside(&self) -> usize {
+        let run = &self.run;
+        if run.flows.line.degree > 4 {
+            return 1;
+        }
+        if self.time_s(COUNT - 1) <= run.stretch.end_s {
+            return COUNT - 1;
+        }
+        // The quotient may round over a sample.
+        let mut inside = (((run.stretch.end_s - self.time_s(0)) / self.dt_s) as usize).clamp(1, COUNT - 1);
+        while inside > 1 && self.time_s(inside - 1) > run.stretch.end_s {
+            inside -= 1;
+        }
+        while inside < COUNT - 1 && self.time_s(inside) <= run.stretch.end_s {
+            inside += 1;
+        }
+        inside
+    }
+
+    /// Returns the time of the next sample, n = 0, or of a later one, s.
+    fn time_s(&self, n: usize) -> f64 {
+        self.start_s + (self.number + n as u64) as f64 * self.dt_s
     }
 }
 
@@ -139,7 +156,9 @@ impl<M: Iterator<Item = Leg>> Iterator for SensitiveSamples<'_, M> {
     type Item = SensitiveState;
 
     fn next(&mut self) -> Option<SensitiveState> {
-        self.go(1, |_, _| ());
-        Some(physical(self.run.line, &self.run.oscillator, &self.run.state))
+        let state = physical(self.run.line, &self.run.oscillator, &self.run.state);
+        self.number += 1;
+        self.run.go_to(self.time_s(0));
+        Some(state)
     }
 }

@@ -1,7 +1,7 @@
 //! Derivatives of a run's pressures and delivered volume, as arrays.
 
 use numpy::{PyArray2, PyArrayMethods};
-use pump_bench::simulation::{Derivatives, SensitiveWaveform, steady_sensitivities};
+use pump_bench::simulation::{Derivatives, SensitiveWaveform, interval_s, steady_sensitivities};
 use pump_model::{LineState, Pump as Model, SensitiveState, SensitivityParameter};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -38,9 +38,9 @@ pub(super) fn sensitivity<'py>(
     starts: [SensitiveState; 2],
     run: &Run,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let every_s = match motion.times {
-        Times::Every { dt_s, .. } => Some(dt_s),
-        Times::At(_) => None,
+    let every_s = match &motion.times {
+        Times::Every { dt_s, .. } => Some(*dt_s),
+        Times::At(times_s) => interval_s(times_s),
     };
     let times = run.time_s(py).try_readonly()?;
     let angles = run.angle_rad(py).try_readonly()?;

@@ -1,6 +1,6 @@
 //! A pump over time: at constant speed, at speeds between knots, or at a speed that is a function of time.
 
-use pump_bench::simulation::{AskedMethod, Method, ModelName, Waveform, choose_method};
+use pump_bench::simulation::{AskedMethod, Method, ModelName, Waveform, choose_method, interval_s};
 use pump_model::{LineState, Pump as Model, RollerCentric};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -213,7 +213,12 @@ fn computed(
         }
         Times::At(times_s) => {
             let samples = Waveform::starting(model, legs, method, times_s.iter().copied(), states);
-            Run::collect(py, times_s.len() as u64, samples.map_err(errors::model)?)
+            let samples = samples.map_err(errors::model)?;
+            let samples = match interval_s(times_s) {
+                Some(dt_s) => samples.at_equal_intervals(dt_s),
+                None => samples,
+            };
+            Run::collect(py, times_s.len() as u64, samples)
         }
     }
 }

@@ -14,7 +14,8 @@ class LoggedDose(Record):
 
     `delivered_least_ml` and `delivered_most_ml` are numbers where nobody knows how many steps were made, and
     None otherwise. `end` tells how the dose ended, and `cause` the reason of a fault, or who or what
-    stopped the dose. `rack` is the rack of which it was a part. `requested_ml` is None for a run until it
+    stopped the dose. `rack` is the rack of which it was a part, and `order` the order of a service that
+    made it. `requested_ml` is None for a run until it
     is stopped. `clock_went_back` is True if the time is before that of the dose before. The rest of a dose
     that was stopped, and the retraction after a dose, have entries of their own.
     """
@@ -40,6 +41,7 @@ class LoggedDose(Record):
     steps: int | None
     motion_s: float | None
     rack: str | None
+    order: str | None
     clock_went_back: bool
     fluid: str | None
     temperature_degc: float | None
