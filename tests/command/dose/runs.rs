@@ -287,8 +287,9 @@ fn a_timed_dose_of_a_simulated_motor_stops_where_it_is() {
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let turned_deg = number(&report, "end_angle_deg") - number(&report, "start_angle_deg");
     let turned_s = turned_deg / (6.0 * number(&report, "cruise_speed_rpm"));
-    // It decelerates by its plan, which takes no time: some hundredths of a second.
-    assert!((turned_s - number(&report, "measured_motion_s")).abs() < 0.05, "{report}");
+    // It decelerates by its plan, which takes some hundredths of a second. A busy machine starts it late: 0.22 s were
+    // seen under a load of 11.
+    assert!((turned_s - number(&report, "measured_motion_s")).abs() < 0.4, "{report}");
     assert!(turned_s < 5.0 && number(&report, "delivered_ml") < 20.0, "{report}");
 }
 
