@@ -87,15 +87,15 @@ pub use hose::fluid::Fluid;
 #[cfg(feature = "construction")]
 pub use hose::hose::Hose;
 pub use line::exact_run::ExactRun;
-pub use line::exact_samples::ExactSamples;
-pub use line::exact_series::ExactSeries;
 pub use line::extremes::Extremes;
 pub use line::friction::Friction;
 pub use line::line::Line;
 pub use line::line_state::LineState;
 pub use line::propagator::LineStep;
+pub use line::runs::exact_samples::ExactSamples;
+pub use line::runs::exact_series::ExactSeries;
+pub use line::runs::vessel_run::{BackFlow, VesselRun};
 pub use line::settling::SETTLED_ML;
-pub use line::vessel_run::{BackFlow, VesselRun};
 pub use math::{metrics, polynomial};
 pub use motion::leg::Leg;
 pub use motion::ripple::Ripple;

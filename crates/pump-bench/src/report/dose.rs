@@ -69,8 +69,8 @@ pub struct DoseReport {
     /// Volume of the steps that were made, or that are planned, as the log books it, mL.
     #[serde(skip)]
     pub booked_ml: f64,
-    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, from any angle, or that is planned on a
-    /// dry run, g, at the pump file's temperature of the fluid; null if the density is not known there.
+    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, from any angle, or that is
+    /// planned on a dry run, g, at the pump file's temperature of the fluid; null if the density is not known there.
     pub balance_g: Option<f64>,
     /// Basis of the volume: the model, the model of a drawing, or the volumes that were weighed.
     pub volume_basis: VolumeBasis,

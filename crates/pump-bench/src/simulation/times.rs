@@ -67,7 +67,7 @@ mod tests {
     }
 }
 
-/// Returns the interval of times that are n intervals from 0 on, n = 0, 1, 2 ..., but for rounding, s. There are none of
+/// Returns the interval of times that are n intervals from 0 on, n = 0, 1, 2 ..., but for rounding, s. There is none of
 /// other times, or of fewer than two.
 ///
 /// ```

@@ -207,7 +207,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         Ok(Self { pump, times, legs, leg, start_ml, last_s: leg.start_s, ports })
     }
 
-    /// Returns this waveform, of which no sample was taken yet, for times that are n `dt_s` to rounding, n = 0, 1, 2 ...
+    /// Returns this waveform, of which no sample was taken yet, for times that are n `dt_s` to rounding, n from 0 on.
     /// [`interval_s`](super::interval_s) tells such times. The exact solution takes the least for them.
     #[must_use]
     pub fn at_equal_intervals(self, dt_s: f64) -> Self {

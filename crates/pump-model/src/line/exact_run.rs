@@ -31,7 +31,7 @@ use super::settling::settling_s;
 pub struct ExactRun<'a, M> {
     line: &'a Line,
     pub(crate) oscillator: Oscillator,
-    pub(super) stretches: Stretches<'a, M>,
+    pub(crate) stretches: Stretches<'a, M>,
     pub(crate) stretch: Stretch,
     /// Flow at the rollers over time since the stretch's start.
     pub(crate) flow: Flow,
@@ -137,7 +137,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
     /// Goes on inside the stretch by a step short beside the swing, at most to `end_s`. Returns its length, s,
     /// and true if it reaches `end_s` or the end of the stretch.
-    pub(super) fn fine_step(&mut self, end_s: f64) -> (f64, bool) {
+    pub(crate) fn fine_step(&mut self, end_s: f64) -> (f64, bool) {
         let stretch_s = self.stretch.end_s - self.stretch.start_s;
         let room_s = (end_s - self.stretch.start_s).min(stretch_s) - self.reached_s;
         let wanted_s = self.oscillator.fine_step_s(self.reached_s, stretch_s);
@@ -147,7 +147,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     }
 
     /// Goes on into the next stretch and returns true, unless this one lasts beyond `end_s`.
-    pub(super) fn enters_next(&mut self, end_s: f64) -> bool {
+    pub(crate) fn enters_next(&mut self, end_s: f64) -> bool {
         let enters = end_s >= self.stretch.end_s;
         if enters {
             self.finish_stretch();
@@ -156,12 +156,12 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     }
 
     /// Returns the line's compliance, mL/kPa.
-    pub(super) fn compliance_ml_kpa(&self) -> f64 {
+    pub(crate) fn compliance_ml_kpa(&self) -> f64 {
         self.line.compliance_ml_kpa
     }
 
     /// Goes on inside the stretch.
-    pub(super) fn go_on(&mut self, length_s: f64) {
+    pub(crate) fn go_on(&mut self, length_s: f64) {
         if length_s > 0.0 {
             self.state = self.oscillator.after(length_s, self.state, &self.flow.shifted(self.reached_s));
             self.reached_s += length_s;
@@ -175,13 +175,13 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     }
 
     /// Goes on to the end of the stretch and into `next`, which follows it.
-    pub(super) fn enter(&mut self, next: Stretch) {
+    pub(crate) fn enter(&mut self, next: Stretch) {
         self.go_on(self.stretch.end_s - self.time_s());
         self.begin(next);
     }
 
     /// Begins the `next` stretch in the state reached, which must be that at its start.
-    pub(super) fn begin(&mut self, next: Stretch) {
+    pub(crate) fn begin(&mut self, next: Stretch) {
         self.stretch = next;
         self.flow = next.flow();
         self.reached_s = 0.0;

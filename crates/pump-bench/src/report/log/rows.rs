@@ -9,7 +9,7 @@ use crate::record::{LogEnd, LogEntry, Purpose, ShortText, Stamp};
 /// Header of the table of which [`log_csv`] writes the rows.
 pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
     delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s,rack,\
-    clock_went_back,fluid,temperature_degc,pump,driver";
+    clock_went_back,fluid,temperature_degc,pump,driver,order";
 
 /// Words a dose for people, in one line without its end. `went_back` is true if its time is before that of the dose
 /// before it. The fluid is said where it is not `own`, the pump file's.
@@ -91,6 +91,7 @@ pub fn log_csv(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> S
         number(entry.fluid.map(|fluid| fluid.temperature_degc)),
         quoted(pump),
         quoted(driver),
+        quoted(entry.order.as_ref().map_or("", |order| order.as_str())),
     ]
     .join(",")
 }
@@ -114,6 +115,7 @@ pub fn log_json(pump: &str, driver: &str, entry: &LogEntry, went_back: bool) -> 
         fluid: entry.fluid.map(|fluid| fluid.name),
         motion_s: entry.motion_s,
         number: entry.number,
+        order: &entry.order,
         pump,
         purpose: entry.purpose,
         rack: &entry.rack,
@@ -145,6 +147,7 @@ struct Object<'a> {
     fluid: Option<ShortText>,
     motion_s: Option<f64>,
     number: u64,
+    order: &'a Option<ShortText>,
     pump: &'a str,
     purpose: Purpose,
     rack: &'a Option<ShortText>,
@@ -204,13 +207,13 @@ mod tests {
         assert_eq!(
             log_csv("tank", "grbl", &entry(), false),
             "7,2026-11-23T03:15:00+01:00,dose,25 mL,25,25.0004,,,0.125,-0.0004,fault,\"the board said \"\"no\"\", then \
-             nothing\",false,2,3,27284,,,false,water,25,tank,grbl"
+             nothing\",false,2,3,27284,,,false,water,25,tank,grbl,"
         );
-        assert_eq!(LOG_CSV_HEADER.split(',').count(), 23);
+        assert_eq!(LOG_CSV_HEADER.split(',').count(), 24);
         let endless = LogEntry { cause: None, until_stopped: true, ..entry() };
         let row = log_csv("tank", "grbl", &endless, true);
         let cells: Vec<&str> = row.split(',').collect();
-        assert_eq!((cells.len(), cells[4], cells[18]), (23, "", "true"), "{row}");
+        assert_eq!((cells.len(), cells[4], cells[18]), (24, "", "true"), "{row}");
         let object: serde_json::Value =
             serde_json::from_str(&log_json("tank", "grbl", &endless, true)).unwrap();
         assert!(object["requested_ml"].is_null() && object["clock_went_back"] == true, "{object}");

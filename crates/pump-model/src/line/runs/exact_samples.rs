@@ -3,11 +3,11 @@
 use crate::motion::leg::Leg;
 use crate::motion::stretches::Stretch;
 
-use super::exact_run::{ExactRun, next_stretch};
-use super::line_state::LineState;
 use super::onset::Onset;
-use super::oscillator::Balanced;
-use super::reach::{CAUSES, LANES, Reach};
+use crate::line::exact_run::{ExactRun, next_stretch};
+use crate::line::line_state::LineState;
+use crate::line::oscillator::Balanced;
+use crate::line::reach::{CAUSES, LANES, Reach};
 
 /// Number of rows of samples that follow from one sample.
 const ROWS: usize = 8;

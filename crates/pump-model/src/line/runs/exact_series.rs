@@ -3,10 +3,10 @@
 use crate::motion::flow::DEGREE;
 use crate::motion::leg::Leg;
 
-use super::exact_run::{ExactRun, next_stretch};
-use super::line_state::LineState;
-use super::oscillator::{Balanced, Oscillator};
-use super::propagator::RECIPROCALS;
+use crate::line::exact_run::{ExactRun, next_stretch};
+use crate::line::line_state::LineState;
+use crate::line::oscillator::{Balanced, Oscillator};
+use crate::line::propagator::RECIPROCALS;
 
 /// Number of samples that are computed together, each in a lane of its own.
 const LANES: usize = 8;

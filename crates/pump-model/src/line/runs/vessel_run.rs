@@ -6,8 +6,8 @@ use crate::math::polynomial::Polynomial;
 use crate::motion::flow::Flow;
 use crate::motion::leg::Leg;
 
-use super::exact_run::ExactRun;
-use super::oscillator::{Balanced, Oscillator};
+use crate::line::exact_run::ExactRun;
+use crate::line::oscillator::{Balanced, Oscillator};
 
 /// Volume that may still move at the end of a run to rest, mL: 1 nL.
 const STILL_ML: f64 = 1e-6;

@@ -1,7 +1,7 @@
 //! Effect of a change of the flow at the rollers on a line shortly after it.
 
-use super::oscillator::{Balanced, Oscillator, SHORT};
-use super::propagator::{RECIPROCALS, TERMS};
+use crate::line::oscillator::{Balanced, Oscillator, SHORT};
+use crate::line::propagator::{RECIPROCALS, TERMS};
 
 /// Number of coefficients of a flow at constant speed, a quartic of time.
 const COEFFICIENTS: usize = 5;
