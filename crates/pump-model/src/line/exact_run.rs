@@ -169,7 +169,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     }
 
     /// Goes on to the end of the stretch and into the next.
-    fn finish_stretch(&mut self) {
+    pub(crate) fn finish_stretch(&mut self) {
         let next = next_stretch(&mut self.stretches);
         self.enter(next);
     }

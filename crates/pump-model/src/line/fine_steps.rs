@@ -8,6 +8,9 @@ use super::extremes::Extremes;
 use super::oscillator::{Oscillator, SHORT};
 use super::reach::{LANES, Reach};
 
+/// Number of fine steps that cost less than one long one.
+const FEW: usize = 100;
+
 /// Fine steps of a line that swings: what they do does not depend on the motion.
 #[derive(Debug, Clone)]
 pub(crate) struct FineSteps {
@@ -24,6 +27,31 @@ impl FineSteps {
 }
 
 impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
+    /// Goes on to `end_s`, by fine steps where they are few.
+    pub(crate) fn go_by(&mut self, steps: &FineSteps, end_s: f64) {
+        while self.time_s() < end_s {
+            let stretch_s = self.stretch.end_s - self.stretch.start_s;
+            let to_s = (end_s - self.stretch.start_s).min(stretch_s);
+            if let Some(reach) = steps.reach.as_ref().filter(|_| self.flow.degree <= 4) {
+                let whole = ((to_s - self.reached_s) / steps.step_s) as usize;
+                // A long step is made by squaring.
+                let mut left = if whole <= FEW { whole } else { 0 };
+                while left > 0 {
+                    let count = left.min(LANES - 1);
+                    self.state = reach.state(count, &reach.causes(self.state, &self.flow, self.reached_s));
+                    self.reached_s += count as f64 * steps.step_s;
+                    left -= count;
+                }
+            }
+            if self.stretch.end_s <= end_s {
+                self.finish_stretch();
+            } else {
+                self.at(end_s);
+                return;
+            }
+        }
+    }
+
     /// Goes on inside the stretch by as many fine steps as fit before `end_s`, and covers the pressures on the way.
     /// Goes on by none where a step need not be fine or the flow's degree is above 4.
     pub(super) fn cover_fine_steps(&mut self, steps: &FineSteps, end_s: f64, extremes: &mut Extremes) {
@@ -85,12 +113,20 @@ impl Oscillator {
                 slope[to],
             ];
             let noise = 1e-14 * (x[from].abs() + x[to].abs());
-            let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
-                (low.min(*point), high.max(*point))
-            });
-            if low < noise && high > -noise {
-                let (before, after) = ([x[from], y[from]], [x[to], y[to]]);
-                let flow = flow.shifted(from as f64 * step_s);
+            let is_sure = points.iter().all(|point| point.abs() > noise);
+            let changes =
+                points.iter().zip(points.iter().skip(1)).filter(|(a, b)| (**a > 0.0) != (**b > 0.0)).count();
+            if is_sure && changes == 0 {
+                continue;
+            }
+            let (before, after) = ([x[from], y[from]], [x[to], y[to]]);
+            let flow = flow.shifted(from as f64 * step_s);
+            if is_sure && changes == 1 {
+                // There are as many roots as changes of sign, or fewer by an even number.
+                let slope = self.pressure(step_s, before, after, &flow).derivative();
+                let turn_s = step_s * slope.solve_monotone(0.0, 0.0, 1.0);
+                extremes.cover(self.turning_kpa(turn_s, step_s, before, &flow));
+            } else {
                 self.turns(step_s, before, after, &flow, |kpa| extremes.cover(kpa));
             }
         }

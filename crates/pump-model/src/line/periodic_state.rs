@@ -6,6 +6,7 @@ use crate::motion::leg::Leg;
 use crate::port::Port;
 
 use super::exact_run::ExactRun;
+use super::fine_steps::FineSteps;
 use super::line::Line;
 use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator};
@@ -22,11 +23,24 @@ pub(crate) fn periodic_state(
     port: Port,
     speed_rad_s: f64,
 ) -> Result<LineState, ModelError> {
-    let oscillator = Oscillator::new(line, port);
+    let steps = FineSteps::new(&Oscillator::new(line, port));
+    periodic_state_by(&steps, line, curve, port, speed_rad_s)
+}
+
+/// Returns the periodic state as [`periodic_state`] does, by fine steps of this line.
+pub(crate) fn periodic_state_by(
+    steps: &FineSteps,
+    line: &Line,
+    curve: &FlowCurve,
+    port: Port,
+    speed_rad_s: f64,
+) -> Result<LineState, ModelError> {
     let period_s = curve.pitch_rad() / speed_rad_s.abs();
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-    let after = ExactRun::on(line, curve, port, motion, LineState::AT_REST).at(period_s);
-    repeated_state(&oscillator, period_s, after).ok_or(ModelError::UndampedResonance { port, speed_rad_s })
+    let mut run = ExactRun::on(line, curve, port, motion, LineState::AT_REST);
+    run.go_by(steps, period_s);
+    repeated_state(&run.oscillator, period_s, run.state())
+        .ok_or(ModelError::UndampedResonance { port, speed_rad_s })
 }
 
 /// Returns the state that repeats itself every `period_s` under a flow that takes the line from rest to

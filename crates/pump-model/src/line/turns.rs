@@ -50,7 +50,7 @@ impl Oscillator {
     ///
     /// Beyond `length_s` the flow is another one, so a turn that would lie there is taken at the end. (In a
     /// sliver of a stretch rounding makes such turns.)
-    fn turning_kpa(&self, near_s: f64, length_s: f64, state: Balanced, flow: &Flow) -> f64 {
+    pub(crate) fn turning_kpa(&self, near_s: f64, length_s: f64, state: Balanced, flow: &Flow) -> f64 {
         let mut t = near_s;
         let mut there = self.after(t, state, flow);
         for _ in 0..2 {
@@ -61,7 +61,12 @@ impl Oscillator {
             if shift.is_nan() || shift.abs() >= 0.1 / self.norm() {
                 break;
             }
-            t = (t - shift).max(0.0).min(length_s);
+            let turn = t - shift;
+            if shift.abs() <= 1e-5 / self.norm() && turn >= 0.0 && turn <= length_s {
+                // The parabola through the point is a millionth of a millionth of the swing beside the curve.
+                return there[0] - 0.5 * slope[0] * shift;
+            }
+            t = turn.max(0.0).min(length_s);
             there = self.after(t, state, flow);
         }
         there[0]

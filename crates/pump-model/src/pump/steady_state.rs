@@ -3,9 +3,10 @@
 use crate::error::{ModelError, Parameter, refused};
 use crate::line::exact_run::ExactRun;
 use crate::line::extremes::Extremes;
+use crate::line::fine_steps::FineSteps;
 use crate::line::line_state::LineState;
 use crate::line::oscillator::Oscillator;
-use crate::line::periodic_state::periodic_state;
+use crate::line::periodic_state::{periodic_state, periodic_state_by};
 use crate::motion::leg::Leg;
 use crate::motion::ripple::Ripple;
 use crate::port::Port;
@@ -91,13 +92,15 @@ impl Pump {
     fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
         let period_s = self.pitch_rad() / speed_rad_s.abs();
         let edges = self.curve(port).pieces().len() as f64;
-        let steps = Oscillator::new(self.line(port), port).most_fine_steps(edges, period_s);
+        let oscillator = Oscillator::new(self.line(port), port);
+        let steps = oscillator.most_fine_steps(edges, period_s);
         if steps > MOST_STEPS {
             return Err(ModelError::RingsTooLong { port, speed_rad_s, steps, allowed: MOST_STEPS });
         }
-        let state = self.periodic_state(port, speed_rad_s)?;
+        let steps = FineSteps::new(&oscillator);
+        let state = periodic_state_by(&steps, self.line(port), self.curve(port), port, speed_rad_s)?;
         let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-        Ok(ExactRun::new(self, port, motion, state).extremes(period_s))
+        Ok(ExactRun::new(self, port, motion, state).extremes_by(&steps, period_s))
     }
 
     /// Returns the flow averaged over whole pitches, mL/s: Q_avg = V_rot omega / (2 pi).
