@@ -17,6 +17,7 @@ mod refusals;
 mod shown;
 mod terminal;
 mod told_commands;
+mod user_name;
 mod warned;
 
 use std::ffi::OsString;

@@ -164,8 +164,13 @@ fn command(rest: &str, typed: &[(&str, String)], root: &Command) -> String {
     };
     // `dose setup` finds a board wherever it is, and asks for what a new pump needs.
     let asks = |option: &str| words.first() == Some(&"setup") && ["--driver", "--port"].contains(&option);
-    let missing =
-        typed.iter().filter(|(option, _)| !words.contains(option) && takes(option) && !asks(option));
+    // A told command that was completed before has the name of the pump in it.
+    let is_named = |option: &str, value: &str| {
+        option == "--pump" && format!(" {rest} ").contains(&format!(" {} ", shell_word(value)))
+    };
+    let missing = typed.iter().filter(|(option, value)| {
+        !words.contains(option) && takes(option) && !asks(option) && !is_named(option, value)
+    });
     let added: String = missing.map(|(option, value)| format!(" {option} {}", shell_word(value))).collect();
     format!("dose {rest}{added}")
 }
@@ -254,6 +259,8 @@ mod tests {
             root: Arc::new(LazyLock::new(definitions)),
         };
         let of = |pump: &str, text: &str| completed_with(text, &told.of_pump(pump));
+        let base = "`dose resume base --state-dir /srv/state`";
+        assert_eq!(completed_with(&of("base", "`dose resume NAME`"), &told.of_pump("base")), base);
         let base = "`dose resume --pump racks/base.toml --state-dir /srv/state`";
         assert_eq!(of("racks/base.toml", "`dose resume`"), base);
         assert_eq!(completed_with(base, &told), base);

@@ -5,6 +5,7 @@ use clap::{Arg, ArgMatches};
 use serde_json::{Map, Value, json};
 
 use crate::cli;
+use crate::user_name::user_name;
 
 /// Options and words that say where the pump is or how the report is printed, or that are the task itself: by clap's
 /// ids.
@@ -42,6 +43,9 @@ pub(super) fn of(leaf: &ArgMatches, path: &[&str], pump: &str, json: bool) -> Va
     }
     for text in ["reason", "by"].into_iter().filter(|text| typed(text)) {
         order[text] = words(text).into();
+    }
+    if path == ["safety", "clear"] && !typed("by") {
+        order["by"] = user_name().into();
     }
     let attended = std::io::IsTerminal::is_terminal(&std::io::stdin());
     json!({"order": order, "json": json, "verbose": typed("verbose"), "attended": attended})

@@ -179,6 +179,32 @@ fn an_input_that_is_silent_for_too_long_stops_its_pump() {
 }
 
 #[test]
+fn on_fail_tells_one_volume_of_a_dose_that_the_guard_stops() {
+    let laboratory = Laboratory::new(&["acid"], &input("name = \"leak\"\nsilent = \"10min\""));
+    let config = laboratory.path("config.toml");
+    let on_fail =
+        "on_fail = \"echo $DOSE_FAIL_KIND $DOSE_FAIL_LEAST_ML $DOSE_FAIL_MOST_ML $(cat) >> told\"\n[pumps]";
+    let text = fs::read_to_string(&config).unwrap().replacen("[pumps]", on_fail, 1);
+    fs::write(&config, text).unwrap();
+    let service = laboratory.serve(&[]);
+    let id = service.dose("acid", "50mL", &json!({"rate": "1mL/s"}));
+    service.moves("acid");
+    tell(&service, "leak", false, None);
+    service.ended(&id);
+    let told = wait_for("on_fail of both", || Some(laboratory.told()).filter(|told| told.len() == 2));
+    let of = |kind: &str| {
+        let line = told.iter().find(|line| line.starts_with(kind)).unwrap_or_else(|| panic!("{told:?}"));
+        line.splitn(4, ' ').skip(1).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let (stopped, stands) = (of("stopped"), of("safety"));
+    for (one, other) in stopped[..2].iter().zip(&stands[..2]) {
+        let (one, other): (f64, f64) = (one.parse().unwrap(), other.parse().unwrap());
+        assert!(one > 0.0 && (one - other).abs() < 1e-5, "one volume: {told:?}");
+    }
+    assert!(stands[2].contains("\"moved\":true"), "{told:?}");
+}
+
+#[test]
 fn a_pump_that_another_process_holds_stands_as_soon_as_that_has_ended() {
     let laboratory = Laboratory::new(&["acid"], &input("name = \"leak\"\nsilent = \"10min\""));
     let service = laboratory.serve(&[]);
@@ -190,7 +216,8 @@ fn a_pump_that_another_process_holds_stands_as_soon_as_that_has_ended() {
     });
     tell(&service, "leak", false, None);
     noted(&service, "acid does not stand on record yet");
-    let (status, refused) = service.post("/api/v1/pumps/acid/clear", &json!({"reason": "too early"}));
+    let (status, refused) =
+        service.post("/api/v1/pumps/acid/clear", &json!({"reason": "too early", "by": "Ada"}));
     assert_eq!((status, &refused["code"]), (423, &json!(5)), "{refused}");
     crate::laboratory::signal(other.id(), "INT");
     other.wait().unwrap();

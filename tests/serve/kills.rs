@@ -71,11 +71,26 @@ fn a_killed_service_loses_nothing_and_doubles_nothing() {
 fn the_log_says_that_a_killed_service_ended_the_dose() {
     let laboratory = Laboratory::new(&["acid"], "");
     let mut service = laboratory.serve(&[]);
-    service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
+    let id = service.dose("acid", "20mL", &json!({"rate": "1mL/s"}));
     service.moves("acid");
     service.kill();
     wait_for("the pump to stand", || laboratory.status("acid")["in_use_by"].is_null().then_some(()));
-    assert_eq!(laboratory.log("acid")[0]["cause"], "the end of the service");
+    let logged = laboratory.log("acid").remove(0);
+    assert_eq!((&logged["cause"], &logged["order"]), (&json!("the end of the service"), &json!(id)));
+    service = laboratory.serve_again(&service);
+    let (status, known) = service.get(&format!("/api/v1/doses/{id}"));
+    assert_eq!(
+        (status, &known["schema"], &known["state"]),
+        (200, &json!("dose-bounds/1"), &json!("cut-off"))
+    );
+    assert_eq!(
+        (&known["numbers"], &known["completed"]),
+        (&json!([logged["number"]]), &json!(false)),
+        "{known}"
+    );
+    for bound in ["delivered_least_ml", "delivered_most_ml"] {
+        assert_eq!(known[bound], logged["delivered_ml"], "{known}");
+    }
 }
 
 #[test]

@@ -94,10 +94,22 @@ fn the_token_and_every_refusal_of_an_order_are_described() {
     let service = laboratory.serve(&["--pace", "fast"]);
     let api = service.get("/openapi.json").1;
     assert_eq!(api["components"]["securitySchemes"]["token"]["scheme"], "bearer");
+    let of_clear = api["components"]["schemas"]["ClearBody"]["required"].as_array().unwrap();
+    assert!(of_clear.contains(&json!("by")), "{of_clear:?}");
     assert!(api["security"].as_array().unwrap().contains(&json!({"token": []})), "{}", api["security"]);
-    for word in
-        ["dose", "prime", "purge", "run", "resume", "accept", "clear", "stand", "emptied", "calibrate"]
-    {
+    for word in [
+        "dose",
+        "prime",
+        "purge",
+        "run",
+        "resume",
+        "accept",
+        "clear",
+        "stand",
+        "emptied",
+        "calibrate",
+        "calibrate/use",
+    ] {
         let path = format!("/api/v1/pumps/{{name}}/{word}");
         for status in [401, 404, 409, 422, 423, 503] {
             let error = schema(&api, "post", &path, status);

@@ -226,12 +226,45 @@ fn a_pump_that_stands_is_cleared_by_name_and_reason() {
     assert_eq!((status, &stands["code"]), (423, &json!(5)), "{stands}");
     let (status, still) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "0.5mL"}));
     assert_eq!((status, &still["code"]), (423, &json!(5)), "{still}");
-    let (status, nameless) = service.post("/api/v1/pumps/acid/clear", &json!({"reason": " "}));
-    assert_eq!(status, 422, "{nameless}");
-    let (status, cleared) =
-        service.post("/api/v1/pumps/acid/clear", &json!({"reason": "the tank was changed"}));
+    let clear = |body: Value| service.post("/api/v1/pumps/acid/clear", &body);
+    assert_eq!(clear(json!({"reason": " ", "by": "Ada"})).0, 422);
+    for nobody in [json!({"reason": "hose back"}), json!({"reason": "hose back", "by": " "})] {
+        let (status, nameless) = clear(nobody);
+        let told = nameless["message"].as_str().unwrap();
+        assert!(status == 422 && told.contains("write the name of the person who clears the pump"), "{told}");
+    }
+    assert!(!laboratory.status("acid")["safety"]["stand"].is_null());
+    let (status, cleared) = clear(json!({"reason": "the tank was changed", "by": "Ada"}));
     assert_eq!((status, &cleared["state"]), (202, &json!("done")), "{cleared}");
+    let (_, notes) = service.get("/api/v1/notes?limit=1");
+    assert_eq!(notes[0]["text"], "acid was cleared by Ada: the tank was changed", "{notes}");
     service.ended(&service.dose("acid", "4mL", &json!({})));
+}
+
+#[test]
+fn the_calibration_before_is_used_again() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    service.ended(&service.dose("acid", "25mL", &json!({})));
+    let calibrate = |body: Value| service.post("/api/v1/pumps/acid/calibrate", &body);
+    let (status, tried) = calibrate(json!({"reading": "24.9g", "options": {"dry-run": true}}));
+    assert_eq!((status, &tried["reports"][0]["schema"]), (202, &json!("calibration/1")), "{tried}");
+    let known = || service.get("/api/v1/pumps/acid/calibrations").1;
+    assert_eq!(known(), json!({"schema": "calibrations/1", "active": null, "calibrations": []}));
+    assert_eq!(calibrate(json!({"reading": "24.9g"})).0, 202);
+    assert_eq!(known()["calibrations"][0]["version"], 1, "{}", known());
+    let choose = |word: &str| {
+        let (status, made) = service.post("/api/v1/pumps/acid/calibrate/use", &json!({"calibration": word}));
+        (status, made, known()["active"].clone())
+    };
+    for (word, active) in [("1", json!(1)), ("none", Value::Null)] {
+        let (status, order, now) = choose(word);
+        assert_eq!((status, &order["state"], now), (202, &json!("done"), active), "{order}");
+    }
+    for wrong in ["7", "-1", "", "one"] {
+        let (status, refused, active) = choose(wrong);
+        assert_eq!((status, active), (422, Value::Null), "{wrong}: {refused}");
+    }
 }
 
 #[test]

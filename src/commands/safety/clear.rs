@@ -10,6 +10,7 @@ use crate::options::motor::DriverOption;
 use crate::options::pump::{ConfigOption, RecordOption};
 use crate::options::report::FormatOption;
 use crate::terminal::{noted, print_json, tell, warn};
+use crate::user_name::user_name;
 
 #[derive(Debug, Args)]
 pub(crate) struct ClearArgs {
@@ -19,7 +20,7 @@ pub(crate) struct ClearArgs {
     /// Reason why the pump may go on; it is kept on record
     #[arg(long, value_name = "TEXT", required = true)]
     reason: String,
-    /// Name of whoever clears it; it is kept behind the reason
+    /// Name of whoever clears it, kept behind the reason; the login name without it
     #[arg(long, value_name = "NAME")]
     by: Option<String>,
     #[command(flatten)]
@@ -43,12 +44,15 @@ impl ClearArgs {
         if self.by.as_ref().is_some_and(|by| by.trim().is_empty()) {
             return Err(Failure::refused("--by is empty; say who clears the pump").value("\"\""));
         }
-        let by = self.by.as_ref().map_or(String::new(), |by| format!(" (by {})", by.trim()));
+        let by = self.by.as_ref().map_or_else(user_name, |by| Some(by.trim().to_owned()));
+        let Some(by) = by else {
+            return Err(Failure::refused("nobody knows your login name; say with --by who clears the pump"));
+        };
         let config = self.config.config()?;
         let file = config.pump(&self.name).map_err(Failure::of)?;
         let bench = Bench::new(file, self.driver.driver, &self.record.folder(&config)?)?;
         let mut session = bench.session()?;
-        let cleared = session.clear_safety(&format!("{}{by}", self.reason.trim()));
+        let cleared = session.clear_safety(&format!("{} (by {by})", self.reason.trim()));
         let cleared = noted(&mut session, cleared)?;
         warn(&session.notes());
         if self.format.json() {

@@ -101,7 +101,7 @@ fn a_clock_that_was_set_back_is_remarked_in_every_format_and_hides_no_dose_in_si
     let listed = objects(&user.types(&["log", "--format", "json"]).out);
     assert_eq!(listed.iter().map(remarked).collect::<Vec<_>>(), [false, false, true]);
     let csv = user.types(&["log", "--format", "csv"]).out;
-    assert!(csv.lines().nth(3).unwrap().ends_with(",true,water,25,three-roller,sim"), "{csv}");
+    assert!(csv.lines().nth(3).unwrap().ends_with(",true,water,25,three-roller,sim,"), "{csv}");
     let text = user.types(&["log"]).out;
     assert!(text.contains("; the clock had gone back\n"), "{text}");
     assert!(text.contains("in 3 doses; the clock had gone back once"), "{text}");

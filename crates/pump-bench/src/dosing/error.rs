@@ -107,11 +107,12 @@ pub enum DoseError {
     /// A safety limit is reached, or the pump was ordered to stand. It stands until a person clears it. Nothing has
     /// moved.
     #[error(
-        "pump {pump} {} {}{}: {stand}{}",
+        "pump {pump} {} {}{}: {stand}{}{}",
         if *is_recorded { "stands" } else { "would stand" },
         stand.place(),
         if *is_new { String::new() } else { format!(" since {}", Stamp::new(stand.unix_s, 0)) },
-        if *clock_behind_s == 0 { String::new() } else { format!("; {}", clock_behind(*clock_behind_s)) }
+        if *clock_behind_s == 0 { String::new() } else { format!("; {}", clock_behind(*clock_behind_s)) },
+        if *is_recorded { "" } else { "; nothing has moved, and the pump does not stand for this plan" }
     )]
     Stands {
         /// Id of the pump.

@@ -11,6 +11,7 @@ use super::error::GuardError;
 use super::input::{Input, InputView, Word};
 use super::said::word_of_message;
 use super::stand::{KIND, put_to_stand, tell_of_stand};
+use crate::order::OrderId;
 use crate::service::{Service, Stillness};
 use crate::shell::command;
 
@@ -37,10 +38,20 @@ struct Watch {
     inputs: Vec<Input>,
     /// Inputs that are not well, and were told.
     told: BTreeSet<String>,
-    /// Pumps that are to stand and do not on record yet, with the reason, and whether that is under way.
-    pending: BTreeMap<String, (String, bool)>,
+    /// Pumps that are to stand and do not on record yet.
+    pending: BTreeMap<String, Pending>,
     /// Pumps that stand by order while an input of theirs is not well.
     stood: BTreeSet<String>,
+}
+
+/// Stand of a pump that is not on record yet.
+#[derive(Debug)]
+struct Pending {
+    reason: String,
+    /// True once the pump is being put to stand.
+    is_under_way: bool,
+    /// Orders that were stopped for it.
+    stopped: Vec<OrderId>,
 }
 
 impl Watch {
@@ -198,12 +209,16 @@ impl Guard {
                 }
                 Some(reason) => {
                     let is_again = watch.stood.contains(&name);
-                    watch.pending.insert(name.clone(), (reason.clone(), false));
-                    stops.push((name.clone(), reason.clone(), is_again));
+                    let (reason, stopped) = (reason.clone(), Vec::new());
+                    watch.pending.insert(
+                        name.clone(),
+                        Pending { reason: reason.clone(), is_under_way: false, stopped },
+                    );
+                    stops.push((name.clone(), reason, is_again));
                 }
             }
             let pending = watch.pending.get(&name);
-            if let Some(why) = reason.as_ref().or(pending.map(|(reason, _)| reason)) {
+            if let Some(why) = reason.as_ref().or(pending.map(|pending| &pending.reason)) {
                 let reason = format!("{why}; it stands until the input is well and a person clears it");
                 still.insert(name, Stillness { reason, fault, is_pending: pending.is_some() });
             }
@@ -212,7 +227,10 @@ impl Guard {
         drop(watch);
         for (pump, reason, is_again) in &stops {
             let cut: String = reason.chars().take(MOST_REASON).collect();
-            service.stop(Some(pump), &cut);
+            let stopped = service.stop(Some(pump), &cut);
+            if let Some(pending) = self.watch().pending.get_mut(pump) {
+                pending.stopped = stopped;
+            }
             if *is_again {
                 let text =
                     format!("{pump} was cleared while its input was not well, so it stands again: {reason}");
@@ -231,11 +249,11 @@ impl Guard {
     /// Returns the pumps that are to be put to stand and are not yet, with the reason. They are under way then.
     fn to_stand(&self) -> Vec<(String, String)> {
         let mut watch = self.watch();
-        let waiting = watch.pending.iter_mut().filter(|(_, (_, is_under_way))| !*is_under_way);
+        let waiting = watch.pending.iter_mut().filter(|(_, pending)| !pending.is_under_way);
         waiting
-            .map(|(pump, (reason, is_under_way))| {
-                *is_under_way = true;
-                (pump.clone(), reason.clone())
+            .map(|(pump, pending)| {
+                pending.is_under_way = true;
+                (pump.clone(), pending.reason.clone())
             })
             .collect()
     }
@@ -247,10 +265,11 @@ impl Guard {
         if !put_to_stand(service, pump, &reason).await {
             return;
         }
-        self.watch().pending.remove(&name);
+        let pending = self.watch().pending.remove(&name);
+        let stopped = pending.map_or_else(Vec::new, |pending| pending.stopped);
         service.note(KIND, Some(&name), &format!("{name} stands until a person clears it: {reason}"));
         self.0.wake.notify_one();
-        tell_of_stand(service, &name, &reason).await;
+        tell_of_stand(service, pump, &reason, &stopped).await;
     }
 
     fn watch(&self) -> MutexGuard<'_, Watch> {

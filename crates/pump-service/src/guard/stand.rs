@@ -79,11 +79,22 @@ async fn ordered(service: &Service, pump: &Pump, reason: &str) -> Result<OrderRe
     Ok(record.record)
 }
 
-/// Runs the configuration's `on_fail` for a pump that was put to stand.
-pub(super) async fn tell_of_stand(service: &Service, pump: &str, reason: &str) {
-    let message = format!("the guard has put pump {pump} to stand: {reason}");
-    let report = error_report(5, ErrorKind::Safety.as_str(), &message);
-    let (pump, rack) = (pump.to_owned(), String::new());
-    // An order that was stopped before may have delivered something.
-    service.on_fail(KIND, Failed { pump, rack, report, delivered_ml: None }).await;
+/// Runs the configuration's `on_fail` for a pump that was put to stand, with what the orders have delivered that were
+/// `stopped` for it.
+pub(super) async fn tell_of_stand(service: &Service, pump: &Pump, reason: &str, stopped: &[OrderId]) {
+    let message = format!("the guard has put pump {} to stand: {reason}", pump.name());
+    let mut report = error_report(5, ErrorKind::Safety.as_str(), &message);
+    let delivered_ml = delivered_ml(pump, stopped);
+    report["moved"] = delivered_ml.is_none_or(|(_, most_ml)| most_ml != 0.0).into();
+    let (pump, rack) = (pump.name().to_owned(), String::new());
+    service.on_fail(KIND, Failed { pump, rack, report, delivered_ml }).await;
+}
+
+/// Returns the smallest and largest volume that these orders have delivered with a pump, in mL. `None` if its record
+/// cannot be read.
+fn delivered_ml(pump: &Pump, orders: &[OrderId]) -> Option<(f64, f64)> {
+    orders.iter().try_fold((0.0, 0.0), |(least_ml, most_ml), order| {
+        let ((least, most), _) = pump.bench().delivered_by(order.as_str())?;
+        Some((least_ml + least, most_ml + most))
+    })
 }

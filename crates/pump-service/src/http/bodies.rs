@@ -40,8 +40,17 @@ pub(super) struct ClearBody {
     #[schema(example = "the tank was changed")]
     pub(super) reason: String,
     /// Name of the person, which the record keeps behind the reason.
-    #[schema(example = "Ada")]
+    #[schema(example = "Ada", required = true, value_type = String)]
     pub(super) by: Option<String>,
+}
+
+/// Calibration that doses use from now on.
+#[derive(Debug, Deserialize, Serialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CalibrationBody {
+    /// Number of the calibration, or `none` for the volumes of the model.
+    #[schema(example = "1")]
+    pub(super) calibration: String,
 }
 
 /// Reason of a person who puts a pump to stand.
@@ -68,7 +77,7 @@ pub(super) struct ReadingBody {
     /// Mass or volume with its unit.
     #[schema(example = "23.8g")]
     pub(super) reading: String,
-    /// Options of `dose calibrate last`.
+    /// Options of the command that takes the reading: `scale`, `anew`, `anyway`, and `dry-run`, which keeps nothing.
     #[serde(default, deserialize_with = "read_options")]
     #[schema(value_type = Object)]
     pub(super) options: Options,

@@ -14,7 +14,7 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::api::{inputs, log, orders, pumps, schedule};
+use super::api::{calibrations, inputs, log, orders, pumps, schedule};
 use super::failure::Failure;
 use super::shared::Shared;
 use super::{assets, command, description, events, metrics};
@@ -49,6 +49,8 @@ fn described() -> (Router<Shared>, utoipa::openapi::OpenApi) {
         .routes(routes!(pumps::clear))
         .routes(routes!(pumps::emptied))
         .routes(routes!(pumps::calibrate))
+        .routes(routes!(calibrations::list))
+        .routes(routes!(calibrations::choose))
         .routes(routes!(pumps::stop))
         .routes(routes!(pumps::stop_all))
         .routes(routes!(pumps::racks))

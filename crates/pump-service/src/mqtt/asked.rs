@@ -93,12 +93,11 @@ impl Asked {
                 let ReasonBody { reason, by, key } = json(text)?;
                 Ok(Self::Order { task: Task::Clear { reason, by }, options: Options::new(), key })
             }
-            "clear" => plain(Task::Clear { reason: text.to_owned(), by: None }),
             "volume" => {
                 let volume = text.parse().ok().filter(|ml: &f64| ml.is_finite() && *ml > 0.0);
                 volume.map(Self::Volume).ok_or_else(|| wrong(word, text))
             }
-            "resume" | "accept" => Err(wrong(word, text)),
+            "resume" | "accept" | "clear" => Err(wrong(word, text)),
             _ => Err(format!("there is no command `{}`; allowed: {WORDS}", short(word))),
         }
     }
@@ -119,7 +118,7 @@ fn allowed(word: &str) -> &'static str {
         }
         "resume" => "allowed: resume, or {\"options\": {}, \"key\": \"...\"}",
         "accept" => "allowed: accept, or {\"key\": \"...\"}",
-        "clear" => "allowed: a reason, or {\"reason\": \"...\", \"by\": \"...\", \"key\": \"...\"}",
+        "clear" => "allowed: {\"reason\": \"...\", \"by\": \"...\", \"key\": \"...\"}; `by` names the person",
         "volume" => "allowed: a number above 0, in mL",
         _ => "see docs/mqtt.md",
     }

@@ -75,9 +75,12 @@ impl Task {
             }
             Self::Rack { .. } => vec!["unfinished", "max-per-day"],
             Self::Calibrate { .. } => vec!["scale"],
-            Self::Accept | Self::Stand { .. } | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => {
-                Vec::new()
-            }
+            Self::Accept
+            | Self::Stand { .. }
+            | Self::Clear { .. }
+            | Self::Emptied
+            | Self::UseCalibration { .. }
+            | Self::Command { .. } => Vec::new(),
         }
     }
 
@@ -89,10 +92,13 @@ impl Task {
             }
             Self::Resume => &["smooth", "dry-run"],
             Self::Rack { .. } => &["dry-run"],
-            Self::Calibrate { .. } => &["anew", "anyway"],
-            Self::Accept | Self::Stand { .. } | Self::Clear { .. } | Self::Emptied | Self::Command { .. } => {
-                &[]
-            }
+            Self::Calibrate { .. } => &["anew", "anyway", "dry-run"],
+            Self::Accept
+            | Self::Stand { .. }
+            | Self::Clear { .. }
+            | Self::Emptied
+            | Self::UseCalibration { .. }
+            | Self::Command { .. } => &[],
         }
     }
 

@@ -54,7 +54,10 @@ impl Order {
             words.push(option("pump", name("pump", &self.pump)?));
         }
         words.extend(self.task.options(&self.options)?);
-        words.push(option("format", "json"));
+        // Its report is a word for people.
+        if !matches!(self.task, Task::UseCalibration { .. }) {
+            words.push(option("format", "json"));
+        }
         Ok(words)
     }
 }

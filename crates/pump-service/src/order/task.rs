@@ -40,7 +40,7 @@ pub enum Task {
     Clear {
         /// Reason of the person who clears it.
         reason: String,
-        /// Name of that person.
+        /// Name of that person. Orders of earlier versions had none.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         by: Option<String>,
     },
@@ -50,6 +50,11 @@ pub enum Task {
     Calibrate {
         /// Mass or volume with its unit.
         reading: String,
+    },
+    /// Doses use another calibration from now on, or none.
+    UseCalibration {
+        /// Number of the calibration, or `none`.
+        calibration: String,
     },
     /// Several pumps by one timetable.
     Rack {
@@ -80,6 +85,7 @@ impl Task {
             Self::Clear { .. } => "clear",
             Self::Emptied => "emptied",
             Self::Calibrate { .. } => "calibrate",
+            Self::UseCalibration { .. } => "use-calibration",
             Self::Rack { .. } => "rack",
             Self::Command { .. } => "command",
         }
@@ -97,7 +103,7 @@ impl Task {
             Self::Stand { .. } => "being put to stand".to_owned(),
             Self::Clear { .. } => "being cleared".to_owned(),
             Self::Emptied => "having its vessel emptied on record".to_owned(),
-            Self::Calibrate { .. } => "being calibrated".to_owned(),
+            Self::Calibrate { .. } | Self::UseCalibration { .. } => "being calibrated".to_owned(),
             Self::Rack { rack } => format!("running in rack {rack}"),
             Self::Command { words } => format!("carrying out the typed words {}", words.join(" ")),
         }
@@ -110,7 +116,8 @@ impl Task {
             | Self::Stand { .. }
             | Self::Clear { .. }
             | Self::Emptied
-            | Self::Calibrate { .. } => false,
+            | Self::Calibrate { .. }
+            | Self::UseCalibration { .. } => false,
             Self::Command { words } => {
                 words.first().is_none_or(|word| !["accept", "safety", "vessel"].contains(&word.as_str()))
             }
@@ -155,14 +162,22 @@ impl Task {
             }
             Self::Clear { reason, by } => {
                 let reason = text("reason", reason)?;
-                let mut words = words(&["safety", "clear", name("pump", pump)?, &option("reason", reason)]);
-                if let Some(by) = by {
-                    words.push(option("by", text("by", by)?));
+                let by = by.as_deref().unwrap_or_default();
+                if by.trim().is_empty() {
+                    return Err(wrong("by", by, "write the name of the person who clears the pump"));
                 }
-                words
+                let (pump, by) = (name("pump", pump)?, text("by", by)?);
+                words(&["safety", "clear", pump, &option("reason", reason), &option("by", by)])
             }
             Self::Emptied => words(&["vessel", "emptied"]),
             Self::Calibrate { reading } => words(&["calibrate", "last", amount("reading", reading)?]),
+            Self::UseCalibration { calibration } => {
+                let is_number = !calibration.is_empty() && calibration.bytes().all(|c| c.is_ascii_digit());
+                if calibration != "none" && !is_number {
+                    return Err(wrong("calibration", calibration, "write its number, or none"));
+                }
+                words(&["calibrate", "use", calibration])
+            }
             Self::Rack { rack } => words(&["run", name("rack", rack)?]),
             Self::Command { words } => words.clone(),
         })

@@ -29,7 +29,7 @@ impl Service {
     /// Records an order and starts its command, unless its key was used before. Holds the list of orders meanwhile, so
     /// that a pump has one at most, and a key begins one.
     pub(super) fn begin(&self, asked: Asked<'_>) -> Result<Begun, Refusal> {
-        let Asked { order, origin, key, seat, hearer } = asked;
+        let Asked { order, origin, key, mut seat, hearer } = asked;
         let mut live = self.live();
         if self.is_ending() {
             return Err(Refusal::Ending);
@@ -43,6 +43,7 @@ impl Service {
         let words = self.words(&order)?;
         self.check_free(&live, &order)?;
         let id = OrderId::random()?;
+        seat.order = Some(id.as_str().to_owned());
         self.history().begin(&id, &order, &origin.to_string(), key.as_ref(), now)?;
         let record = OrderRecord::begun(id.clone(), order, origin.to_string(), now);
         let worker = match Worker::start(self.program(), &words, &seat) {

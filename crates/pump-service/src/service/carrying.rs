@@ -6,7 +6,7 @@ use tokio::sync::mpsc::UnboundedReceiver;
 use super::pump::Pump;
 use super::service::Service;
 use crate::history::{OrderRecord, OrderState};
-use crate::order::OrderId;
+use crate::order::{OrderId, Task};
 use crate::shell::{Failed, on_fail};
 use crate::worker::{Ended, Line, Worker, message_of};
 
@@ -39,6 +39,7 @@ impl Service {
                 pump.refresh();
             }
             service.live().remove(&record.id);
+            service.note_clear(&record);
             service.tell("order", &record.brief());
             changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
             delivered_ml
@@ -55,6 +56,17 @@ impl Service {
             let text = format!("order {id}: {}{bounds}", message_of(&report));
             self.note("service", Some(&order.pump), &text);
             self.on_fail("service", Failed::of(&order, report, delivered_ml)).await;
+        }
+    }
+
+    /// Notes who has cleared a pump, and why.
+    fn note_clear(&self, record: &OrderRecord) {
+        if let Task::Clear { reason, by } = &record.order.task
+            && record.state == OrderState::Done
+        {
+            let by = by.as_deref().unwrap_or("nobody who was named");
+            let text = format!("{} was cleared by {by}: {reason}", record.order.pump);
+            self.note("safety", Some(&record.order.pump), &text);
         }
     }
 

@@ -37,6 +37,8 @@ pub struct Seat {
     pub is_answered: bool,
     /// True if a dry run leaves the pump's record out: the order comes later.
     pub is_trial: bool,
+    /// Order by which the process moves a pump, as the pump's log names it.
+    pub order: Option<String>,
 }
 
 /// A line, and its text.
@@ -69,6 +71,9 @@ impl Worker {
         }
         if seat.is_trial {
             command.env("DOSE_TRIAL", "1");
+        }
+        if let Some(order) = &seat.order {
+            command.env("DOSE_ORDER", order);
         }
         let mut child = command.env("DOSE_SUPERVISED", "1").spawn()?;
         let (tell, lines) = unbounded_channel();

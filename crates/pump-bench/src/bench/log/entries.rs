@@ -12,6 +12,14 @@ use crate::record::{
     Clock, DosedFluid, Intent, LogEnd, LogEntry, PumpState, Purpose, ShortText, Stamp, Told, Unfinished, Why,
 };
 
+/// Variable of the environment by which a service names its order, which the log keeps.
+const ORDER: &str = "DOSE_ORDER";
+
+/// Returns the order that the environment names.
+fn order_of_environment() -> Option<ShortText> {
+    std::env::var(ORDER).ok().filter(|order| !order.is_empty()).map(|order| ShortText::new(&order))
+}
+
 impl Session<'_> {
     /// Has doses get their times from `clock`, in place of the system's.
     pub fn keep_time_by(&mut self, clock: Box<dyn Clock>) {
@@ -35,6 +43,7 @@ impl Session<'_> {
                 .and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
             earlier_ml: if motion.terms.by_weight { self.earlier_ml() } else { 0.0 },
             rack: self.log.rack,
+            order: order_of_environment(),
             fluid: Some(self.fluid_of(motion)),
         })
     }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::bench::Bench;
-use crate::record::{LogEntry, LogError, LogLine, Purpose, pending};
+use crate::record::{LogEntry, LogError, LogLine, Purpose, ShortText, pending};
 
 /// Doses of a bench, oldest first, read one at a time.
 pub struct LogReading {
@@ -45,6 +45,29 @@ impl Bench {
             matches!(entry.purpose, Purpose::Dose | Purpose::Prime | Purpose::Purge | Purpose::Run)
         };
         Ok(self.folder().log().last_of(is_asked)?.map(|(_, entry)| entry))
+    }
+
+    /// Returns the smallest and largest volume, in mL, that an order of a service has delivered, and the numbers of its
+    /// doses in the log. What is unfinished counts with its bounds. `None` if the record cannot be read.
+    pub fn delivered_by(&self, order: &str) -> Option<((f64, f64), Vec<u64>)> {
+        let is_its = |told: &Option<ShortText>| told.is_some_and(|told| told.as_str() == order);
+        let (mut least_ml, mut most_ml, mut numbers) = (0.0, 0.0, Vec::new());
+        let unfinished = self.story().ok()?.state.and_then(|state| state.unfinished);
+        let mut unfinished =
+            unfinished.filter(|dose| dose.intent.told.is_some_and(|told| is_its(&told.order)));
+        for line in self.log().ok()? {
+            let LogLine::Dose(entry) = line.ok()? else { continue };
+            if !is_its(&entry.order) {
+                continue;
+            }
+            // A dose that was stopped is in the log, and stays unfinished.
+            unfinished = unfinished.filter(|dose| dose.intent.unix_s != entry.time.unix_s);
+            let (least, most) = entry.delivered_range_ml.unwrap_or((entry.delivered_ml, entry.delivered_ml));
+            (least_ml, most_ml) = (least_ml + least, most_ml + most);
+            numbers.push(entry.number);
+        }
+        let rest = unfinished.map_or((0.0, 0.0), |dose| dose.motion_delivered(self.model()).range_ml());
+        Some(((least_ml + rest.0, most_ml + rest.1), numbers))
     }
 
     /// Returns the smallest and largest volume, in mL, of everything that began at `unix_s` or later, in seconds since

@@ -45,6 +45,9 @@ pub struct LogEntry {
     /// Rack of which the dose was a part. `None` for a pump by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rack: Option<ShortText>,
+    /// Order of a service by which the dose was made. `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Option<ShortText>,
     /// True if the dose is the rest of one that was stopped or cut off.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub resumed: bool,
@@ -104,6 +107,7 @@ impl LogEntry {
             end,
             cause: None,
             rack: told.and_then(|told| told.rack),
+            order: told.and_then(|told| told.order),
             resumed: if intent.terms.by_weight { earlier_ml != 0.0 } else { intent.whole.is_some() },
             tube,
             calibration: told.and_then(|told| told.calibration),
@@ -130,6 +134,7 @@ impl LogEntry {
             end: LogEnd::Done,
             cause: None,
             rack: None,
+            order: None,
             resumed: false,
             tube: 1,
             calibration: None,

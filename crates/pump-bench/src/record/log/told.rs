@@ -27,6 +27,9 @@ pub(crate) struct Told {
     /// Rack of which the motion is a part. `None` for a pump by itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) rack: Option<ShortText>,
+    /// Order of a service by which the motion is made. `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) order: Option<ShortText>,
     /// Fluid that is pumped. `None` in an entry of an early version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) fluid: Option<DosedFluid>,

@@ -61,6 +61,8 @@ impl fmt::Display for Volume {
         let microlitres = 1e3 * self.0;
         if (0.001..100.0).contains(&microlitres.abs()) {
             write!(to, "{microlitres:.3} µL")
+        } else if (1e-6..0.001).contains(&microlitres.abs()) {
+            write!(to, "{:.3} nL", 1e3 * microlitres)
         } else {
             write!(to, "{} mL", Shown(self.0))
         }

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::super::bodies::{StopBody, body};
 use super::super::failure::Failure;
 use super::super::shared::Shared;
-use crate::history::{EventRecord, OrderRecord};
+use crate::history::{EventRecord, OrderRecord, OrderState};
 use crate::order::OrderId;
 use crate::service::Refusal;
 
@@ -64,10 +64,13 @@ pub(in super::super) async fn one(
     Ok(Json(find(&shared, &id)?))
 }
 
-/// The report of a dose: its plan while it runs, and then its last report.
+/// The report of a dose: its plan while it runs, and then its last report. An order that was cut off before its report
+/// has the bounds of its volume by the pump's record, `dose-bounds/1`.
 #[utoipa::path(get, path = "/api/v1/doses/{id}", tag = "orders",
     params(("id" = String, Path, description = "Name of the order")),
-    responses((status = 200, description = "`dose/1`", body = Object), (status = 404, description = "`error/1`"),
+    responses((status = 200, description = "`dose/1`; of an order that was cut off `dose-bounds/1`, with \
+            `delivered_least_ml`, `delivered_most_ml` and `numbers`, those of the log", body = Object),
+        (status = 404, description = "`error/1`"),
         (status = 409, description = "`error/1`: the order has no report of a dose, or none yet")))]
 pub(in super::super) async fn dose(
     State(shared): State<Shared>,
@@ -77,11 +80,31 @@ pub(in super::super) async fn dose(
     let is_dose = |report: &Value| report.get("schema").and_then(Value::as_str) == Some("dose/1");
     match record.reports.pop().filter(is_dose) {
         Some(report) => Ok(Json(report)),
+        None if is_left(&record) => bounds(&shared, &record).map(Json),
         None => {
             let message = format!("order {id} ({}) has no report of a dose", record.order.task.name());
             Err(Failure::new(StatusCode::CONFLICT, "missing", message))
         }
     }
+}
+
+/// Returns true for an order that may have moved its pump and ended before its report.
+fn is_left(record: &OrderRecord) -> bool {
+    let has_ended = matches!(record.state, OrderState::CutOff | OrderState::Failed);
+    has_ended && record.order.task.moves() && !record.order.pump.is_empty()
+}
+
+/// Returns what the pump's record knows of an order without a report.
+fn bounds(shared: &Shared, record: &OrderRecord) -> Result<Value, Failure> {
+    let pump = shared.service.pump(&record.order.pump)?;
+    let Some(((least_ml, most_ml), numbers)) = pump.bench().delivered_by(record.id.as_str()) else {
+        let message = format!("the record of pump {} cannot be read", pump.name());
+        return Err(Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "record", message));
+    };
+    Ok(json!({
+        "schema": "dose-bounds/1", "order": record.id, "pump": pump.name(), "state": record.state, "completed": false,
+        "delivered_least_ml": least_ml, "delivered_most_ml": most_ml, "numbers": numbers,
+    }))
 }
 
 /// Stops one order.

@@ -227,7 +227,7 @@ pub(in super::super) async fn racks(State(shared): State<Shared>) -> Json<Vec<St
 }
 
 /// Gives an order, and answers with it as it stands: what was refused before anything moved is a refusal here too.
-async fn place(
+pub(super) async fn place(
     shared: &Shared,
     pump: &str,
     task: Task,
