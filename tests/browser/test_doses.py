@@ -1,6 +1,7 @@
 """Doses from the page: to their report, planned, refused, over a network that loses answers."""
 
 import json
+import math
 import re
 
 from playwright.sync_api import expect
@@ -67,6 +68,39 @@ def test_what_the_command_refuses_is_said_beside_the_form(service, open_page):
     card.get_by_role("button", name="Dose").click()
     expect(card.get_by_role("alert")).to_have_text("Enter a volume, such as 25mL.")
     expect(card.get_by_label("Volume")).to_be_focused()
+
+
+LIMIT = "\n[safety]\nmax_ml_per_day = 45.0\n"
+
+
+def test_a_plan_beyond_a_limit_says_that_the_pump_does_not_stand(make_laboratory, open_page):
+    page = open_page(make_laboratory(lines={"acid": LIMIT}).serve().url)
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("20L")
+    page.keyboard.press("Enter")
+    told = card.get_by_role("alert")
+    expect(told).to_contain_text("would stand at a safety limit")
+    expect(told).to_contain_text("nothing has moved, and the pump does not stand for this plan")
+    page.wait_for_timeout(500)
+    expect(told).to_be_visible()
+    expect(state(page, "acid")).to_have_text("Ready")
+    expect(card.get_by_role("button", name="Clear…")).to_have_count(0)
+
+
+def test_the_message_of_a_refusal_stays_while_its_reason_does(make_laboratory, open_page):
+    service = make_laboratory(lines={"acid": LIMIT}).serve()
+    page = open_page(service.url)
+    card = panel(page, "acid")
+    told = card.locator(".said").get_by_role("alert")
+    # The record tells of the stand now before the answer, now after it.
+    for _ in range(6):
+        card.get_by_label("Volume").fill("90mL")
+        page.keyboard.press("Enter")
+        expect(told).to_contain_text("acid stands at a safety limit")
+        page.wait_for_timeout(300)
+        expect(told).to_be_visible()
+        service.post("/api/v1/pumps/acid/clear", {"reason": "looked", "by": "Ada"})
+        expect(told).to_have_count(0)
 
 
 def test_a_refusal_of_a_pump_in_use_goes_with_the_motion(service, open_page):
@@ -162,14 +196,16 @@ def test_a_dose_says_when_it_ends_and_one_of_hours_is_asked_about(laboratory, se
     expect(card.locator(".read .time")).to_be_hidden()
 
 
-def test_a_small_volume_has_the_digits_of_the_log(laboratory, service, open_page):
+def test_a_volume_has_the_digits_of_its_uncertainty(laboratory, service, open_page):
     page = open_page(service.url)
     card = panel(page, "acid")
     card.get_by_label("Volume").fill("0.0015")
     page.keyboard.press("Enter")
     expect(card.locator(".said")).to_have_text("Done: dose 0.0015mL.")
-    delivered = laboratory.log("acid")[-1]["delivered_ml"]
-    expect(card.locator(".big")).to_have_text(f"{delivered:.4g} mL")
+    dose = laboratory.log("acid")[-1]
+    digits = 1 - math.floor(math.log10(dose["expanded_uncertainty_ml"]))
+    expect(card.locator(".big")).to_have_text(f"{dose['delivered_ml']:.{digits}f} mL")
+    expect(card.locator(".what").last).to_contain_text(f"±\u00a0{dose['expanded_uncertainty_ml']:.{digits}f}\u00a0mL")
 
 
 def test_a_rack_is_planned_and_run(make_laboratory, open_page):
@@ -220,5 +256,10 @@ def test_the_log_has_the_doses_and_their_export(laboratory, service, open_page):
         text = download.value.path().read_text()
         assert text.startswith(begins), text[:200]
     assert json.loads(text) == laboratory.log("acid")[0]
+    # A dose that ends elsewhere is there without a reload.
+    service.ended(service.dose("acid", "3mL") and "acid")
+    expect(page.get_by_role("table").first.get_by_role("row")).to_have_count(3)
+    laboratory.run("1mL", "--no-service")
+    expect(page.get_by_role("table").first.get_by_role("row")).to_have_count(4)
     page.go_back()
     expect(panel(page, "acid")).to_be_visible()

@@ -101,6 +101,9 @@ def calibration(page):
     page.keyboard.press("Enter")
     expect(box.get_by_role("heading", name="Calibration saved")).to_be_visible()
     found += inspect(page, "calibration kept")
+    box.get_by_role("button", name="Use another calibration…").click()
+    expect(page.get_by_role("option", name="number 1 of")).to_have_count(1)
+    found += inspect(page, "another calibration")
     page.keyboard.press("Escape")
     return found
 

@@ -22,14 +22,20 @@ def test_the_page_is_small(service, open_page):
 
 
 def test_the_figure_fits_the_narrowest_phones(service, open_page):
-    service.dose("acid", "9.693mL", rate="9mL/s")
-    service.ended("acid")
+    for volume, words in (("9.693mL", "9.69 mL"), ("-0.3286mL", "−0.328 mL"), ("-109.69mL", "−109.7 mL")):
+        service.post("/api/v1/pumps/acid/dose", {"volume": volume, "options": {"rate": "9mL/s"}})
+        service.ended("acid")
+        fits(service, open_page, words)
+
+
+def fits(service, open_page, words):
+    """See that the figure is whole on phones."""
     for view in ("", "/#/pump/acid"):
         page = open_page(service.url + view, size={"width": 360, "height": 740})
-        for width in (360, 320):
+        for width in (390, 360, 320):
             page.set_viewport_size({"width": width, "height": 740})
             figure = page.locator(".face .big")
-            expect(figure).to_have_text("9.693 mL")
+            expect(figure).to_have_text(words)
             shown, needed = figure.evaluate("(el) => [el.clientWidth, el.scrollWidth]")
             assert needed <= shown, f"{view} at {width} px: {needed} of {shown}"
             assert not is_too_wide(page)

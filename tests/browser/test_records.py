@@ -72,6 +72,32 @@ def test_a_reading_far_from_what_was_expected_is_taken_by_a_word_of_the_page(lab
     expect(box.get_by_role("heading", name="Calibration saved")).to_be_visible()
 
 
+def test_a_careless_reading_is_asked_about_and_the_calibration_before_is_used_again(laboratory, service, open_page):
+    service.dose("acid", "25mL")
+    service.ended("acid")
+    laboratory.run("calibrate", "last", "25.31g", "--scale", "0.01g")
+    laboratory.run("calibrate", "use", "1")
+    service.dose("acid", "2mL")
+    service.ended("acid")
+    page = open_page(service.url + "/#/pump/acid", size=PHONE)
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    box.get_by_role("button", name="Weigh the last dose instead").click()
+    box.get_by_label("Reading").fill("2")
+    page.keyboard.press("Enter")
+    expect(box.locator(".notice")).to_contain_text("Nothing is saved yet. By 2g one dose would be ±")
+    assert len(service.get("/api/v1/pumps/acid/calibrations")["calibrations"]) == 1
+    box.get_by_role("button", name="Save it all the same").click()
+    expect(box.get_by_role("heading", name="Calibration saved")).to_be_visible()
+    box.get_by_role("button", name="Use another calibration…").click()
+    box = page.get_by_role("dialog", name="Calibration of acid")
+    expect(box.get_by_label("Doses use")).to_have_value("1")
+    box.get_by_role("button", name="Use it").click()
+    expect(box).to_have_count(0)
+    expect(page.locator("dl.facts").first).to_contain_text("Calibrationnumber 1 of ")
+    assert service.get("/api/v1/pumps/acid/calibrations")["active"] == 1
+
+
 def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     limit = "\n[safety]\nmax_ml_per_day = 20.0\n"
     service = make_laboratory(pumps=("acid", "base"), lines={"base": limit}).serve()
@@ -96,6 +122,7 @@ def test_a_stand_is_cleared_by_name_and_reason(make_laboratory, open_page):
     assert service.get("/api/v1/orders?pump=base")[0]["task"] == "clear"
     order = service.get("/api/v1/orders?pump=base")[0]
     assert (order["reason"], order["by"]) == ("the tank was changed", "Anna")
+    expect(page.get_by_text("base was cleared by Anna: the tank was changed")).to_be_visible()
 
 
 def test_a_pump_that_was_put_to_stand_shows_the_reason(make_laboratory, open_page):

@@ -57,7 +57,7 @@ def test_hostile_names_are_text(make_laboratory, open_page):
     card.get_by_label("Volume").fill("50mL")
     card.get_by_role("button", name="Dose").click()
     expect(state(page, "acid")).to_have_text("Stands at a limit")
-    service.post("/api/v1/pumps/acid/clear", {"reason": EVIL})
+    service.post("/api/v1/pumps/acid/clear", {"reason": EVIL, "by": EVIL})
     page.set_viewport_size(PHONE)
     strange = [f"pump/{quote(EVIL, safe='')}", "pump/%E0%A4%A", EVIL]
     for where in ["", "pump/acid", "log", "schedule", *strange]:

@@ -15,6 +15,16 @@ HERE = Path(__file__).parent
 AXE = HERE / "node_modules/axe-core/axe.min.js"
 WIDE = {"width": 1280, "height": 900}
 PHONE = {"width": 360, "height": 740}
+SMALL = {"width": 360, "height": 640}
+LAPTOP = {"width": 1366, "height": 768}
+REACHES_STOP = """() => {
+  const top = [...document.querySelectorAll('dialog[open]')].pop();
+  const stop = top ? top.querySelector('.stops .stop') : document.getElementById('stop');
+  const { left, top: y, width, height } = stop.getBoundingClientRect();
+  return [0.1, 0.5, 0.9].every((part) => stop === document.elementFromPoint(left + part * width, y + part * height));
+}"""
+"""True if a press anywhere at the stop of what is in front meets it."""
+
 DRAFT = os.environ.get("PAGE")
 """A folder whose files stand for the page's own, so that a change is seen without a build."""
 
@@ -112,6 +122,10 @@ def inspect(page, where):
     stop = page.locator("#stop").bounding_box()
     if stop["y"] + stop["height"] > PHONE["height"]:
         found.append(f"{where}: the stop is out of sight")
+    for size in (SMALL, LAPTOP):
+        page.set_viewport_size(size)
+        if not page.evaluate(REACHES_STOP):
+            found.append(f"{where}: no stop can be pressed at {size['width']} x {size['height']}")
     page.set_viewport_size(WIDE)
     page.emulate_media(color_scheme="light")
     return found

@@ -20,20 +20,23 @@ function fill(node, props, kids) {
 const h = (tag, props, ...kids) => fill(document.createElement(tag), tag === 'button' ? { type: 'button', ...props } : props, kids);
 const s = (tag, props, ...kids) => fill(document.createElementNS('http://www.w3.org/2000/svg', tag), props, kids);
 
+const div = (name, ...kids) => h('div', { class: name }, kids);
 const para = (text) => h('p', { text });
-const aside = (text) => h('p', { class: 'hint', text });
-const bad = (text) => h('p', { class: 'error', text });
-const alarm = (text) => h('p', { class: 'error', role: 'alert', text });
+const line = (name, text, more) => h('p', { class: name, text, ...more });
+const aside = (text) => line('hint', text);
+const bad = (text) => line('error', text);
+const alarm = (text) => line('error', text, { role: 'alert' });
 const head2 = (text) => h('h2', { text });
-const inRow = (...kids) => h('div', { class: 'row' }, kids);
+const inRow = (...kids) => div('row', kids);
 const head1 = (text) => h('h1', { tabindex: '-1', text });
 /** A form whose fields this page checks. */
 const formOf = (send, props, ...kids) => h('form', { novalidate: true, ...props, onsubmit: (event) => { event.preventDefault(); send(); } }, kids);
-const firstly = (text, onclick) => h('button', { class: 'first', text, onclick });
+const press = (text, onclick, more) => h('button', { text, onclick, ...more });
+const firstly = (text, onclick) => press(text, onclick, { class: 'first' });
 const submit = (text) => h('button', { type: 'submit', class: 'first', text });
 const moreOf = (...kids) => h('details', {}, h('summary', { text: 'More options' }), kids);
-const fields = (...kids) => h('div', { class: 'fields' }, kids);
-const danger = (...kids) => h('div', { class: 'notice bad' }, kids);
+const fields = (...kids) => div('fields', kids);
+const danger = (...kids) => div('notice bad', kids);
 const inPath = encodeURIComponent;
 const block = (...kids) => h('section', { class: 'panel' }, kids);
 
@@ -62,12 +65,8 @@ const fixed = (value, decimals) => minus(value.toFixed(decimals));
 /** Decimals that show an uncertainty with two digits. */
 const decimalsOf = (u) => (u > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
 const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
-/** A volume with the decimals of its uncertainty, and with 4 digits where these show fewer of them. */
-function ml(value, u) {
-	if (value == null) return '–';
-	const decimals = decimalsOf(u);
-	return value !== 0 && Math.abs(value) * 10 ** decimals < 1000 ? short(value) : fixed(value, decimals);
-}
+/** A volume with the decimals of its uncertainty. */
+const ml = (value, u) => (value == null ? '–' : u > 0 ? fixed(value, decimalsOf(u)) : short(value));
 const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
 const pad = (n) => String(n).padStart(2, '0');
@@ -114,8 +113,9 @@ async function call(method, path, { body, key, match, timeout = 8000 } = {}) {
 	}
 }
 
+const get = (path) => call('GET', `/api/v1/${path}`);
+
 function newKey() {
-	if (crypto.randomUUID) return crypto.randomUUID();
 	return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
@@ -143,7 +143,7 @@ const LOST = 'The service did not answer, so the page does not know whether the 
 async function ended(order) {
 	while (order.state === 'running') {
 		await sleep(400);
-		order = await call('GET', `/api/v1/orders/${inPath(order.id)}`).catch((error) => {
+		order = await get(`orders/${inPath(order.id)}`).catch((error) => {
 			if (error instanceof Refused) throw error;
 			return order;
 		});
@@ -308,7 +308,7 @@ function tellEnd(order) {
 /** Asks for the end of the orders that ended while the page heard nothing. */
 async function askTaken() {
 	for (const id of [...taken.keys()]) {
-		const order = await call('GET', `/api/v1/orders/${inPath(id)}`).catch(() => null);
+		const order = await get(`orders/${inPath(id)}`).catch(() => null);
 		if (!order || order.state === 'running') continue;
 		takeReports(order);
 		tellEnd(order);
@@ -331,7 +331,7 @@ function takeReports(order) {
 async function readLast() {
 	const paths = [...pumps.keys()].map((name) => `limit=5&pump=${inPath(name)}`).concat('limit=10');
 	for (const path of paths) {
-		const orders = await call('GET', `/api/v1/orders?${path}`).catch(() => []);
+		const orders = await get(`orders?${path}`).catch(() => []);
 		(orders || []).forEach(takeReports);
 	}
 	pumps.forEach(refresh);
@@ -367,7 +367,10 @@ function connect() {
 		take(event.data ? JSON.parse(event.data) : null);
 	});
 	on('hello', hello);
-	on('pump', (view) => refresh(take(view)));
+	on('pump', (view) => {
+		refresh(take(view));
+		if (onLog) onLog();
+	});
 	on('progress', takeProgress);
 	on('order', takeOrder);
 	on('note', takeNote);
@@ -426,6 +429,7 @@ function hello(told) {
 	readLast();
 	askTaken();
 	if (onInputs) onInputs();
+	if (onLog) onLog();
 	if (onNotes) watchNotes(100, onNotes);
 	if (isSame && $('main').dataset.view) pumps.forEach(refresh);
 	else show();
@@ -440,12 +444,13 @@ function takeNote(note) {
 }
 let onNotes = null;
 let onInputs = null;
+let onLog = null;
 const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${note.text}`;
 /** Reads the last events, and shows them now and when another comes. `fail` tells that they cannot be read. */
 function watchNotes(most, showNotes, fail = () => {}) {
 	onNotes = showNotes;
 	showNotes();
-	call('GET', `/api/v1/notes?limit=${most}`).then((told) => {
+	get(`notes?limit=${most}`).then((told) => {
 		notes = told;
 		if (onNotes === showNotes) showNotes();
 	}).catch(fail);
@@ -563,7 +568,7 @@ class Head {
 		this.motion = null;
 		this.known = null;
 		this.wheel = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' });
-		this.rotor = h('div', { class: 'rotor' }, this.wheel);
+		this.rotor = div('rotor', this.wheel);
 		this.unsure = s('text', { class: 'unsure', y: 8, text: '?' });
 		const tube = 'M-40 58V0A40 40 0 0 1 40 0V58';
 		const bed = s('svg', { viewBox: '-60 -60 120 120', 'aria-hidden': 'true' },
@@ -729,7 +734,7 @@ function readOf(pump) {
 		const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
 		const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
 		const rest = isRest ? ' (the rest of a dose)' : '';
-		const figure = fixed(delivered, of == null ? 2 : Math.max(decimalsOf(u), 3 - Math.ceil(Math.log10(Math.abs(of) || 1))));
+		const figure = fixed(delivered, of == null ? 2 : decimalsOf(u));
 		const time = endWords(pump);
 		return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
 			bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
@@ -831,8 +836,8 @@ function showError(said, error, name) {
 		kids.push(bad(lead + error.message));
 		if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
 		if (pump && error.code === 5) kids.push(...standActions(pump));
-		// The message goes once its reason has gone.
-		if (pump && [4, 5, isBusy(pump) && 3].includes(error.code)) pump.refused.set(said, error.code);
+		// The message goes once its reason, which the pump's record may tell later than the answer, has gone.
+		if (pump && [3, 4, 5].includes(error.code)) pump.refused.set(said, { code: error.code });
 	}
 	said.replaceChildren(h('div', { class: 'notice bad', role: 'alert' }, kids));
 }
@@ -846,9 +851,11 @@ async function once(button, act, fail) {
 }
 /** Sends an order from a form or button, and shows its answer in `said`. */
 const send = (button, said, slot, name, path, body, done) => once(button, async () => {
+	pumps.get(name)?.refused.delete(said);
 	said.replaceChildren(para('Sent…'));
 	await done(await give(slot, path, body));
-}, (error) => showError(said, error, name));
+	// A pump does not stand for a plan that is refused, so there is nothing to clear.
+}, (error) => showError(said, error, body.options?.['dry-run'] && error.code === 5 ? null : name));
 const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
 /** Throws the error of an order that failed. */
 function sound(order) {
@@ -871,8 +878,8 @@ function field(label, props = {}) {
 	const { hint, ...rest } = props;
 	const input = h('input', { type: 'text', id, name: label.toLowerCase(), autocomplete: 'off', autocapitalize: 'off',
 		spellcheck: 'false', 'aria-describedby': hintId, ...rest });
-	const el = h('div', { class: 'grow' }, h('label', { for: id, text: label }), input,
-		hint && h('p', { class: 'hint', id: hintId, text: hint }));
+	const el = div('grow', h('label', { for: id, text: label }), input,
+		hint && line('hint', hint, { id: hintId }));
 	return { el, input };
 }
 function check(label) {
@@ -909,8 +916,8 @@ function showPlans(said, order) {
 	const heading = h('h3', { text: 'Plan (nothing has moved)', tabindex: '-1' });
 	const doses = dosesOf(order);
 	const parts = doses.map(({ name, report }) => [
-		doses.length > 1 ? h('p', { class: 'what', text: `${name}: ${askedWords(report)}` }) : null, planList(report)]);
-	said.replaceChildren(h('div', { class: 'plan' }, heading, parts.flat(2)));
+		doses.length > 1 ? line('what', `${name}: ${askedWords(report)}`) : null, planList(report)]);
+	said.replaceChildren(div('plan', heading, parts.flat(2)));
 	heading.focus();
 }
 
@@ -942,7 +949,7 @@ function sendDose(button, said, slot, pump, body, done) {
 		const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
 		if (lasts <= 3600) return setTimeout(() => go(button), 0);
 		const sure = firstly(`Dose for ${span(lasts)}`, () => go(sure));
-		said.replaceChildren(h('div', { class: 'notice' },
+		said.replaceChildren(div('notice',
 			para(`This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`), inRow(sure)));
 		sure.focus();
 	});
@@ -972,7 +979,12 @@ function doseForm(pump, isWide) {
 		const { rate, smooth, ...others } = parts;
 		more = moreOf(
 			fields(Object.values(others).map((part) => part.el)));
-		plan = h('button', { text: 'Plan' });
+		plan = press('Plan', () => {
+			if (isEmpty()) return;
+			send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
+				showPlans(said, await completed(order));
+			});
+		});
 	}
 	const body = (dry) => {
 		const options = {};
@@ -985,7 +997,7 @@ function doseForm(pump, isWide) {
 		return { volume: text(volume, 'mL'), options };
 	};
 	const isEmpty = () => !text(volume) && (needs(volume, said, 'Enter a volume, such as 25mL.'), true);
-	const form = formOf(() => {
+	return formOf(() => {
 		if (isEmpty()) return;
 		sendDose(button, said, slot, pump, body(false), (order) => {
 			sound(order);
@@ -993,15 +1005,6 @@ function doseForm(pump, isWide) {
 		});
 	}, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
 	isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
-	if (plan) {
-		plan.addEventListener('click', () => {
-			if (isEmpty()) return;
-			send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
-				showPlans(said, await completed(order));
-			});
-		});
-	}
-	return form;
 }
 function needs(box, said, words) {
 	said.replaceChildren(alarm(words));
@@ -1028,29 +1031,27 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
 function orderButton(pump, word, label, isFirst, bodyOf, done) {
 	const said = saidBox();
 	const slot = {};
-	const button = h('button', { class: isFirst ? 'first' : null, text: label });
-	button.addEventListener('click', () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {},
-		async (order) => {
-			sound(order);
-			tellTaken(said, order, word);
-			if (done) done(order);
-		}));
+	const button = press(label, () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {}, (order) => {
+		sound(order);
+		tellTaken(said, order, word);
+		if (done) done(order);
+	}), { class: isFirst && 'first' });
 	return { button, said };
 }
 function unfinishedActions(pump) {
 	const unfinished = pump.view.status?.unfinished;
 	const isOverTime = unfinished?.over_time;
 	const resume = orderButton(pump, 'resume', 'Resume', true);
-	const accept = h('button', { text: 'Accept…', onclick: () => askAccept(pump) });
+	const accept = press('Accept…', () => askAccept(pump));
 	const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
 		: unfinished?.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
 			: 'Resume delivers the rest. Accept leaves the dose as it is.';
 	return [para(words), inRow(isOverTime ? null : resume.button, accept), resume.said];
 }
+const emptiedButton = (pump) => press('Vessel emptied…', () => askEmptied(pump));
 function standActions(pump) {
 	const { stand } = pump.view.status?.safety || {};
-	const emptied = stand?.limit === 'vessel'
-		? h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) }) : null;
+	const emptied = stand?.limit === 'vessel' && emptiedButton(pump);
 	return [para('The pump will not move until somebody clears it.'),
 		inRow(emptied, firstly('Clear…', () => askClear(pump)))];
 }
@@ -1059,10 +1060,8 @@ function standActions(pump) {
 
 function dialog(title, kids) {
 	const id = newId();
-	const close = h('button', { text: 'Close' });
 	const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
-		inRow(close, stopButton('Stop all', stopAll)));
-	close.addEventListener('click', () => box.close());
+		div('row stops', press('Close', () => box.close()), stopButton('Stop all', stopAll)));
 	box.addEventListener('close', () => box.remove());
 	document.body.append(box);
 	box.showModal();
@@ -1109,9 +1108,24 @@ function askClear(pump) {
 		}, {}, name.el, reason.el, by.el, inRow(button), said)]);
 }
 
+/** Asks which calibration doses use: `old` is that before the present one. */
+async function askCalibration(pump, old) {
+	const which = choice('Doses use', [['none', 'none: the volumes of the model']]);
+	const use = orderButton(pump, 'calibrate/use', 'Use it', true, () => ({ calibration: which.input.value }), () => box.close());
+	const box = dialog(`Calibration of ${pump.name}`, [which.el, inRow(use.button), use.said]);
+	try {
+		const { active, calibrations } = await get(`pumps/${inPath(pump.name)}/calibrations`);
+		which.input.append(...calibrations.map(({ version, date: day, displacement }) => h('option', { value: version,
+			text: `number ${version} of ${day.slice(0, 10)}${displacement ? `, factor ${short(displacement.factor, 5)}` : ''}${version === active ? ', in use' : ''}` })));
+		which.input.value = old || 'none';
+	} catch (error) {
+		showError(use.said, error);
+	}
+}
+
 /** Guided calibration: dose, weigh, enter the reading, and see the factor. */
 function calibrate(pump) {
-	const step = h('div', { class: 'step' });
+	const step = div('step');
 	const box = dialog(`Calibrate ${pump.name}`, [step]);
 	const steps = 3;
 	const put = (number, title, ...kids) => {
@@ -1127,7 +1141,7 @@ function calibrate(pump) {
 		put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
 			formOf(() => {
 				sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, second);
-			}, {}, volume.el, inRow(button, h('button', { text: 'Weigh the last dose instead', onclick: () => third(null) })), said));
+			}, {}, volume.el, inRow(button, press('Weigh the last dose instead', () => third(null))), said));
 	};
 	const second = async (order) => {
 		const figure = h('p', { class: 'big' });
@@ -1161,16 +1175,26 @@ function calibrate(pump) {
 		put(3, 'weigh', report ? para(`${volumeWords(report)}. Wait until the last drop has fallen.`) : para('Enter the reading of the last dose.'),
 			formOf(() => {
 				if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
-				const options = {};
-				if (anyway.input.checked) options.anyway = true;
-				if (anew.input.checked) options.anew = true;
-				send(button, said, slot, pump.name, ofPump(pump.name, 'calibrate'), { reading: text(reading, 'g'), options }, async (order) => {
-					last((await completed(order)).reports.find((one) => one?.schema === 'calibration/1'));
+				const body = { reading: text(reading, 'g'), options: { anyway: anyway.input.checked, anew: anew.input.checked, 'dry-run': true } };
+				const old = pump.view.status?.calibration?.version;
+				const { delivered_ml: dosed, expanded_uncertainty_ml: u } = newest(pump.view.last, pump.last) || {};
+				const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'calibrate'), body, async (order) => {
+					const made = (await completed(order)).reports.find((one) => one?.schema === 'calibration/1');
+					if (!body.options['dry-run']) return last(made, old);
+					body.options['dry-run'] = false;
+					const percent = made?.next_weighing?.dose_percent;
+					const isPoor = body.reading.replace(/\D/g, '').length < 3 || (made?.used !== false && u && percent > 110 * u / Math.abs(dosed));
+					if (!isPoor) return setTimeout(() => go(by), 0);
+					const sure = firstly('Save it all the same', () => go(sure));
+					said.replaceChildren(div('notice', para(`Nothing is saved yet. By ${body.reading}${percent ? ` one dose would be ± ${short(percent, 2)} %` : ''}. ` +
+						'Type every digit that the scale shows.'), inRow(sure)));
+					sure.focus();
 				});
+				go(button);
 			}, {}, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
 		reading.input.focus();
 	};
-	const last = (made) => {
+	const last = (made, old) => {
 		const facts = [];
 		if (made?.displacement) {
 			facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
@@ -1187,7 +1211,10 @@ function calibrate(pump) {
 			? 'Not in use yet: the model is still more accurate than this calibration. Weigh one more dose.'
 			: 'Doses use it from now on.';
 		put(0, 'Calibration saved', para(used), list, made && warningsOf(made),
-		inRow(firstly('Weigh one more dose', first)));
+		inRow(firstly('Weigh one more dose', first), press('Use another calibration…', () => {
+			box.close();
+			askCalibration(pump, old);
+		})));
 	};
 	first();
 }
@@ -1200,27 +1227,28 @@ class Panel {
 		this.isWide = isWide;
 		const { view } = pump;
 		this.head = new Head(view.rollers);
-		this.state = h('p', { class: 'state' });
-		this.notice = h('div', { class: 'notices' });
+		this.state = line('state');
+		this.notice = div('notices');
 		this.figure = h('p', { class: 'big' }, h('span'), h('small', { text: ' mL' }));
-		this.below = h('p', { class: 'what' });
-		this.time = h('p', { class: 'time', hidden: true });
-		this.full = h('div', { class: 'full' });
-		this.band = h('div', { class: 'band' });
-		this.mark = h('div', { class: 'mark' });
+		this.below = line('what');
+		this.time = line('time', null, { hidden: true });
+		this.full = div('full');
+		this.band = div('band');
+		this.mark = div('mark');
 		this.bar = h('div', { class: 'bar', 'aria-hidden': 'true' }, this.band, this.full, this.mark);
 		this.facts = h('dl', { class: 'facts' });
 		this.warnings = h('div');
 		const title = isWide ? h('h1', { tabindex: '-1', text: pump.name })
 			: h('h2', {}, h('a', { href: `#/pump/${inPath(pump.name)}`, text: pump.name }));
-		this.sim = h('p', { class: 'sim', text: 'Simulated: no motor moves', hidden: !view.simulated });
-		const top = [h('div', { class: 'titled' }, title, this.sim), h('p', { class: 'what', text: view.title }), this.state,
-			this.notice, h('div', { class: 'face' }, this.head.el,
-				h('div', { class: 'read' }, this.figure, this.bar, this.below, this.time))];
+		this.sim = line('sim', 'Simulated: no motor moves', { hidden: !view.simulated });
+		const top = [div('titled', title, this.sim), line('what', view.title), this.state,
+			this.notice, div('face', this.head.el,
+				div('read', this.figure, this.bar, this.below, this.time))];
 		const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
 		this.stop = stop;
 		if (!isWide) {
-			this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false), stop, this.facts);
+			this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false),
+				inRow(stop, h('a', { class: 'button', href: `#/pump/${inPath(pump.name)}`, text: 'Prime, run, calibrate, plan' })), this.facts);
 			return;
 		}
 		const volume = (label, hint) => field(label, { required: true, placeholder: '20mL', hint });
@@ -1229,14 +1257,14 @@ class Panel {
 		const log = h('div');
 		const logView = pumpLog(pump.name, log, '30d', 10);
 		this.log = logView;
-		this.el = h('div', { class: 'wide' }, h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
+		this.el = div('wide', h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
 			h('section', { class: 'panel', 'aria-label': pump.name }, top, this.warnings, stop),
-			h('div', { class: 'two' },
+			div('two',
 				h('div', {}, block(head2('Dose'), doseForm(pump, true)),
 					block(head2('Care'),
 						para('Weigh a dose, so that the next ones are right.'),
-						inRow(h('button', { text: 'Calibrate…', onclick: () => calibrate(pump) }),
-							h('button', { text: 'Vessel emptied…', onclick: () => askEmptied(pump) })))),
+						inRow(press('Calibrate…', () => calibrate(pump)), press('Use another calibration…', () => askCalibration(pump)),
+							emptiedButton(pump)))),
 				block(head2('State'), this.facts),
 				block(head2('Line'),
 					plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
@@ -1266,7 +1294,7 @@ class Panel {
 			view.error && danger(bad(view.error)),
 			fault && danger(bad(`The last order failed: ${fault.message}`)),
 			stand && !busy && danger(bad(standWords(pump)), standActions(pump)),
-			unfinished && h('div', { class: 'notice' },
+			unfinished && div('notice',
 				para(`A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
 				unfinishedActions(pump)),
 		]);
@@ -1274,10 +1302,14 @@ class Panel {
 			pump.leads = false;
 			this.notice.scrollIntoView({ block: 'center' });
 		}
-		for (const [said, code] of pump.refused) {
-			if (!status || (code === 3 ? busy : code === 4 ? status.unfinished && !motion : stand)) continue;
-			said.replaceChildren();
-			pump.refused.delete(said);
+		for (const [said, reason] of pump.refused) {
+			if (!status) continue;
+			const isSo = { 3: busy, 4: status.unfinished && !motion, 5: stand }[reason.code];
+			if (!isSo && reason.seen) {
+				said.replaceChildren();
+				pump.refused.delete(said);
+			}
+			reason.seen ||= isSo;
 		}
 		this.figures();
 		showFacts(this.facts, factsOf(pump, this.isWide));
@@ -1295,7 +1327,7 @@ class Panel {
 		if (this.isWide) {
 			const report = pump.last && !motion ? pump.last.report : null;
 			remake(this.warnings, report?.warnings, () => report && warningsOf(report));
-			const shown = pump.last?.order;
+			const shown = lastOf(pump);
 			if (!motion && this.logged !== shown) {
 				this.logged = shown;
 				this.log();
@@ -1308,7 +1340,12 @@ class Panel {
 		const { pump } = this;
 		const read = readOf(pump);
 		say(this.figure.firstChild, read.figure);
-		this.figure.classList.toggle('long', read.figure.length > 8);
+		const { length } = read.figure;
+		if (this.long !== length) {
+			this.long = length;
+			this.figure.classList.toggle('long', length > 8);
+			this.figure.style.setProperty('--n', length);
+		}
 		say(this.below, read.below);
 		say(this.time, read.time || '');
 		if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
@@ -1384,6 +1421,9 @@ function logRow(dose) {
 		small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube)];
 }
 
+/** The last dose of a pump's log in a word that changes with it. */
+const lastOf = ({ view: { last } }) => last && last.number + last.end;
+
 /** Fills `box` with the last doses of a pump. Returns the function that reads them anew. */
 function pumpLog(name, box, since, most) {
 	let run = 0;
@@ -1417,7 +1457,7 @@ function guardSection() {
 	const box = h('div');
 	const section = h('section', { class: 'panel', hidden: true }, head2('Guard'), box);
 	onInputs = async () => {
-		const inputs = await call('GET', '/api/v1/inputs').catch(() => null);
+		const inputs = await get('inputs').catch(() => null);
 		if (!inputs || !section.isConnected) return;
 		section.hidden = inputs.length === 0;
 		const rows = inputs.map(({ name, state, reason, last, pumps: guarded }) => {
@@ -1437,21 +1477,18 @@ function viewPumps() {
 		const said = saidBox();
 		const [slot, planSlot] = [{}, {}];
 		const path = `/api/v1/racks/${inPath(name)}/run`;
-		const plan = h('button', { text: 'Plan', 'aria-label': `Plan rack ${name}` });
-		plan.addEventListener('click', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
+		const plan = press('Plan', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
 			showPlans(said, await completed(order));
-		}));
-		const run = h('button', { text: 'Run…', 'aria-label': `Run rack ${name}` });
-		run.addEventListener('click', () => {
+		}), { 'aria-label': `Plan rack ${name}` });
+		const run = press('Run…', () => {
 			const answer = saidBox();
-			const go = firstly('Run the rack');
-			const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
-			go.addEventListener('click', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
+			const go = firstly('Run the rack', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
 				sound(order);
 				box.close();
 				tellTaken(said, order, `rack ${name}`);
 			}));
-		});
+			const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
+		}, { 'aria-label': `Run rack ${name}` });
 		return block(h('h3', { text: name }), inRow(run, plan), said);
 	});
 	const events = h('ul', { class: 'plain' });
@@ -1460,8 +1497,8 @@ function viewPumps() {
 		section.hidden = notes.length === 0;
 		events.replaceChildren(...notes.slice(0, 5).map((note) => h('li', { text: `${date(new Date(note.time))} ${noteWords(note)}` })));
 	});
-	return ['Pumps', [head1('Pumps'), h('div', { class: 'grid' }, cards),
-		racks.length ? head2('Racks') : null, racks.length ? h('div', { class: 'grid' }, rackCards) : null, guardSection(), section]];
+	return ['Pumps', [head1('Pumps'), div('grid', cards),
+		racks.length ? head2('Racks') : null, racks.length ? div('grid', rackCards) : null, guardSection(), section]];
 }
 
 function panelOf(pump, isWide) {
@@ -1487,7 +1524,19 @@ function viewLog() {
 	const since = choice('Since', [['1d', '1 day ago'], ['7d', '7 days ago'], ['30d', '30 days ago'], ['', 'the first dose']]);
 	since.input.value = '7d';
 	const box = h('div');
-	const load = () => pumpLog(which.input.value, box, since.input.value, 200)();
+	let shown;
+	let read = null;
+	const load = () => {
+		shown = lastOf(pumps.get(which.input.value));
+		read = pumpLog(which.input.value, box, since.input.value, 200);
+		read();
+	};
+	onLog = () => {
+		const pump = pumps.get(which.input.value);
+		if (!pump || shown === lastOf(pump)) return;
+		shown = lastOf(pump);
+		read();
+	};
 	which.input.addEventListener('change', load);
 	since.input.addEventListener('change', load);
 	const list = h('div');
@@ -1527,7 +1576,7 @@ function viewSchedule() {
 	const said = saidBox();
 	let told = null;
 	const edit = (entry) => editEntry(told, entry, load);
-	const add = h('button', { text: 'Add an entry…', hidden: true, onclick: () => edit(null) });
+	const add = press('Add an entry…', () => edit(null), { hidden: true });
 	const turn = async (entry, enabled) => {
 		said.replaceChildren();
 		try {
@@ -1545,7 +1594,7 @@ function viewSchedule() {
 		const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
 			entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
 		const doubt = own || one?.doubt;
-		const act = (label, run) => h('button', { text: label, 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name, onclick: run });
+		const act = (label, run) => press(label, run, { 'aria-label': `${label} ${entry.name}`, 'data-of': entry.name });
 		const row = [doubt ? h('span', { class: 'error', text: `${entry.name}: its runs will be refused: ${doubt}` }) : entry.name, when,
 			entryWords(entry), timeWords(entry, one?.zone), word,
 			h('span', { class: 'row' }, act('Edit…', () => edit(entry)), act(isOff ? 'Switch on' : 'Switch off', () => turn(entry, isOff)))];
@@ -1568,7 +1617,7 @@ function viewSchedule() {
 	};
 	const load = async () => {
 		try {
-			told = await call('GET', '/api/v1/schedule');
+			told = await get('schedule');
 			add.hidden = !told.schedule || told.error;
 			put();
 		} catch (error) {
@@ -1690,7 +1739,7 @@ function editEntry(told, entry, done) {
 		} else {
 			said.replaceChildren(words);
 		}
-		if (error.status === 409) told = await call('GET', '/api/v1/schedule').catch(() => told);
+		if (error.status === 409) told = await get('schedule').catch(() => told);
 	};
 	const showRuns = ({ next, entry: made }) => {
 		const runs = next.map(({ at, words }) => {
@@ -1698,7 +1747,7 @@ function editEntry(told, entry, done) {
 			const [[, there, moved], here] = [/ at (\S+ \S+) \S+(.*)/.exec(words), date(new Date(at))];
 			return h('li', { text: `${there}${there === here ? '' : `, here ${here}`}${moved}` });
 		});
-		said.replaceChildren(h('div', { class: 'plan' },
+		said.replaceChildren(div('plan',
 			h('h3', { text: made.enabled === false ? 'It is switched off, so nothing runs' : runs.length ? 'Next runs' : 'It has no further run' }),
 			h('ol', { class: 'plain' }, runs), aside(`By the clock of ${zone()}; here is ${ownZone()}. Nothing is saved yet.`)));
 	};
@@ -1731,7 +1780,7 @@ function editEntry(told, entry, done) {
 			close(`${old.name} is removed.`);
 			$('main').querySelector('h1').focus();
 		}));
-		said.replaceChildren(h('div', { class: 'notice' }, para('The file loses the entry and the comment above it.'), inRow(sure)));
+		said.replaceChildren(div('notice', para('The file loses the entry and the comment above it.'), inRow(sure)));
 		sure.focus();
 	};
 	const group = (...names) => fields(names.map((name) => parts[name].el));
@@ -1742,7 +1791,7 @@ function editEntry(told, entry, done) {
 	moreOf(
 		group('dates', 'from', 'until', 'zone', 'repeat', 'apart', 'options', 'missed', 'missed_within', 'unfinished', 'busy')),
 	parts.enabled.el, said,
-	inRow(button, entry && h('button', { text: 'Remove…', onclick: remove })));
+	inRow(button, entry && press('Remove…', remove)));
 	fit();
 	const box = dialog(entry ? `Edit ${old.name}` : 'Add an entry', [form]);
 }
@@ -1778,7 +1827,7 @@ function showLogin() {
 function show(isMoved) {
 	if (!version) return;
 	pumps.forEach((pump) => pump.panels.clear());
-	onNotes = onInputs = null;
+	onNotes = onInputs = onLog = null;
 	const path = location.hash.replace(/^#/, '') || '/';
 	let name = null;
 	try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
