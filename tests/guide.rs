@@ -140,3 +140,51 @@ fn every_message_of_troubleshooting_is_one_of_the_sources() {
     assert!(seen > 50, "{seen} messages were found");
     assert!(unknown.is_empty(), "no source says {unknown:#?}");
 }
+
+#[test]
+fn the_glossary_is_in_the_order_of_its_words() {
+    let page = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/glossary.md"));
+    let words = page.lines().filter_map(|line| line.strip_prefix("**")?.split("**").next());
+    // A hyphen counts as a space, and what stands in parentheses does not count.
+    let folded = |word: &str| {
+        let bare = word.split('(').next().unwrap_or(word).trim_end_matches('.').trim();
+        bare.to_lowercase().replace('-', " ")
+    };
+    let words: Vec<String> = words.map(folded).collect();
+    assert!(words.len() > 60, "{} words were found", words.len());
+    let disorder: Vec<_> = words.windows(2).filter(|pair| pair[0] > pair[1]).collect();
+    assert!(disorder.is_empty(), "{disorder:?}");
+}
+
+#[test]
+fn pages_write_microlitres_with_their_own_sign() {
+    for page in files("docs", "md").into_iter().chain(["README.md".into()]) {
+        let text = read(&page);
+        // In code it is what a person types.
+        let prose = text.split('`').step_by(2);
+        let typed = prose.flat_map(str::lines).find(|line| line.split_whitespace().any(|word| word == "uL"));
+        assert!(typed.is_none(), "{}: {typed:?}", page.display());
+    }
+}
+
+#[test]
+fn every_picture_that_the_command_draws_adapts_to_a_dark_screen() {
+    let folder = tempfile::tempdir().expect("a folder for the pictures");
+    let head =
+        "pumps new --tube 10x14mm --backplate 63mm --roller 20mm --offset 40mm --contact 30deg --rollers 3";
+    let hoses = "size --flow 2L/h --inlet-hose 6x10mm,1m --outlet-hose 6x10mm,3m";
+    for (command, file) in [(head, Some("pump.toml")), (hoses, None), ("25mL --dry-run", None)] {
+        let picture = folder.path().join("picture.svg");
+        let output = Command::new(env!("CARGO_BIN_EXE_dose"))
+            .args(command.split_whitespace())
+            .arg("--plot")
+            .arg(&picture)
+            .args(file.map(|file| folder.path().join(file)))
+            .env("DOSE_STATE_DIR", folder.path())
+            .env("XDG_CONFIG_HOME", folder.path())
+            .output()
+            .expect("the command runs");
+        assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(read(&picture).contains("prefers-color-scheme:dark"), "{command}");
+    }
+}

@@ -46,13 +46,16 @@ pub(crate) fn error_of_a_small_dose(trial: &Trial) -> Result<String, Box<dyn Err
     }
     let curve = |label, colour, points| Curve { label, colour, style: Style::Line, points };
     let [upper, lower] = stated;
+    let naive: Vec<(f64, f64)> = percent(&errors.one_constant);
+    let farthest = naive.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let panel = Panel {
         label: "error of the dose, %",
         curves: vec![
-            curve("one constant, mL per revolution", VERMILION, percent(&errors.one_constant)),
+            curve("one constant, mL per revolution", VERMILION, naive),
             curve("planned from the angle, at the rollers", BLUE, percent(&errors.planned)),
             curve("its stated interval in the vessel, k = 2", GREEN, upper),
             curve("", GREEN, lower),
+            Curve { style: Style::Values, ..curve(" %", VERMILION, farthest.into_iter().collect()) },
         ],
     };
     let chart = Chart {

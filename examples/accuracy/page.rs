@@ -32,9 +32,10 @@ pub(crate) fn files() -> Result<Vec<(String, String)>, Box<dyn Error>> {
         ));
     }
     let page = format!(
-        "{INTRODUCTION}\n{}\n{AT_THE_ROLLERS}\n{BACK_FLOW}\n{}\n{HOW_RAMPS}\n{LIMITS}",
+        "{INTRODUCTION}\n{}\n{AT_THE_ROLLERS}\n{BACK_FLOW}\n{}\n{HOW_RAMPS}\n{}\n{LIMITS}",
         errors_table(&trial)?,
-        back_flow_table(&flows)
+        back_flow_table(&flows),
+        least_back_flow(&flows)
     );
     let [small, medium, ..] = flows.as_slice() else { return Err("two doses are drawn".into()) };
     let pictures = [
@@ -49,8 +50,8 @@ pub(crate) fn files() -> Result<Vec<(String, String)>, Box<dyn Error>> {
         (
             "back-flow-over-angle",
             pictures::back_flow_over_angle([
-                ("1 mL at 5 mL/s, uL", &small.1, &small.2),
-                ("3 mL at 15 mL/s, uL", &medium.1, &medium.2),
+                ("1 mL at 5 mL/s, µL", &small.1, &small.2),
+                ("3 mL at 15 mL/s, µL", &medium.1, &medium.2),
             ])?,
         ),
         ("back-flow-over-volume", back_flow_over_volume(&trial)?),
@@ -85,8 +86,8 @@ fn errors_table(trial: &Trial) -> Result<String, Box<dyn Error>> {
 /// Returns the table of back flows.
 fn back_flow_table(flows: &[((f64, f64), BackFlows, BackFlows)]) -> String {
     let mut table =
-        "| dose | ramps | back flow, uL | C 20 % less, uL | C 20 % more, uL | taken back on the way, \
-                     uL | motion and settling, s |\n| --- | --- | --- | --- | --- | --- | --- |\n"
+        "| dose | ramps | back flow, µL | C 20 % less, µL | C 20 % more, µL | taken back on the way, \
+                     µL | motion and settling, s |\n| --- | --- | --- | --- | --- | --- | --- |\n"
             .to_owned();
     for ((volume_ml, rate_ml_s), fastest, aware) in flows {
         for (ramps, all) in [(Ramps::Fastest, fastest), (Ramps::LineAware, aware)] {
@@ -101,6 +102,20 @@ fn back_flow_table(flows: &[((f64, f64), BackFlows, BackFlows)]) -> String {
         }
     }
     table
+}
+
+/// Says what line-aware ramps keep the back flow to, with the largest back flows of the table.
+fn least_back_flow(flows: &[((f64, f64), BackFlows, BackFlows)]) -> String {
+    let most = |of: &dyn Fn(&BackFlows) -> f64| flows.iter().fold(0.0, |most: f64, all| most.max(of(&all.2)));
+    let off = |all: &BackFlows| largest(&all.stiffer_ul).max(largest(&all.softer_ul));
+    format!(
+        "Line-aware ramps are to keep the back flow to 2 µL. A dose below 200 µL may take a hundredth of its\n\
+         volume back, but never less than half a motor step, 0.83 µL. Where no ramps keep to that, as at a fast\n\
+         rate, the ramps with the least back flow win. The largest back flow of `line` ramps in the table is\n\
+         {:.1} µL, and {:.1} µL where C is 20 % off.\n",
+        most(&|all| largest(&all.nominal_ul)),
+        most(&off)
+    )
 }
 
 fn error_over_volume(trial: &Trial) -> Result<String, Box<dyn Error>> {
@@ -128,8 +143,8 @@ fn back_flow_over_volume(trial: &Trial) -> Result<String, Box<dyn Error>> {
         pairs.push((over_volume(rate_ml_s, Ramps::Fastest)?, over_volume(rate_ml_s, Ramps::LineAware)?));
     }
     pictures::back_flow_over_volume([
-        ("at 5 mL/s, uL", &pairs[0].0, &pairs[0].1),
-        ("at 15 mL/s, uL", &pairs[1].0, &pairs[1].1),
+        ("at 5 mL/s, µL", &pairs[0].0, &pairs[0].1),
+        ("at 15 mL/s, µL", &pairs[1].0, &pairs[1].1),
     ])
 }
 
@@ -174,7 +189,7 @@ enters. *Back flow* is the largest delivered volume less the final one.
 
 The table gives the largest back flow over 120 start angles, also where the line's compliance C is 20 % off, which the
 plan does not know. *Taken back on the way* adds up everything that the outlet takes back, also in mid-dose. The time
-is the mean over the angles. It ends when the volume that is still in the line stays below 1 uL.
+is the mean over the angles. It ends when the volume that is still in the line stays below 1 µL.
 ";
 
 const HOW_RAMPS: &str = "\
@@ -185,9 +200,6 @@ const HOW_RAMPS: &str = "\
 Line-aware ramps are the default. They are chosen for each dose from the exact solution of the line, as
 [DESIGN.md](../DESIGN.md) tells. `dose 3mL --ramps fastest` starts and stops as fast as the motor allows. A stop that a
 person, a limit or a fault asks for always does.
-
-A dose of 200 uL or more may take 2 uL back. A smaller one may take a hundredth of its volume, but never less than half
-a motor step, 0.83 uL.
 ";
 
 const LIMITS: &str = "\

@@ -76,11 +76,12 @@ fn times() -> String {
         "**470.4 ms for 42.1 ms (Section 4.2).** The paper expects the motor to take 470.4 ms for the {ENGAGEMENT_DEG} \
          deg of phi at 200 r/min. It takes {} ms. The 470.4 ms would be at {} r/min, a speed of no test. Samples \
          every 0.2 ms are enough for both. The sensors' response time of 2 ms is said to be enough too: it is {} % of \
-         the first, and 0.43 % of the second. This model uses neither, since every time follows from the angles and \
-         the speed.",
+         the 42.11 ms, and {} % of the 470.4 ms. This model uses neither, since every time follows from the angles \
+         and the speed.",
         figure(pulse_ms(200.0), 4),
         figure(ENGAGEMENT_DEG / (6.0 * 0.4704), 3),
-        figure(200.0 / pulse_ms(200.0), 2)
+        figure(200.0 / pulse_ms(200.0), 2),
+        figure(200.0 / 470.4, 2)
     )
 }
 

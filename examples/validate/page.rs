@@ -116,9 +116,10 @@ const INTRODUCTION: &str = "\
 deviation is within its bound.
 
 The paper is McIntyre, van Schoor, Uren, Kloppers, \"Modelling the pulsatile flow rate and pressure response of a \
-roller-type peristaltic pump\", Sensors and Actuators A (preprint [arXiv 2011.13167]\
-(https://doi.org/10.48550/arXiv.2011.13167)). It draws its measured curves and prints no table of them, so no \
-measurement is reproduced here point by point. The measured volumes over speed (Fig. 12) and over the largest inlet \
+roller-type peristaltic pump\", submitted to Sensors and Actuators A: Physical (preprint of 2020, \
+[arXiv 2011.13167](https://doi.org/10.48550/arXiv.2011.13167)). It draws its measured curves and prints no table of \
+them. The authors' code holds 15 means of one of them, the roller volume (Fig. 9), which stand point by point beside \
+ours below. The measured volumes over speed (Fig. 12) and over the largest inlet \
 pressure (Fig. 13), and the measured pressures (Figs. 15 and 16), cannot be set beside ours.
 
 - The column *source* names the origin of a figure. A section, an equation, a table or a figure is the place in the \

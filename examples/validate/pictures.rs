@@ -80,7 +80,9 @@ fn flows() -> Result<String, Box<dyn Error>> {
             let flow = |t_s: f64| (t_s, pump.curve(port).flow_ml_rad(omega * t_s) * omega);
             line(name, colour, steps(TURN_RAD / omega).map(flow).collect())
         };
-        let curves = vec![curve("inlet", BLUE, Port::Inlet), curve("outlet", VERMILION, Port::Outlet)];
+        // Where both flows are equal, the inlet's band stays visible under the outlet's line.
+        let inlet = Curve { style: Style::Band, ..curve("inlet", BLUE, Port::Inlet) };
+        let curves = vec![inlet, curve("outlet", VERMILION, Port::Outlet)];
         Panel { label, curves }
     };
     let chart = Chart {

@@ -1,4 +1,4 @@
-"""Make the pictures of docs/serve.md and docs/demo.md: `python tests/browser/pictures.py` after `make browser`."""
+"""Make the pictures of docs/serve.md, docs/demo.md, README: `python tests/browser/pictures.py` after `make browser`."""
 
 import tempfile
 from pathlib import Path
@@ -23,8 +23,9 @@ def take(browser, service, address, size, name, height):
 
 
 def take_demo(browser):
-    """Write a picture of the demo in the middle of its dose."""
-    page = watch(browser, (ROOT / "target/demo/index.html").as_uri(), size={"width": 1280, "height": 1225})
+    """Write a picture of the demo in the middle of its dose, as wide as a README is shown and below 150 kB."""
+    address, size = (ROOT / "target/demo/index.html").as_uri(), {"width": 1280, "height": 1225}
+    page = watch(browser, address, size=size, device_scale_factor=0.7)
     expect(page.get_by_role("button", name="Pause")).to_be_visible()
     page.evaluate("seek(3)")
     page.screenshot(path=ROOT / "docs/demo.png")

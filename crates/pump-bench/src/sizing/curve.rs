@@ -6,8 +6,18 @@ use pump_model::{Extremes, Friction, Line, Port};
 use super::error::SizingError;
 use super::operating::Operating;
 
-/// Points of a curve.
+/// Points of a curve at equal distances.
 const POINTS: u32 = 48;
+
+/// Harmonics of the pulses whose resonance with a line a curve shows. Higher ones are small beside them.
+const HARMONICS: u32 = 5;
+
+/// Points on each side of a resonance. They are denser near its peak.
+const ASIDE: i32 = 12;
+
+/// Damping ratios between which a resonance is seen. A larger one makes no peak, and the peak of a smaller one has no
+/// width that a point could hit.
+const SEEN: [f64; 2] = [1e-3, 0.7];
 
 /// Part of the speed of the duty up to which a curve goes where no largest speed is known.
 const BEYOND: f64 = 2.0;
@@ -41,12 +51,15 @@ pub(super) fn points(at: &Operating, most_rpm: Option<f64>) -> Result<Vec<CurveP
             ..line
         })
     };
-    (1..=POINTS)
-        .map(|n| {
-            let speed_rad_s = top_rad_s * f64::from(n) / f64::from(POINTS);
+    let lines = |speed_rad_s: f64| {
+        let flow_ml_s = at.pump.average_flow_ml_s(speed_rad_s);
+        [line(Port::Inlet, frictions[0], flow_ml_s), line(Port::Outlet, frictions[1], flow_ml_s)]
+    };
+    speeds(at.file.rollers.count, top_rad_s, lines)
+        .into_iter()
+        .map(|speed_rad_s| {
             let flow_ml_s = at.pump.average_flow_ml_s(speed_rad_s);
-            let inlet = line(Port::Inlet, frictions[0], flow_ml_s);
-            let outlet = line(Port::Outlet, frictions[1], flow_ml_s);
+            let [inlet, outlet] = lines(speed_rad_s);
             let steady = at.pump.with_lines(inlet, outlet)?.steady_state(speed_rad_s)?;
             Ok(CurvePoint {
                 speed_rpm: rpm(speed_rad_s),
@@ -58,6 +71,27 @@ pub(super) fn points(at: &Operating, most_rpm: Option<f64>) -> Result<Vec<CurveP
             })
         })
         .collect()
+}
+
+/// Returns the speeds of a curve in rad/s, in rising order up to the largest one. They are at equal distances, and
+/// denser where a harmonic of the pulses meets the natural frequency of a line: a peak may lie between two others.
+fn speeds(rollers: u32, top_rad_s: f64, lines: impl Fn(f64) -> [Line; 2]) -> Vec<f64> {
+    let mut speeds: Vec<f64> = (1..=POINTS).map(|n| top_rad_s * f64::from(n) / f64::from(POINTS)).collect();
+    for (port, harmonic) in (0..2).flat_map(|port| (1..=HARMONICS).map(move |harmonic| (port, harmonic))) {
+        let centre_rad_s = lines(top_rad_s)[port].natural_rad_s() / f64::from(rollers * harmonic);
+        let damping = lines(centre_rad_s)[port].damping_ratio();
+        if !(SEEN[0]..SEEN[1]).contains(&damping) {
+            continue;
+        }
+        // In half widths of the peak, which are its speed times the damping ratio: 0.38, 0.92 and so on up to 15.
+        let away = |n: f64| 0.3 * n + 0.08 * n * n.abs();
+        let aside = |n: i32| centre_rad_s * (1.0 + damping * away(f64::from(n)));
+        speeds.extend((-ASIDE..=ASIDE).map(aside).filter(|speed| (0.0..top_rad_s).contains(speed)));
+    }
+    speeds.retain(|speed| *speed > 0.0);
+    speeds.sort_unstable_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
 }
 
 #[cfg(feature = "plot")]

@@ -256,3 +256,23 @@ fn the_curve_leads_through_the_operating_point() {
     let between = low.outlet_mean_kpa + part * (high.outlet_mean_kpa - low.outlet_mean_kpa);
     assert!((between - sizing.steady.outlet_mean_kpa).abs() < 1e-4, "{between}");
 }
+
+#[test]
+fn the_curve_follows_a_line_through_its_resonance() {
+    let sizing = Sizing::of_catalogue(&duty("6x10mm,1m", "6x10mm,3m")).unwrap();
+    for swing in [|point: &CurvePoint| point.inlet, |point: &CurvePoint| point.outlet] {
+        let swing_kpa = |point: &CurvePoint| swing(point).max_kpa - swing(point).min_kpa;
+        let largest_kpa = sizing.curve.iter().map(swing_kpa).fold(0.0, f64::max);
+        let at = sizing.curve.iter().position(|point| swing_kpa(point) == largest_kpa).unwrap();
+        // From point to point the swing changes by little, so that the peak is round and not a triangle.
+        for near in sizing.curve[at - 3..=at + 3].windows(2) {
+            let change_kpa = (swing_kpa(&near[1]) - swing_kpa(&near[0])).abs();
+            assert!(
+                change_kpa < 0.25 * largest_kpa,
+                "{change_kpa} of {largest_kpa} kPa at {}",
+                near[0].speed_rpm
+            );
+        }
+    }
+    assert!(sizing.curve.windows(2).all(|near| near[0].speed_rpm < near[1].speed_rpm));
+}

@@ -11,6 +11,8 @@ use crate::export::PlotError;
 
 /// Width of a picture, in px.
 const WIDTH: u32 = 900;
+/// Height of a panel from which on its vertical axis has twice as many numbers, in px.
+const HIGH: u32 = 360;
 /// Factor by which the drawing is finer than the picture, since its points are whole pixels.
 const FINE: u32 = 4;
 
@@ -53,6 +55,9 @@ pub enum Style {
     Band,
     /// Points of the curve alone.
     Points,
+    /// Points with their values above them: rounded to a whole number, and followed by the curve's label, which is the
+    /// unit. They stand in no legend.
+    Values,
 }
 
 /// A curve of one panel.
@@ -138,7 +143,7 @@ impl Chart<'_> {
     fn draw_panel(&self, n: usize, panel: &Panel, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
         let (low, high) = range(&panel.curves);
         // Room for the legend above the curves.
-        let entries = panel.curves.len();
+        let entries = panel.curves.iter().filter(|curve| curve.style != Style::Values).count();
         let room = if entries > 1 { (0.09 * entries as f64).max(0.25) } else { 0.0 };
         let high = high + room * (high - low);
         let is_last = n + 1 == self.panels.len();
@@ -155,7 +160,7 @@ impl Chart<'_> {
             .bold_line_style(BLACK.mix(0.12))
             .x_desc(if is_last { self.label } else { "" })
             .y_desc(panel.label)
-            .y_labels(6)
+            .y_labels(if self.panel_height < HIGH { 6 } else { 12 })
             .x_label_formatter(&shortest)
             .y_label_formatter(&shortest)
             .label_style(("sans-serif", px(13)))
@@ -173,7 +178,7 @@ impl Chart<'_> {
         for curve in &panel.curves {
             curve.draw(&mut plane)?;
         }
-        if panel.curves.len() != 1 {
+        if entries != 1 {
             draw_legend(&mut plane)?;
         }
         Ok(())
@@ -187,6 +192,7 @@ impl Curve {
         let colour = RGBColor(red, green, blue);
         let points = self.points.iter().copied();
         let width = match self.style {
+            Style::Values => return self.draw_values(plane, colour),
             Style::Points => {
                 let drawn =
                     plane.draw_series(points.map(|point| Circle::new(point, px(3), colour.filled())))?;
@@ -207,6 +213,17 @@ impl Curve {
                 PathElement::new([(x, y), (x + px(16), y)], shade.stroke_width(width.max(FINE * 2)))
             });
         }
+        Ok(())
+    }
+
+    /// Draws points with their values above them.
+    fn draw_values(&self, plane: &mut Plane<'_, '_>, colour: RGBColor) -> Result<(), Box<dyn Error>> {
+        let font = TextStyle::from(("sans-serif", px(13)).into_font());
+        plane.draw_series(self.points.iter().map(|point| {
+            let words = format!("{:.0}{}", point.1, self.label);
+            let above = Text::new(words, (-px(14), -px(24)), font.clone());
+            EmptyElement::at(*point) + Circle::new((0, 0), px(4), colour.filled()) + above
+        }))?;
         Ok(())
     }
 }

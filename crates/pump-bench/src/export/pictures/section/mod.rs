@@ -26,6 +26,7 @@ const PLATE: f64 = 0.09;
 ///
 /// let svg = section_svg("three-roller", &Geometry::published(3, Variant::Measured));
 /// assert!(svg.contains("backplate 63 mm") && svg.contains("tube 10 x 14 mm"));
+/// assert!(svg.contains("prefers-color-scheme:dark"));
 /// ```
 pub fn section_svg(title: &str, geometry: &Geometry) -> String {
     let mut svg = Svg::new(WIDTH, HEIGHT);

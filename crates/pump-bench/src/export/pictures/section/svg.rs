@@ -11,6 +11,16 @@ pub(super) type Point = (f64, f64);
 /// Colour of outlines and texts.
 pub(super) const INK: Colour = Colour { red: 40, green: 40, blue: 40 };
 
+/// Colours on a dark screen, which is where the reader asked for one. Areas are dark there, and what lies on them is
+/// light.
+const DARK: &str = "<style>@media (prefers-color-scheme:dark){\
+    [fill=\"white\"]{fill:#15181c}\
+    [fill=\"#282828\"]{fill:#e8e8e8}[stroke=\"#282828\"]{stroke:#e8e8e8}\
+    [fill=\"#0072b2\"]{fill:#56b4e9}[stroke=\"#0072b2\"]{stroke:#56b4e9}\
+    [fill=\"#9aa0a6\"]{fill:#5f656b}[fill=\"#e8c9a0\"]{fill:#7d6341}[fill=\"#cfe8f7\"]{fill:#2a4f63}\
+    [fill=\"#ececef\"]{fill:#33373d}[fill=\"#404040\"]{fill:#c8c8c8}\
+    [stroke=\"#5f4b32\"]{stroke:#c9b18a}[stroke=\"#aaaaaf\"]{stroke:#74787e}}</style>";
+
 /// The view of the head: the shaft's place in px, and px per mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
@@ -36,12 +46,13 @@ pub(super) struct Svg {
 }
 
 impl Svg {
-    /// Begins a white picture of this size in px.
+    /// Begins a picture of this size in px, white by day and dark on a dark screen.
     pub(super) fn new(width: f64, height: f64) -> Self {
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\">\n"
         );
+        let _ = writeln!(text, "{DARK}");
         let _ = writeln!(text, "<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>");
         Self { text }
     }
