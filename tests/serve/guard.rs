@@ -121,6 +121,8 @@ fn an_input_that_is_told_bad_stops_its_pump_and_only_a_person_lets_it_go_on() {
     );
     let orders = service.get("/api/v1/orders?pump=acid").1;
     assert!(orders[0]["words"].to_string().contains("\"safety\",\"clear\",\"acid\""), "{orders}");
+    let notes = service.get("/api/v1/notes").1;
+    assert!(notes.to_string().contains("acid was cleared by Ada: looked at it"), "{notes}");
     let (status, accepted) = service.post("/api/v1/pumps/acid/accept", &json!({}));
     assert_eq!(status, 202, "{accepted}");
     service.ended(accepted["id"].as_str().unwrap());

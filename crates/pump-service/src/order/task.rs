@@ -140,6 +140,18 @@ impl Task {
         matches!(self, Self::Clear { .. }) || self.is_typed(&["safety", "clear"])
     }
 
+    /// Returns the reason of a clearing, and the name of the person. `None` for another task.
+    pub(crate) fn clearing(&self) -> Option<(&str, &str)> {
+        match self {
+            Self::Clear { reason, by } => Some((reason, by.as_deref()?)),
+            Self::Command { words } if self.clears() => {
+                let of = |name: &str| words.iter().find_map(|word| word.strip_prefix(name));
+                Some((of("--reason=")?, of("--by=")?))
+            }
+            _ => None,
+        }
+    }
+
     /// Returns true for a typed command that begins with these words.
     fn is_typed(&self, begin: &[&str]) -> bool {
         let Self::Command { words } = self else { return false };

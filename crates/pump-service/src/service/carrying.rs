@@ -6,7 +6,7 @@ use tokio::sync::mpsc::UnboundedReceiver;
 use super::pump::Pump;
 use super::service::Service;
 use crate::history::{OrderRecord, OrderState};
-use crate::order::{OrderId, Task};
+use crate::order::OrderId;
 use crate::shell::{Failed, on_fail};
 use crate::worker::{Ended, Line, Worker, message_of};
 
@@ -61,10 +61,9 @@ impl Service {
 
     /// Notes who has cleared a pump, and why.
     fn note_clear(&self, record: &OrderRecord) {
-        if let Task::Clear { reason, by } = &record.order.task
+        if let Some((reason, by)) = record.order.task.clearing()
             && record.state == OrderState::Done
         {
-            let by = by.as_deref().unwrap_or("nobody who was named");
             let text = format!("{} was cleared by {by}: {reason}", record.order.pump);
             self.note("safety", Some(&record.order.pump), &text);
         }
