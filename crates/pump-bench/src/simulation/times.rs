@@ -53,20 +53,6 @@ pub fn times(dt_s: f64, also_s: f64, end_s: f64) -> impl Iterator<Item = f64> {
     })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_grid_holds_the_last_step_and_both_ends_once() {
-        let all = |dt, also, end| times(dt, also, end).collect::<Vec<_>>();
-        assert_eq!(all(1.0, 1.5, 2.5), [0.0, 1.0, 1.5, 2.0, 2.5]);
-        assert_eq!(all(1.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
-        assert_eq!(all(10.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
-        assert_eq!(all(1.0, 2.0, 2.0), [0.0, 1.0, 2.0]);
-    }
-}
-
 /// Returns the interval of times that are n intervals from 0 on, n = 0, 1, 2 ..., but for rounding, s. There is none of
 /// other times, or of fewer than two.
 ///
@@ -82,4 +68,18 @@ pub fn interval_s(times_s: &[f64]) -> Option<f64> {
     let near_s = 2.0 * f64::EPSILON * last_s;
     let is_equal = times_s.iter().enumerate().all(|(n, t)| (t - n as f64 * interval_s).abs() <= near_s);
     (interval_s > 0.0 && is_equal).then_some(interval_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grid_holds_the_last_step_and_both_ends_once() {
+        let all = |dt, also, end| times(dt, also, end).collect::<Vec<_>>();
+        assert_eq!(all(1.0, 1.5, 2.5), [0.0, 1.0, 1.5, 2.0, 2.5]);
+        assert_eq!(all(1.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
+        assert_eq!(all(10.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
+        assert_eq!(all(1.0, 2.0, 2.0), [0.0, 1.0, 2.0]);
+    }
 }

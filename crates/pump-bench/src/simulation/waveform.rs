@@ -83,7 +83,9 @@ pub struct Waveform<'a, M, T> {
     times: T,
     legs: M,
     leg: Leg,
+    /// Volume of the outlet's rollers and of its line at the start, mL.
     start_ml: f64,
+    held_ml: f64,
     /// Time of the last sample, in s.
     last_s: f64,
     ports: Ports<'a, M>,
@@ -201,10 +203,10 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
             }
         };
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
-        // The volume that the line holds at the start passes it without a turn.
+        // What the line holds at the start passes it without a turn.
         let held_ml = pump.outlet().compliance_ml_kpa * outlet.above_reservoir_kpa;
-        let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad) - held_ml;
-        Ok(Self { pump, times, legs, leg, start_ml, last_s: leg.start_s, ports })
+        let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
+        Ok(Self { pump, times, legs, leg, start_ml, held_ml, last_s: leg.start_s, ports })
     }
 
     /// Returns this waveform, of which no sample was taken yet, for times that are n `dt_s` to rounding, n from 0 on.
@@ -266,7 +268,13 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         }
         match &mut self.ports {
             Ports::FlowCentric(lines) => {
-                lines.follow(self.pump, time_s, p_in_kpa, p_out_kpa, delivered_ml)?;
+                lines.follow(
+                    self.pump,
+                    time_s,
+                    [&mut *p_in_kpa, &mut *p_out_kpa],
+                    delivered_ml,
+                    self.held_ml,
+                )?;
                 for n in 0..count {
                     p_in_kpa[n] += self.pump.inlet().reservoir_kpa;
                     p_out_kpa[n] += self.pump.outlet().reservoir_kpa;
@@ -309,9 +317,9 @@ impl<M: Iterator<Item = Leg>> Lines<'_, M> {
         &mut self,
         pump: &Pump,
         time_s: &[f64],
-        inlet_kpa: &mut [f64],
-        outlet_kpa: &mut [f64],
+        [inlet_kpa, outlet_kpa]: [&mut [f64]; 2],
         through_ml: &mut [f64],
+        held_ml: f64,
     ) -> Result<(), IntegrationError> {
         match self {
             Self::Exact(ports) => {
@@ -331,9 +339,9 @@ impl<M: Iterator<Item = Leg>> Lines<'_, M> {
                 return Ok(());
             }
         }
-        // The exact solution balances: the volume that the line holds has not passed it.
+        // The exact solution balances: the volume that the line holds more than at the start has not passed it.
         for (through_ml, kpa) in through_ml.iter_mut().zip(outlet_kpa) {
-            *through_ml -= pump.outlet().compliance_ml_kpa * *kpa;
+            *through_ml += held_ml - pump.outlet().compliance_ml_kpa * *kpa;
         }
         Ok(())
     }
