@@ -145,8 +145,8 @@ impl Task {
         match self {
             Self::Clear { reason, by } => Some((reason, by.as_deref()?)),
             Self::Command { words } if self.clears() => {
-                let of = |name: &str| words.iter().find_map(|word| word.strip_prefix(name));
-                Some((of("--reason=")?, of("--by=")?))
+                let of = |name: &str| words.iter().find_map(|word| word.strip_prefix(&option(name, "")));
+                Some((of("reason")?, of("by")?))
             }
             _ => None,
         }
