@@ -73,7 +73,11 @@ pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     ];
     for (name, solve) in SOLVERS {
         for goal_kpa in GOALS_KPA {
-            let tolerance = loosest(case, goal_kpa, solve)
+            let mut samples = room();
+            let suffices = |tolerance: &f64| {
+                solve(case, *tolerance, &mut samples).is_ok() && case.error_kpa(&samples) <= goal_kpa
+            };
+            let tolerance = loosest(suffices)
                 .ok_or_else(|| format!("{name} does not reach {goal_kpa:e} kPa at any tolerance"))?;
             rows.push(row(name, case, Some(tolerance), move |samples| solve(case, tolerance, samples))?);
         }
@@ -95,12 +99,7 @@ fn row<'a>(
     Ok(Row { name: name.into(), tolerance, error_kpa, makes: MAKES, run })
 }
 
-/// Finds the loosest of ten tolerances a decade that reaches an error. A solver may fail at a loose
-/// tolerance.
-fn loosest(case: &Case, goal_kpa: f64, solve: Solve) -> Option<f64> {
-    let tolerances = (10..=120).map(|tenths| 10_f64.powf(-0.1 * f64::from(tenths)));
-    let mut samples = room();
-    tolerances.into_iter().find(|tolerance| {
-        solve(case, *tolerance, &mut samples).is_ok() && case.error_kpa(&samples) <= goal_kpa
-    })
+/// Finds the loosest of ten tolerances a decade that suffices. A solver may fail at a loose tolerance.
+pub(crate) fn loosest(suffices: impl FnMut(&f64) -> bool) -> Option<f64> {
+    (10..=120).map(|tenths| 10_f64.powf(-0.1 * f64::from(tenths))).find(suffices)
 }

@@ -16,6 +16,11 @@ const SPEEDS: usize = 1_000;
 const PUMPS: usize = 100;
 const STEPS: usize = 1_000_000;
 
+/// Rows in the order of [`rows`].
+pub(crate) const STEADY: usize = 0;
+pub(crate) const MAP: usize = 2;
+pub(crate) const PREDICTED: usize = 4;
+
 pub(crate) fn rows(pump: &Pump) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let pumps = (0..PUMPS).map(with_other_outlet).collect::<Result<Vec<_>, _>>()?;
     let threads = thread::available_parallelism()?.get();
