@@ -62,7 +62,9 @@ fn a_batch_and_a_run_from_an_unknown_angle_tell_the_volumes_that_the_log_has() {
     let of_log = |from: u64| -> f64 {
         let doses = user.types(&["log", "--format", "json"]).out;
         let rows = doses.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
-        rows.filter(|row| row["number"].as_u64().unwrap() >= from).map(|row| number(&row, "delivered_ml")).sum()
+        rows.filter(|row| row["number"].as_u64().unwrap() >= from)
+            .map(|row| number(&row, "delivered_ml"))
+            .sum()
     };
     let sum = format!(": 3 doses, {:.3} mL delivered in all, ", of_log(2));
     assert!(batch.contains(&sum), "{sum} in {batch}");
