@@ -1,15 +1,20 @@
 //! Many fine steps of a run at once, in search of the pressures at which the line turns.
 
+use core::cell::OnceCell;
+
 use crate::motion::flow::Flow;
 use crate::motion::leg::Leg;
 
 use super::exact_run::ExactRun;
 use super::extremes::Extremes;
 use super::oscillator::{Oscillator, SHORT};
-use super::reach::{LANES, Reach};
+use super::reach::{ALL_CAUSES, Causes, LANES, Reach};
 
 /// Number of fine steps that cost less than one long one.
 const FEW: usize = 100;
+
+/// Fewest fine steps that are worth their lanes.
+const FEWEST: usize = 2;
 
 /// Fine steps of a line that swings: what they do does not depend on the motion.
 #[derive(Debug, Clone)]
@@ -17,12 +22,15 @@ pub(crate) struct FineSteps {
     step_s: f64,
     /// What a state and a flow do over 0, 1, 2 ... steps; none for a line that does not swing.
     reach: Option<Reach<1>>,
+    /// The same for flows at changing speeds, as soon as there is one.
+    ramp: OnceCell<Reach<1, ALL_CAUSES>>,
 }
 
 impl FineSteps {
     pub(crate) fn new(oscillator: &Oscillator) -> Self {
         let step_s = SHORT / oscillator.norm();
-        Self { step_s, reach: oscillator.swings().then(|| Reach::new(oscillator, step_s)) }
+        let reach = oscillator.swings().then(|| Reach::new(oscillator, step_s));
+        Self { step_s, reach, ramp: OnceCell::new() }
     }
 }
 
@@ -53,32 +61,48 @@ impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
     }
 
     /// Goes on inside the stretch by as many fine steps as fit before `end_s`, and covers the pressures on the way.
-    /// Goes on by none where a step need not be fine or the flow's degree is above 4.
+    /// Goes on by none where a step need not be fine.
     pub(super) fn cover_fine_steps(&mut self, steps: &FineSteps, end_s: f64, extremes: &mut Extremes) {
-        let Some(reach) = steps.reach.as_ref().filter(|_| self.flow.degree <= 4) else {
+        let Some(reach) = &steps.reach else {
             return;
         };
         let stretch_s = self.stretch.end_s - self.stretch.start_s;
         let room_s = (end_s - self.stretch.start_s).min(stretch_s);
         while self.oscillator.fine_step_s(self.reached_s, stretch_s) <= steps.step_s {
             let count = ((room_s - self.reached_s) / steps.step_s).min((LANES - 1) as f64) as usize;
-            if count == 0 {
+            if count < FEWEST {
                 return;
             }
             let flow = self.flow.shifted(self.reached_s);
-            let causes = reach.causes(self.state, &flow, 0.0);
-            for states in reach.states(causes) {
-                self.oscillator.cover(steps.step_s, count, &states, &flow, extremes);
+            if flow.degree <= 4 {
+                self.cover_lanes(reach, &reach.causes(self.state, &flow, 0.0), &flow, count, extremes);
+            } else {
+                let ramp = steps.ramp.get_or_init(|| Reach::new(&self.oscillator, steps.step_s));
+                self.cover_lanes(ramp, &ramp.all_causes(self.state, &flow), &flow, count, extremes);
             }
-            self.state = reach.state(count, &causes);
-            self.reached_s += count as f64 * steps.step_s;
         }
+    }
+
+    /// Covers the pressures of `count` steps, and goes on over them.
+    fn cover_lanes<const C: usize>(
+        &mut self,
+        reach: &Reach<1, C>,
+        causes: &Causes<C>,
+        flow: &Flow,
+        count: usize,
+        extremes: &mut Extremes,
+    ) {
+        for states in reach.states(*causes) {
+            self.oscillator.cover(reach.interval_s(), count, &states, flow, extremes);
+        }
+        self.state = reach.state(count, causes);
+        self.reached_s += count as f64 * reach.interval_s();
     }
 }
 
 impl Oscillator {
-    /// Covers the pressures from the first lane to lane `count`, which stand `step_s` apart. `flow`, of degree 4 at
-    /// most, counts time from the first.
+    /// Covers the pressures from the first lane to lane `count`, which stand `step_s` apart. `flow` counts time from
+    /// the first.
     fn cover(
         &self,
         step_s: f64,
@@ -89,14 +113,18 @@ impl Oscillator {
     ) {
         // Change of the pressure over a step, to first and second order.
         let (mut slope, mut bend) = ([0.0; LANES], [0.0; LANES]);
-        let [f0, f1, f2, f3, f4, ..] = flow.c;
+        let (mut q, mut q_rate) = ([0.0; LANES], [0.0; LANES]);
+        for c in flow.terms().rev() {
+            for lane in 0..LANES {
+                let t = lane as f64 * step_s;
+                q_rate[lane] = q_rate[lane] * t + q[lane];
+                q[lane] = q[lane] * t + c;
+            }
+        }
         for lane in 0..LANES {
-            let t = lane as f64 * step_s;
-            let q = (((f4 * t + f3) * t + f2) * t + f1) * t + f0;
-            let q_rate = ((4.0 * f4 * t + 3.0 * f3) * t + 2.0 * f2) * t + f1;
             let y_rate = self.rate * x[lane] - self.decay * y[lane];
-            slope[lane] = step_s * self.rate * (self.impedance * q - y[lane]);
-            bend[lane] = step_s * step_s * self.rate * (self.impedance * q_rate - y_rate);
+            slope[lane] = step_s * self.rate * (self.impedance * q[lane] - y[lane]);
+            bend[lane] = step_s * step_s * self.rate * (self.impedance * q_rate[lane] - y_rate);
         }
         for lane in 1..=count {
             extremes.cover(x[lane]);
