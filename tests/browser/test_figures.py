@@ -22,7 +22,11 @@ def test_the_page_is_small(service, open_page):
 
 
 def test_the_figure_fits_the_narrowest_phones(service, open_page):
-    for volume, words in (("9.693mL", "9.69 mL"), ("-0.3286mL", "−0.328 mL"), ("-109.69mL", "−109.7 mL")):
+    for volume, words in (
+        ("9.693mL", "9.69 mL"),
+        ("-0.3286mL", "\N{MINUS SIGN}0.328 mL"),
+        ("-109.69mL", "\N{MINUS SIGN}109.7 mL"),
+    ):
         service.post("/api/v1/pumps/acid/dose", {"volume": volume, "options": {"rate": "9mL/s"}})
         service.ended("acid")
         fits(service, open_page, words)
