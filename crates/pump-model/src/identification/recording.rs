@@ -17,6 +17,7 @@ use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
 use super::readings::Readings;
+use super::sought::N;
 use super::watch::Watch;
 
 /// Number of samples that are computed at once.
@@ -258,6 +259,34 @@ impl<'a> Recording<'a> {
             }
         }
         Ok(squares)
+    }
+
+    /// Returns the sum of [`Self::residual_squares_kpa2`] with its exact derivatives by R, C, L, the angle, the start
+    /// and the pressure of the reservoir, kPa² over the unit of each. It takes several times as long.
+    ///
+    /// # Errors
+    ///
+    /// Refuses what [`Self::residual_squares_kpa2`] refuses.
+    pub fn residual_squares_with_slopes(
+        &self,
+        pump: &Pump,
+        line: &Line,
+        angle_rad: f64,
+        start_s: f64,
+    ) -> Result<(f64, [f64; N]), IdentificationError> {
+        self.validate()?;
+        let goes_on = || true;
+        let watch = Watch::new(&goes_on);
+        let (mut squares, mut slopes) = (0.0, [0.0; N]);
+        let model = self.slopes_kpa(pump, line, (angle_rad, start_s), &watch)?;
+        for (sample, (above_kpa, [by_r, by_c, by_l, by_angle, by_start])) in self.samples.iter().zip(model) {
+            let residual_kpa = sample.pressure_kpa - line.reservoir_kpa - above_kpa;
+            squares += residual_kpa * residual_kpa;
+            for (slope, by) in slopes.iter_mut().zip([by_r, by_c, by_l, by_angle, by_start, 1.0]) {
+                *slope -= 2.0 * residual_kpa * by;
+            }
+        }
+        Ok((squares, slopes))
     }
 
     /// Returns the interval of samples that are at equal intervals but for rounding, s.

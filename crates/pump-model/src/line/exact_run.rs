@@ -96,11 +96,11 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
     /// Goes on to `end_s` and returns the smallest and largest pressure on the way, kPa absolute.
     pub fn extremes(&mut self, end_s: f64) -> Extremes {
-        self.extremes_by(&FineSteps::new(&self.oscillator), end_s)
+        self.extremes_by(&mut FineSteps::new(&self.oscillator), end_s)
     }
 
     /// Goes on to `end_s` as [`Self::extremes`] does, by fine steps of this line.
-    pub(crate) fn extremes_by(&mut self, steps: &FineSteps, end_s: f64) -> Extremes {
+    pub(crate) fn extremes_by(&mut self, steps: &mut FineSteps, end_s: f64) -> Extremes {
         let mut extremes = Extremes::at(self.state[0]);
         while self.time_s() < end_s {
             self.cover_fine_steps(steps, end_s, &mut extremes);
@@ -120,9 +120,9 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     ///
     /// The energy of a line left alone only falls, so its first swing is its widest.
     pub fn extremes_to_rest(&mut self, end_s: f64) -> Extremes {
-        let steps = FineSteps::new(&self.oscillator);
-        let moving = self.extremes_by(&steps, end_s);
-        moving.and(self.extremes_by(&steps, end_s + self.oscillator.widest_swing_s()))
+        let mut steps = FineSteps::new(&self.oscillator);
+        let moving = self.extremes_by(&mut steps, end_s);
+        moving.and(self.extremes_by(&mut steps, end_s + self.oscillator.widest_swing_s()))
     }
 
     /// Returns the time after which the undelivered volume |C p| stays below [`crate::SETTLED_ML`], s. The

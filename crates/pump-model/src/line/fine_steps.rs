@@ -1,7 +1,5 @@
 //! Many fine steps of a run at once, in search of the pressures at which the line turns.
 
-use core::cell::OnceCell;
-
 use crate::motion::flow::Flow;
 use crate::motion::leg::Leg;
 
@@ -23,14 +21,14 @@ pub(crate) struct FineSteps {
     /// What a state and a flow do over 0, 1, 2 ... steps; none for a line that does not swing.
     reach: Option<Reach<1>>,
     /// The same for flows at changing speeds, as soon as there is one.
-    ramp: OnceCell<Reach<1, ALL_CAUSES>>,
+    ramp: Option<Reach<1, ALL_CAUSES>>,
 }
 
 impl FineSteps {
     pub(crate) fn new(oscillator: &Oscillator) -> Self {
         let step_s = SHORT / oscillator.norm();
         let reach = oscillator.swings().then(|| Reach::new(oscillator, step_s));
-        Self { step_s, reach, ramp: OnceCell::new() }
+        Self { step_s, reach, ramp: None }
     }
 }
 
@@ -62,7 +60,7 @@ impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
 
     /// Goes on inside the stretch by as many fine steps as fit before `end_s`, and covers the pressures on the way.
     /// Goes on by none where a step need not be fine.
-    pub(super) fn cover_fine_steps(&mut self, steps: &FineSteps, end_s: f64, extremes: &mut Extremes) {
+    pub(super) fn cover_fine_steps(&mut self, steps: &mut FineSteps, end_s: f64, extremes: &mut Extremes) {
         let Some(reach) = &steps.reach else {
             return;
         };
@@ -77,7 +75,7 @@ impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
             if flow.degree <= 4 {
                 self.cover_lanes(reach, &reach.causes(self.state, &flow, 0.0), &flow, count, extremes);
             } else {
-                let ramp = steps.ramp.get_or_init(|| Reach::new(&self.oscillator, steps.step_s));
+                let ramp = steps.ramp.get_or_insert_with(|| Reach::new(&self.oscillator, steps.step_s));
                 self.cover_lanes(ramp, &ramp.all_causes(self.state, &flow), &flow, count, extremes);
             }
         }
@@ -126,7 +124,10 @@ impl Oscillator {
             slope[lane] = step_s * self.rate * (self.impedance * q[lane] - y[lane]);
             bend[lane] = step_s * step_s * self.rate * (self.impedance * q_rate[lane] - y_rate);
         }
-        for lane in 1..=count {
+        for lane in 1..LANES {
+            if lane > count {
+                break;
+            }
             extremes.cover(x[lane]);
             let [from, to] = [lane - 1, lane];
             // Control points of the derivative of the quintic through both ends (Farouki, "The Bernstein polynomial

@@ -40,28 +40,33 @@ impl<const ROWS: usize, const C: usize> Reach<ROWS, C> {
         let mut effects = [[0.0; 2]; C];
         (effects[0][0], effects[1][1]) = (1.0, 1.0);
         let mut powers_s = [1.0; DEGREE + 1];
-        for n in 0..DEGREE {
-            powers_s[n + 1] = dt_s * powers_s[n];
+        let mut power_s = 1.0;
+        for place in &mut powers_s {
+            *place = power_s;
+            power_s *= dt_s;
         }
         let mut reach = Self { effects: [[[[0.0; LANES]; C]; 2]; ROWS], powers_s };
-        for lane in 0..ROWS * LANES {
-            let [row_x, row_y] = &mut reach.effects[lane / LANES];
-            for (effect, (x, y)) in effects.iter().zip(row_x.iter_mut().zip(row_y)) {
-                (x[lane % LANES], y[lane % LANES]) = (effect[0], effect[1]);
-            }
-            let before = lane as f64;
-            for (cause, effect) in effects.iter_mut().enumerate() {
-                *effect = one.moved(*effect);
-                let Some(k) = cause.checked_sub(2) else {
-                    continue;
-                };
-                // A flow t^k is sum_j C(k, j) n^(k-j) (t - n)^j, counted from n intervals on.
-                let mut weight = 1.0;
-                for j in (0..=k).rev() {
-                    let [x, y] = one.response[j];
-                    *effect = [effect[0] + weight * x, effect[1] + weight * y];
-                    weight *= before * j as f64 * RECIPROCALS[k - j + 1];
+        let mut before = 0.0;
+        for row in &mut reach.effects {
+            let [row_x, row_y] = row;
+            for lane in 0..LANES {
+                for (effect, (x, y)) in effects.iter().zip(row_x.iter_mut().zip(row_y.iter_mut())) {
+                    (x[lane], y[lane]) = (effect[0], effect[1]);
                 }
+                for (cause, effect) in effects.iter_mut().enumerate() {
+                    *effect = one.moved(*effect);
+                    let Some(k) = cause.checked_sub(2) else {
+                        continue;
+                    };
+                    // A flow t^k is sum_j C(k, j) n^(k-j) (t - n)^j, counted from n intervals on.
+                    let mut weight = 1.0;
+                    let responses = one.response.iter().enumerate().take(k + 1).rev();
+                    for ((j, [x, y]), reciprocal) in responses.zip(RECIPROCALS.iter().skip(1)) {
+                        *effect = [effect[0] + weight * x, effect[1] + weight * y];
+                        weight *= before * j as f64 * reciprocal;
+                    }
+                }
+                before += 1.0;
             }
         }
         reach
@@ -100,7 +105,9 @@ impl<const ROWS: usize, const C: usize> Reach<ROWS, C> {
     /// Returns the state `n` intervals on. There must be a lane for it.
     #[inline]
     pub(crate) fn state(&self, n: usize, causes: &Causes<C>) -> Balanced {
-        let [x, y] = &self.effects[n / LANES];
+        let Some([x, y]) = self.effects.get(n / LANES) else {
+            return [0.0; 2];
+        };
         let sum = |row: &Row<C>| {
             row.iter().zip(causes).fold(0.0, |sum, (effect, cause)| sum + effect[n % LANES] * cause)
         };
@@ -140,10 +147,11 @@ pub(crate) fn sums<const C: usize>(row: &Row<C>, causes: &Causes<C>) -> [f64; LA
             }
         }
     };
-    add(&causes[..EVEN], &row[..EVEN]);
+    let ((even, rest), (even_row, rest_row)) = (causes.split_at(EVEN), row.split_at(EVEN));
+    add(even, even_row);
     // Between the pulses of two rollers the flow is even.
-    if causes[EVEN..].iter().any(|cause| *cause != 0.0) {
-        add(&causes[EVEN..], &row[EVEN..]);
+    if rest.iter().any(|cause| *cause != 0.0) {
+        add(rest, rest_row);
     }
     sums
 }

@@ -97,10 +97,10 @@ impl Pump {
         if steps > MOST_STEPS {
             return Err(ModelError::RingsTooLong { port, speed_rad_s, steps, allowed: MOST_STEPS });
         }
-        let steps = FineSteps::new(&oscillator);
+        let mut steps = FineSteps::new(&oscillator);
         let state = periodic_state_by(&steps, self.line(port), self.curve(port), port, speed_rad_s)?;
         let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-        Ok(ExactRun::new(self, port, motion, state).extremes_by(&steps, period_s))
+        Ok(ExactRun::new(self, port, motion, state).extremes_by(&mut steps, period_s))
     }
 
     /// Returns the flow averaged over whole pitches, mL/s: Q_avg = V_rot omega / (2 pi).
