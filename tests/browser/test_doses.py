@@ -97,6 +97,7 @@ def test_the_message_of_a_refusal_stays_while_its_reason_does(make_laboratory, o
         card.get_by_label("Volume").fill("90mL")
         page.keyboard.press("Enter")
         expect(told).to_contain_text("acid stands at a safety limit")
+        assert "`dose" not in told.inner_text(), "the page has its own words"
         page.wait_for_timeout(300)
         expect(told).to_be_visible()
         service.post("/api/v1/pumps/acid/clear", {"reason": "looked", "by": "Ada"})
@@ -115,6 +116,17 @@ def test_a_refusal_of_a_pump_in_use_goes_with_the_motion(service, open_page):
     service.stop()
     expect(state(page, "acid")).to_have_text("A dose is unfinished")
     expect(card.get_by_role("alert")).to_have_count(0)
+
+
+def test_a_card_asks_before_a_dose_in_reverse(laboratory, service, open_page):
+    page = open_page(service.url)
+    card = panel(page, "acid")
+    card.get_by_label("Volume").fill("-2")
+    page.keyboard.press("Enter")
+    expect(card.locator(".notice")).to_contain_text("in reverse. Nothing moves yet.")
+    assert laboratory.log("acid") == []
+    card.get_by_role("button", name="Dose in reverse").click()
+    expect(card.locator(".said")).to_have_text("Done: dose -2mL.")
 
 
 def test_a_run_until_it_is_stopped_shows_no_end(service, open_page):
@@ -255,7 +267,7 @@ def test_the_log_has_the_doses_and_their_export(laboratory, service, open_page):
             page.get_by_role("link", name=name).click()
         text = download.value.path().read_text()
         assert text.startswith(begins), text[:200]
-    assert json.loads(text) == laboratory.log("acid")[0]
+    assert json.loads(text) == laboratory.log("acid")[0] | {"origin": "http"}
     # A dose that ends elsewhere is there without a reload.
     service.ended(service.dose("acid", "3mL") and "acid")
     expect(page.get_by_role("table").first.get_by_role("row")).to_have_count(3)

@@ -43,7 +43,8 @@ def test_a_calibration_is_guided_until_it_is_in_use(laboratory, service, open_pa
     expect(page.locator("dl.facts").first).to_contain_text(f"Calibrationnumber {weighing} of ")
 
 
-def test_a_reading_that_is_refused_is_said_in_plain_words(service, open_page):
+def test_a_reading_that_is_refused_is_said_in_plain_words(laboratory, service, open_page):
+    laboratory.run("25mL")
     page = open_page(service.url + "/#/pump/acid")
     page.get_by_role("button", name="Calibrate…").click()
     box = page.get_by_role("dialog", name="Calibrate acid")
@@ -162,3 +163,42 @@ def test_an_unknown_angle_is_shown_as_unknown(laboratory, open_page):
     expect(card.locator(".head")).to_have_accessible_name("Pump head with 3 rollers, standing; the angle is unknown")
     expect(card.locator(".roller")).to_have_count(0)
     expect(card.locator("dl.facts")).to_contain_text("Angleunknown")
+
+
+def test_a_reading_is_refused_once_another_dose_came(laboratory, service, open_page):
+    page = open_page(service.url + "/#/pump/acid")
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    expect(box.get_by_role("button", name="Weigh the last dose instead")).to_have_count(0)
+    box.get_by_label("Volume").fill("2mL")
+    box.get_by_role("button", name="Dose", exact=True).click()
+    expect(box.get_by_role("heading", name="Step 3 of 3: weigh")).to_be_visible()
+    laboratory.run("1.5mL", "--pump", "acid")
+    box.get_by_label("Reading").fill("2.05g")
+    page.keyboard.press("Enter")
+    expect(box.get_by_role("alert")).to_contain_text("another dose of 1.5 mL came since, at 20")
+    assert service.get("/api/v1/pumps/acid/calibrations")["calibrations"] == []
+    box.get_by_role("button", name="Close").click()
+    row = page.get_by_role("row").filter(has_text="1.5 mL")
+    expect(row.get_by_role("cell").last).to_have_text("command")
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    expect(box).to_contain_text("done, by command")
+
+
+def test_a_calibration_that_was_stopped_goes_on_with_the_rest_of_its_dose(service, open_page):
+    page = open_page(service.url + "/#/pump/acid")
+    page.get_by_role("button", name="Calibrate…").click()
+    box = page.get_by_role("dialog", name="Calibrate acid")
+    box.get_by_label("Volume").fill("20mL")
+    box.get_by_role("button", name="Dose", exact=True).click()
+    expect(box.get_by_role("heading", name="Step 2 of 3: wait")).to_be_visible()
+    box.get_by_role("button", name="Stop all").click()
+    expect(box.get_by_role("heading", name="the dose was not completed")).to_be_visible()
+    assert "`dose" not in box.inner_text()
+    expect(box.get_by_role("button", name="Accept…")).to_be_visible()
+    box.get_by_role("button", name="Resume").click()
+    expect(box.get_by_role("heading", name="Step 3 of 3: weigh")).to_be_visible()
+    box.get_by_label("Reading").fill("20.31g")
+    page.keyboard.press("Enter")
+    expect(box.get_by_role("heading", name="Calibration saved")).to_be_visible()

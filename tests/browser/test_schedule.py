@@ -109,7 +109,7 @@ def test_the_form_names_the_clock_of_its_times_and_asks_for_a_name(laboratory, p
         box.get_by_label(label, exact=True).fill(words)
     page.keyboard.press("Enter")
     refused = box.get_by_role("alert")
-    expect(refused).to_contain_text("name is ``")
+    expect(refused).to_contain_text("name is missing; allowed: 1 to 64 of a-z")
     assert "quotes" not in refused.inner_text()
     expect(box.get_by_label("Name", exact=True)).to_be_focused()
     page.keyboard.type("noon")

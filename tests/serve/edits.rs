@@ -298,6 +298,12 @@ fn a_doubt_at_the_begin_of_a_service_is_there_whatever_its_pump_waits_for_and_st
         }
     }
     fs::write(&file, &text).unwrap();
+    let mut service = laboratory.serve_again(&service);
+    let doubts = |service: &Service| {
+        service.get("/api/v1/notes").1.to_string().matches("dye-fast: its runs will be refused").count()
+    };
+    wait_for("the first trials", || (doubts(&service) > 0).then_some(()));
+    assert_eq!(service.end(), Some(0));
     let service = laboratory.serve_again(&service);
     let doubted = || -> Vec<String> {
         let next = service.get("/api/v1/schedule").1["next"].clone();
@@ -318,7 +324,7 @@ fn a_doubt_at_the_begin_of_a_service_is_there_whatever_its_pump_waits_for_and_st
     });
     std::thread::sleep(std::time::Duration::from_secs(2));
     assert_eq!(doubted(), wrong);
-    assert_eq!(notes().matches("dye-fast: its runs will be refused").count(), 1, "a doubt is told once");
+    assert_eq!(doubts(&service), 1, "a doubt is told once, over a restart too");
     fs::write(&file, text.replace("rats = ", "smooth = ").replace("\"1\"", "true")).unwrap();
     wait_for("the mended entries", || (doubted().len() == 6).then_some(()));
     moving.kill().unwrap();

@@ -1,5 +1,8 @@
 //! Orders over HTTP.
 
+mod told;
+mod weighed;
+
 use std::fs;
 
 use serde_json::{Value, json};

@@ -24,10 +24,20 @@ fn assert_refused(cases: &[(&str, &str)]) {
 }
 
 #[test]
+fn an_hour_of_one_digit_is_an_hour_and_a_blank_name_is_missing() {
+    let text = |at: &str| format!("schema = \"schedule/1\"\n{DOSE}at = \"{at}\"\n");
+    let [short, long] = ["3:30", "03:30"].map(|at| Schedule::read(&text(at), &TimeZone::UTC).unwrap());
+    assert_eq!(short, long);
+    for blank in ["", " "] {
+        let told = refusal(&text("03:30").replace("\"night\"", &format!("\"{blank}\""))).to_string();
+        assert!(told.contains("name is missing; allowed: 1 to 64 of a-z, 0-9, - and _; add it"), "{told}");
+    }
+}
+
+#[test]
 fn a_wrong_time_of_day_is_refused_with_its_value() {
     let time = "allowed: 00:00 to 23:59:59; write a time of day as 06:30";
-    for wrong in
-        ["25:00", "24:00", "6:30", "06:60", "06:30:60", "06:30:00.5", "noon", "06", "-6:30", "06:30Z"]
+    for wrong in ["25:00", "24:00", "6:3", "06:60", "06:30:60", "06:30:00.5", "noon", "06", "-6:30", "06:30Z"]
     {
         let told = format!("at is `{wrong}`; {time}");
         assert_refused(&[(&format!("at = \"{wrong}\""), &told)]);

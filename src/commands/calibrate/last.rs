@@ -32,6 +32,10 @@ pub(super) struct LastArgs {
     #[arg(long, value_name = "VOLUME", value_parser = stated_volume)]
     #[arg(conflicts_with_all = ["scale_port", "scale_command"])]
     volume: Option<StatedReading>,
+    /// Dose that was weighed, by its number in `dose log` or by the order of `dose serve` that made it. The reading is
+    /// refused if another dose came since
+    #[arg(long, value_name = "NUMBER")]
+    dose: Option<String>,
     #[command(flatten)]
     balance: BalanceOptions,
     /// Join the reading to the runs of the calibration in use, whatever made them
@@ -72,6 +76,9 @@ impl LastArgs {
         self.options.check()?;
         let bench = self.record.bench_of(self.record.pump.file()?, Some(&self.port))?;
         let _held = bench.folder().lock()?;
+        if let Some(dose) = &self.dose {
+            bench.check_is_last_dose(dose)?;
+        }
         let file = self.file(&bench)?;
         let reading = self.reading(&bench)?;
         let expected = if self.options.has_scale() {

@@ -84,6 +84,23 @@ pub enum CalibrationError {
          calibrated, homed or given a new tube since"
     )]
     NoLastDose,
+    /// Another dose than the one that was weighed is the last one.
+    #[error(
+        "the dose that was weighed is not the last one: another dose of {volume} came since, at {time}; empty the \
+         vessel, dose and weigh again"
+    )]
+    DosedSince {
+        /// Volume of the last dose, as it was typed.
+        volume: String,
+        /// Time at which the last dose began, RFC 3339.
+        time: String,
+    },
+    /// The dose that was weighed is not on record.
+    #[error("no dose `{}` is on record; the log names the doses", dose.escape_debug())]
+    NoSuchDose {
+        /// Number of the dose, or the order that made it.
+        dose: String,
+    },
     /// The last dose was cut off, and nobody knows closely enough how far the rollers turned.
     #[error(
         "the last dose turned {turned_deg:.3} deg, known to ± {half_width_deg:.3} deg only, since it was cut off; \

@@ -388,7 +388,7 @@ pub enum DoseError {
         /// Volume delivered, in mL.
         delivered_ml: f64,
     },
-    /// An earlier run of continuous flow was to go on until it is stopped, and was cut off.
+    /// An earlier run of continuous flow was stopped or cut off.
     #[error("a run of continuous flow is unfinished: {} were delivered", between(*least_ml, *most_ml))]
     UnfinishedRun {
         /// Smallest volume that the run may have delivered, in mL.

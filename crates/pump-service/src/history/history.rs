@@ -192,6 +192,16 @@ impl History {
         self.read(|file| file.query_row(&sql, params![id.as_str()], order).optional())
     }
 
+    /// Finds who gave an order.
+    ///
+    /// # Errors
+    ///
+    /// [`HistoryError::File`] if the file cannot be read.
+    pub fn origin(&self, id: &str) -> Result<Option<String>, HistoryError> {
+        let sql = "SELECT origin FROM orders WHERE id = ?";
+        self.read(|file| file.query_row(sql, params![id], |row| row.get(0)).optional())
+    }
+
     /// Lists the last orders, the latest first, `most` at most; those of one pump if one is named.
     ///
     /// # Errors

@@ -77,9 +77,11 @@ pub(super) struct ReadingBody {
     /// Mass or volume with its unit.
     #[schema(example = "23.8g")]
     pub(super) reading: String,
-    /// Options of the command that takes the reading: `scale`, `anew`, `anyway`, and `dry-run`, which keeps nothing.
+    /// Options of the command that takes the reading: `dose`, the order or the log's number of the dose that was
+    /// weighed, so that the reading is refused if another dose came since; `scale`, `anew`, `anyway`, and `dry-run`,
+    /// which keeps nothing.
     #[serde(default, deserialize_with = "read_options")]
-    #[schema(value_type = Object)]
+    #[schema(value_type = Object, example = json!({"dose": "0123456789abcdef"}))]
     pub(super) options: Options,
 }
 

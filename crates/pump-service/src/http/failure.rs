@@ -4,6 +4,7 @@ use axum::extract::rejection::QueryRejection;
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
+use pump_bench::report::ErrorKind;
 use serde_json::Value;
 
 use crate::guard::GuardError;
@@ -26,7 +27,9 @@ impl Failure {
 
     /// The `error/1` of a command that refused before anything moved.
     pub(super) fn of_command(code: i32, error: Option<Value>) -> Self {
+        let kind = error.as_ref().and_then(|error| error.get("kind")?.as_str());
         let status = match code {
+            _ if kind == Some(ErrorKind::Changed.as_str()) => StatusCode::CONFLICT,
             3 | 4 => StatusCode::CONFLICT,
             5 => StatusCode::LOCKED,
             _ => StatusCode::UNPROCESSABLE_ENTITY,

@@ -74,7 +74,7 @@ impl Task {
                 OF_MOTIONS.into_iter().filter(not).chain(["fluid", "temperature", "finish"]).collect()
             }
             Self::Rack { .. } => vec!["unfinished", "max-per-day"],
-            Self::Calibrate { .. } => vec!["scale"],
+            Self::Calibrate { .. } => vec!["dose", "scale"],
             Self::Accept
             | Self::Stand { .. }
             | Self::Clear { .. }

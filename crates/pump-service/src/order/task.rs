@@ -105,7 +105,7 @@ impl Task {
             Self::Emptied => "having its vessel emptied on record".to_owned(),
             Self::Calibrate { .. } | Self::UseCalibration { .. } => "being calibrated".to_owned(),
             Self::Rack { rack } => format!("running in rack {rack}"),
-            Self::Command { words } => format!("carrying out the typed words {}", words.join(" ")),
+            Self::Command { words } => doing_typed(words),
         }
     }
 
@@ -196,6 +196,19 @@ impl Task {
     }
 }
 
+/// Returns what a pump is doing by the words of a command.
+fn doing_typed(words: &[String]) -> String {
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    match words[..] {
+        ["prime", volume, ..] if amount("volume", volume).is_ok() => format!("priming {volume}"),
+        ["purge", volume, ..] if amount("volume", volume).is_ok() => format!("purging {volume}"),
+        ["run", ..] => "running".to_owned(),
+        ["resume", ..] => "delivering the rest of a dose".to_owned(),
+        [volume, ..] if amount("volume", volume).is_ok() => format!("dosing {volume}"),
+        _ => format!("carrying out the command `{}`", words.join(" ")),
+    }
+}
+
 /// Passes a number with its unit. A word with two dashes would be an option.
 fn amount<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError> {
     let value = text(what, value)?.trim();
@@ -203,7 +216,13 @@ fn amount<'a>(what: &'static str, value: &'a str) -> Result<&'a str, OrderError>
     if first.is_some_and(|c| c.is_ascii_digit() || c == '.') && !value.starts_with("--") {
         return Ok(value);
     }
-    Err(wrong(what, value, "write a number with its unit, as 25mL"))
+    let is_reading = what == "reading";
+    let allowed = if is_reading {
+        "write a number with its unit, as 25.3g"
+    } else {
+        "write a number with its unit, as 25mL"
+    };
+    Err(wrong(what, value, allowed))
 }
 
 /// Passes the name of a pump or a rack of the configuration. A path would be any file of the computer.

@@ -29,7 +29,6 @@ const alarm = (text) => line('error', text, { role: 'alert' });
 const head2 = (text) => h('h2', { text });
 const inRow = (...kids) => div('row', kids);
 const head1 = (text) => h('h1', { tabindex: '-1', text });
-/** A form whose fields this page checks. */
 const formOf = (send, props, ...kids) => h('form', { novalidate: true, ...props, onsubmit: (event) => { event.preventDefault(); send(); } }, kids);
 const press = (text, onclick, more) => h('button', { text, onclick, ...more });
 const firstly = (text, onclick) => press(text, onclick, { class: 'first' });
@@ -40,7 +39,6 @@ const danger = (...kids) => div('notice bad', kids);
 const inPath = encodeURIComponent;
 const block = (...kids) => h('section', { class: 'panel' }, kids);
 
-/** Sets a text if it has changed. */
 function say(node, text) {
 	if (node.textContent !== text) node.textContent = text;
 }
@@ -65,7 +63,6 @@ const fixed = (value, decimals) => minus(value.toFixed(decimals));
 /** Decimals that show an uncertainty with two digits. */
 const decimalsOf = (u) => (u > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
 const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
-/** A volume with the decimals of its uncertainty. */
 const ml = (value, u) => (value == null ? '–' : u > 0 ? fixed(value, decimalsOf(u)) : short(value));
 const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
@@ -86,9 +83,14 @@ const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text)
 
 const ANYWAY = 'Use it although it is far from what was expected';
 
+/** A message without its clauses that name commands: the page has buttons for what they do. */
+function plain(text) {
+	const kept = text.split('; ').filter((part) => !/`dose [a-z]/.test(part));
+	return kept.length ? kept.join('; ') : text;
+}
 class Refused extends Error {
 	constructor(report, status) {
-		super(report.message.replace('add --anyway', `tick “${ANYWAY}” under “More options”`));
+		super(plain(report.message).replace('add --anyway', `tick “${ANYWAY}” under “More options”`));
 		Object.assign(this, { code: report.code, kind: report.kind, key: report.key, status });
 	}
 }
@@ -139,7 +141,6 @@ async function give(slot, path, body) {
 const LOST = 'The service did not answer, so the page does not know whether the order began. Look at the pump. ' +
 	'Pressing the same button asks again and does not dose twice.';
 
-/** Waits until an order has ended. */
 async function ended(order) {
 	while (order.state === 'running') {
 		await sleep(400);
@@ -168,7 +169,6 @@ let needsLogin = false;
 const TASKS = { dose: 'Dosing', prime: 'Priming', purge: 'Purging', run: 'Running', resume: 'Delivering the rest of a dose',
 	accept: 'Accepting', clear: 'Clearing', stand: 'Putting to stand', emptied: 'Emptying', calibrate: 'Calibrating', rack: 'Running in a rack',
 	retract: 'Retracting' };
-/** Tasks that turn no motor. */
 const STANDING = ['accept', 'clear', 'stand', 'emptied', 'calibrate'];
 const isDose = (report) => report?.schema === 'dose/1';
 
@@ -179,7 +179,6 @@ const dosesOf = (order) => (order.reports || []).flatMap((report) => {
 	return report.pumps.flatMap((pump) => pump.doses.map((one) => ({ name: pump.name, report: one.dose })));
 });
 
-/** Takes a `pump-view/1`. */
 function take(view) {
 	const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
 	pumps.set(view.name, pump);
@@ -270,8 +269,8 @@ function takeOrder(order) {
 		if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null });
 		const { error } = order;
 		if (order.state === 'failed' && error && error.kind !== 'stopped') {
-			pump.fault = { time: order.ended, message: error.message };
-			alertOf(`${pump.name} failed: ${error.message}`);
+			pump.fault = { time: order.ended, message: plain(error.message) };
+			alertOf(`${pump.name} failed: ${pump.fault.message}`);
 		} else if (!isDry(order)) {
 			const stopped = error?.kind === 'stopped';
 			const dose = pump.last?.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
@@ -305,7 +304,6 @@ function tellEnd(order) {
 	pump.leads = isStopped;
 	pump.stale.push(form.line);
 }
-/** Asks for the end of the orders that ended while the page heard nothing. */
 async function askTaken() {
 	for (const id of [...taken.keys()]) {
 		const order = await get(`orders/${inPath(id)}`).catch(() => null);
@@ -316,7 +314,6 @@ async function askTaken() {
 	}
 }
 
-/** Keeps the last report of each pump that an order has. */
 function takeReports(order) {
 	for (const { name, report } of dosesOf(order)) {
 		if (report.delivered_ml == null || !report.time) continue;
@@ -327,7 +324,6 @@ function takeReports(order) {
 	}
 }
 
-/** Reads the last doses of all pumps that the service made. */
 async function readLast() {
 	const paths = [...pumps.keys()].map((name) => `limit=5&pump=${inPath(name)}`).concat('limit=10');
 	for (const path of paths) {
@@ -386,7 +382,6 @@ function retry() {
 	retryTimer = setTimeout(begin, retryMs);
 	retryMs = Math.min(8000, retryMs * 2);
 }
-/** Asks whether a login is needed, and then watches. */
 async function begin() {
 	try {
 		const login = await call('GET', '/login', { timeout: 4000 });
@@ -445,7 +440,7 @@ function takeNote(note) {
 let onNotes = null;
 let onInputs = null;
 let onLog = null;
-const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${note.text}`;
+const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${plain(note.text)}`;
 /** Reads the last events, and shows them now and when another comes. `fail` tells that they cannot be read. */
 function watchNotes(most, showNotes, fail = () => {}) {
 	onNotes = showNotes;
@@ -603,7 +598,6 @@ class Head {
 		return angle + by * Math.round((near - angle) / by);
 	}
 
-	/** The angle that is shown now. */
 	shown(now) {
 		const part = this.lasts ? Math.min(1, Math.max(0, (now - this.begun) / this.lasts)) : 1;
 		return this.from + (this.to - this.from) * part;
@@ -618,7 +612,6 @@ class Head {
 		else this.turn(this.base, now, 120);
 	}
 
-	/** Takes an angle that was measured while the rotor turns. */
 	sample(angle, now) {
 		if (this.at && now - this.at < 1000) {
 			if (now - this.at < 20) return;
@@ -674,6 +667,9 @@ function standWords(pump) {
 		`${short(stand.allowed_ml)} mL are allowed.`;
 }
 
+/** The log's line of a motion that was stopped says what it was. */
+const unfinishedWord = ({ status: { unfinished: open }, last }) => (open.until_stopped ? 'run'
+	: last && Date.parse(last.time) === 1000 * open.began_unix_s ? last.purpose : 'dose');
 function stateOf(pump) {
 	const { view, motion } = pump;
 	const { status } = view;
@@ -691,13 +687,16 @@ function stateOf(pump) {
 	if (!status) return ['fault', 'The record cannot be read'];
 	if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
 	if (status.safety.stand) return ['stand', status.safety.stand.limit === 'ordered' ? 'Put to stand' : 'Stands at a limit'];
-	if (status.unfinished) return ['open', 'A dose is unfinished'];
+	if (status.unfinished) return ['open', `A ${unfinishedWord(view)} is unfinished`];
 	return ['ready', 'Ready'];
 }
 
 /** Its spaces do not break, so that no line ends within it. */
 const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${spread(u)}\u00a0mL (k\u00a0=\u00a02)`;
 const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
+/** Giver of a dose: an order's origin, `schedule NAME`; null for a program beside the service. */
+const giver = ({ origin }) => ({ http: 'page or HTTP', mqtt: 'MQTT' }[origin] || origin || '');
+const loggedWords = (dose) => `${volumeWords(dose)}${dose.resumed ? ' (the rest)' : ''}, ${date(new Date(dose.time))}, ${dose.end}, by ${giver(dose) || 'a program'}`;
 /** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
 const isEndless = ({ asked }) => asked === 'until stopped';
 const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
@@ -826,7 +825,6 @@ function showFacts(list, facts) {
 /* Forms. */
 
 const isBusy = ({ motion, view: { status } }) => Boolean(motion || status?.in_use_by);
-/** What a form was answered. */
 function showError(said, error, name) {
 	const pump = pumps.get(name);
 	const kids = [];
@@ -857,11 +855,9 @@ const send = (button, said, slot, name, path, body, done) => once(button, async 
 	// A pump does not stand for a plan that is refused, so there is nothing to clear.
 }, (error) => showError(said, error, body.options?.['dry-run'] && error.code === 5 ? null : name));
 const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
-/** Throws the error of an order that failed. */
 function sound(order) {
 	if (order.state === 'failed') throw orderError(order);
 }
-/** Waits for the end of an order that must be done. */
 async function completed(order) {
 	order = await ended(order);
 	if (order.state !== 'done') throw orderError(order);
@@ -892,7 +888,6 @@ function choice(label, options) {
 	return { el: h('div', {}, h('label', { for: id, text: label }), input), input };
 }
 
-/** The plan of a dose as a list. */
 function planList(report) {
 	const facts = [
 		['Volume', `${ml(report.planned_ml, report.expanded_uncertainty_ml)} mL ${plusMinus(report)}`],
@@ -955,7 +950,6 @@ function sendDose(button, said, slot, pump, body, done) {
 	});
 }
 
-/** The form of a dose, short on a card. */
 function doseForm(pump, isWide) {
 	const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
 	const said = saidBox();
@@ -997,12 +991,16 @@ function doseForm(pump, isWide) {
 		return { volume: text(volume, 'mL'), options };
 	};
 	const isEmpty = () => !text(volume) && (needs(volume, said, 'Enter a volume, such as 25mL.'), true);
+	const start = (by) => sendDose(by, said, slot, pump, body(false), (order) => {
+		sound(order);
+		tellTaken(said, order, `dose ${order.volume}`);
+	});
 	return formOf(() => {
 		if (isEmpty()) return;
-		sendDose(button, said, slot, pump, body(false), (order) => {
-			sound(order);
-			tellTaken(said, order, `dose ${order.volume}`);
-		});
+		if (isWide || !/^[-−]/.test(text(volume))) return start(button);
+		const sure = firstly('Dose in reverse', () => start(sure));
+		said.replaceChildren(div('notice', para(`The minus sign has ${pump.name} run in reverse. Nothing moves yet.`), inRow(sure)));
+		sure.focus();
 	}, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
 	isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
 }
@@ -1011,7 +1009,6 @@ function needs(box, said, words) {
 	box.input.focus();
 }
 
-/** A form with one or two fields and one button, for an order of `word`. */
 function plainForm(pump, word, label, hint, boxes, bodyOf) {
 	const said = saidBox();
 	const slot = {};
@@ -1027,7 +1024,6 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
 	inRow(boxes.map((box) => box.el), button), said);
 }
 
-/** A button that gives an order and tells its end beside it. */
 function orderButton(pump, word, label, isFirst, bodyOf, done) {
 	const said = saidBox();
 	const slot = {};
@@ -1043,9 +1039,9 @@ function unfinishedActions(pump) {
 	const isOverTime = unfinished?.over_time;
 	const resume = orderButton(pump, 'resume', 'Resume', true);
 	const accept = press('Accept…', () => askAccept(pump));
-	const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves the dose as it is.'
+	const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves it as it is.'
 		: unfinished?.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
-			: 'Resume delivers the rest. Accept leaves the dose as it is.';
+			: 'Resume delivers the rest. Accept leaves it as it is.';
 	return [para(words), inRow(isOverTime ? null : resume.button, accept), resume.said];
 }
 const emptiedButton = (pump) => press('Vessel emptied…', () => askEmptied(pump));
@@ -1079,7 +1075,7 @@ const pumpStop = (pump) => async () => {
 
 function askAccept(pump) {
 	const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
-	const box = dialog(`Accept the dose of ${pump.name}?`, [
+	const box = dialog(`Accept the ${pump.view.status?.unfinished ? unfinishedWord(pump.view) : 'dose'} of ${pump.name}?`, [
 		para('The rest is not delivered, and the carry starts again at 0.'), inRow(accept.button), accept.said]);
 }
 function askEmptied(pump) {
@@ -1138,10 +1134,13 @@ function calibrate(pump) {
 		const said = saidBox();
 		const slot = {};
 		const button = submit('Dose');
+		const logged = pump.view.last;
+		const isWhole = logged?.purpose === 'dose' && ['done', 'weighed'].includes(logged.end) && !pump.view.status?.unfinished;
 		put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
 			formOf(() => {
 				sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, second);
-			}, {}, volume.el, inRow(button, press('Weigh the last dose instead', () => third(null))), said));
+			}, {}, volume.el, inRow(button), said),
+			isWhole && [aside(`Last dose: ${loggedWords(logged)}.`), press('Weigh the last dose instead', () => third(logged, String(logged.number), loggedWords(logged)))]);
 	};
 	const second = async (order) => {
 		const figure = h('p', { class: 'big' });
@@ -1160,24 +1159,27 @@ function calibrate(pump) {
 			clearInterval(timer);
 		}
 		if (!box.isConnected) return;
-		if (order.state === 'done') return third(order.reports.filter(isDose).pop());
+		if (order.state === 'done') {
+			const report = order.reports.filter(isDose).pop();
+			return third(report, order.id, volumeWords(report));
+		}
 		const said = saidBox();
-		put(2, 'the dose was not completed', said);
-		showError(said, orderError(order), pump.name);
+		const resume = firstly('Resume', () => send(resume, said, {}, pump.name, ofPump(pump.name, 'resume'), {}, second));
+		put(2, 'the dose was not completed', bad(orderError(order).message),
+			order.state === 'failed' && inRow(resume, press('Accept…', () => { box.close(); askAccept(pump); })), said);
 	};
-	const third = (report) => {
+	const third = ({ delivered_ml: dosed, expanded_uncertainty_ml: u }, dose, words) => {
 		const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
 		const anyway = check(ANYWAY);
 		const anew = check('Start a new calibration with it');
 		const said = saidBox();
 		const slot = {};
 		const button = submit('Calibrate');
-		put(3, 'weigh', report ? para(`${volumeWords(report)}. Wait until the last drop has fallen.`) : para('Enter the reading of the last dose.'),
+		put(3, 'weigh', para(`${words}. Wait until the last drop has fallen.`),
 			formOf(() => {
 				if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
-				const body = { reading: text(reading, 'g'), options: { anyway: anyway.input.checked, anew: anew.input.checked, 'dry-run': true } };
+				const body = { reading: text(reading, 'g'), options: { dose, anyway: anyway.input.checked, anew: anew.input.checked, 'dry-run': true } };
 				const old = pump.view.status?.calibration?.version;
-				const { delivered_ml: dosed, expanded_uncertainty_ml: u } = newest(pump.view.last, pump.last) || {};
 				const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'calibrate'), body, async (order) => {
 					const made = (await completed(order)).reports.find((one) => one?.schema === 'calibration/1');
 					if (!body.options['dry-run']) return last(made, old);
@@ -1253,7 +1255,7 @@ class Panel {
 		}
 		const volume = (label, hint) => field(label, { required: true, placeholder: '20mL', hint });
 		const [prime, purge] = [volume('Volume'), volume('Volume')];
-		const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min' })];
+		const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min', hint: 'With its unit: s, min or h.' })];
 		const log = h('div');
 		const logView = pumpLog(pump.name, log, '30d', 10);
 		this.log = logView;
@@ -1295,7 +1297,7 @@ class Panel {
 			fault && danger(bad(`The last order failed: ${fault.message}`)),
 			stand && !busy && danger(bad(standWords(pump)), standActions(pump)),
 			unfinished && div('notice',
-				para(`A ${unfinished.until_stopped ? 'run' : 'dose'} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
+				para(`A ${unfinishedWord(view)} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
 				unfinishedActions(pump)),
 		]);
 		if (this.isWide && unfinished && pump.leads) {
@@ -1335,7 +1337,6 @@ class Panel {
 		}
 	}
 
-	/** Shows what changes while the pump turns. */
 	figures() {
 		const { pump } = this;
 		const read = readOf(pump);
@@ -1418,7 +1419,7 @@ function logRow(dose) {
 	const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
 	const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
 	return [String(dose.number), date(new Date(dose.time)) + (dose.clock_went_back ? ' (the clock had gone back)' : ''), what, asked, volume,
-		small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube)];
+		small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube), giver(dose)];
 }
 
 /** The last dose of a pump's log in a word that changes with it. */
@@ -1439,7 +1440,7 @@ function pumpLog(name, box, since, most) {
 			if (mine !== run) return;
 			const which = count > doses.length ? `The last ${doses.length} of ${count} doses of ${name}` : `Doses of ${name}`;
 			box.replaceChildren(doses.length ? table(`${which}, latest first; ± is k = 2`,
-				['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube'], doses.map(logRow))
+				['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube', 'By'], doses.map(logRow))
 				: para(`${name} has no dose on record in this time.`), links);
 		} catch (error) {
 			if (mine !== run) return;
@@ -1452,7 +1453,6 @@ function pumpLog(name, box, since, most) {
 /* Views. */
 
 const SAYS = { waiting: 'waiting for its first word', well: 'alive: all is well', bad: 'not well: ', silent: '' };
-/** The inputs of the guard: what each said last, and how long ago. */
 function guardSection() {
 	const box = h('div');
 	const section = h('section', { class: 'panel', hidden: true }, head2('Guard'), box);
@@ -1542,7 +1542,7 @@ function viewLog() {
 	const list = h('div');
 	const showNotes = () => {
 		list.replaceChildren(notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
-			notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', note.text])) : para('There is no event on record.'));
+			notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', plain(note.text)])) : para('There is no event on record.'));
 	};
 	watchNotes(100, showNotes,
 		() => list.replaceChildren(bad('The events cannot be read: the service does not answer.')));
@@ -1631,7 +1631,6 @@ function viewSchedule() {
 
 const WEEK = ['mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun'];
 const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);
-/** Words of a list. */
 const split = (text) => text.split(/[\s,;]+/).filter(Boolean);
 
 /** Fields of the keys that are not named as their field. */
@@ -1683,7 +1682,6 @@ function editEntry(told, entry, done) {
 		for (const [key, isOn] of Object.entries(on)) parts[key].el.hidden = !isOn;
 		say(clockOf, `Times are by the clock of ${zone()}.`);
 	};
-	/** The entry as the file has it. */
 	const keys = () => {
 		const of = (names) => Object.fromEntries(names.filter((key) => value(key)).map((key) => [key, value(key)]));
 		const made = { name: value('name'), ...of(['from', 'until', 'zone', 'missed', 'unfinished', 'busy']) };
@@ -1823,7 +1821,6 @@ function showLogin() {
 	token.input.focus();
 }
 
-/** Shows the view that the address names. */
 function show(isMoved) {
 	if (!version) return;
 	pumps.forEach((pump) => pump.panels.clear());

@@ -146,12 +146,30 @@ impl Runner {
             if loaded.schedule.entry(name) != Some(&entry) {
                 continue;
             }
-            if let Some(why) = trial.doubt.as_deref().filter(|why| loaded.doubt(name) != Some(why)) {
-                let text = format!("{name}: its runs will be refused: {why}");
+            if self.is_new_doubt(name, trial.doubt.as_deref().unwrap_or_default()) {
+                let text = format!(
+                    "{name}: its runs will be refused: {}",
+                    trial.doubt.as_deref().unwrap_or_default()
+                );
                 self.service.note(KIND, entry.action().pump(), &text);
             }
             loaded.trials.insert(name.to_owned(), trial);
         }
+    }
+
+    /// Keeps the doubt about an entry, empty for none. Returns true if it is another one than was told last, also by an
+    /// earlier service.
+    fn is_new_doubt(&self, name: &str, doubt: &str) -> bool {
+        let (history, word) = (self.service.history(), format!("schedule-doubt {name}"));
+        // A history that cannot be read has the doubt told once more.
+        let told = history.word(&word).ok().flatten().unwrap_or_default();
+        if told == doubt {
+            return false;
+        }
+        if let Err(error) = history.keep_word(&word, doubt) {
+            self.service.note(KIND, None, &error.to_string());
+        }
+        !doubt.is_empty()
     }
 
     /// Gives the orders that are due now, and tells what was missed.

@@ -158,6 +158,10 @@ fn date_of(text: &str) -> Option<Date> {
 }
 
 fn time_of(text: &str) -> Option<Time> {
+    // `3:30` says no more and no less than `03:30`.
+    let has_short_hour = text.find(':') == Some(1);
+    let padded = format!("0{text}");
+    let text = if has_short_hour { padded.as_str() } else { text };
     let [hour, minute, second] = match numbers(text, ':', [2, 2]) {
         Some([hour, minute]) => [hour, minute, 0],
         None => numbers(text, ':', [2, 2, 2])?,

@@ -180,6 +180,9 @@ fn name(number: usize, table: &Table) -> Result<String, ScheduleError> {
     let known: Vec<&str> = table.keys().map(String::as_str).collect();
     let keys = Keys::new(Place::Number(number), table, &known)?;
     let allowed = "1 to 64 of a-z, 0-9, - and _";
+    if table.get("name").and_then(toml::Value::as_str).is_some_and(|name| name.trim().is_empty()) {
+        return Err(keys.missing("name", allowed));
+    }
     let name = keys.text("name", "ph-down")?.ok_or_else(|| keys.missing("name", allowed))?;
     let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
     if (1..=64).contains(&name.len()) && name.chars().all(letters) {

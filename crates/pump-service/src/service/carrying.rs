@@ -3,10 +3,10 @@
 use jiff::Timestamp;
 use tokio::sync::mpsc::UnboundedReceiver;
 
-use super::pump::Pump;
+use super::pump::{Pump, Refreshed};
 use super::service::Service;
 use crate::history::{OrderRecord, OrderState};
-use crate::order::OrderId;
+use crate::order::{OrderId, Origin};
 use crate::shell::{Failed, on_fail};
 use crate::worker::{Ended, Line, Worker, message_of};
 
@@ -35,19 +35,23 @@ impl Service {
             let of_rack = of_pump.is_none().then(|| service.pumps()).into_iter().flatten();
             let changed: Vec<&Pump> = of_pump.into_iter().chain(of_rack).collect();
             let delivered_ml = is_killed.then(|| service.delivered_ml(&record, &changed)).flatten();
-            for pump in &changed {
-                pump.refresh();
-            }
+            let come: Vec<bool> = changed.iter().map(|pump| service.refresh(pump).limit.is_some()).collect();
             service.live().remove(&record.id);
             service.note_clear(&record);
+            // The command tells of its own failures, and leaves a refusal to the one who is answered.
+            let is_refused = record.origin == Origin::Http.to_string() && record.state == OrderState::Refused;
+            let stands = record.error.clone().filter(|_| is_refused && come.contains(&true));
             service.tell("order", &record.brief());
             changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
-            delivered_ml
+            (delivered_ml, stands)
         });
-        let delivered_ml = done.await.unwrap_or_else(|error| {
+        let (delivered_ml, stands) = done.await.unwrap_or_else(|error| {
             self.note("service", None, &format!("the end of order {id} was not recorded: {error}"));
-            None
+            (None, None)
         });
+        if let Some(report) = stands {
+            self.on_fail("safety", Failed::of(&order, report, Some((0.0, 0.0)))).await;
+        }
         // The command could not tell its end itself.
         if let Some(report) = killed {
             let bounds = delivered_ml.map_or(String::new(), |(least_ml, most_ml)| {
@@ -57,6 +61,27 @@ impl Service {
             self.note("service", Some(&order.pump), &text);
             self.on_fail("service", Failed::of(&order, report, delivered_ml)).await;
         }
+    }
+
+    /// Reads the record of a pump anew, and notes a limit at which it has come to stand.
+    pub(super) fn refresh(&self, pump: &Pump) -> Refreshed {
+        let refreshed = pump.refresh();
+        if let Some(limit) = &refreshed.limit {
+            let text = format!("{} stands until a person clears it: {limit}", pump.name());
+            self.note("safety", Some(pump.name()), &text);
+        }
+        refreshed
+    }
+
+    /// Reads what the limits leave to a pump whose motion begins, and tells it.
+    fn refresh_limits(&self, name: String) {
+        let service = self.clone();
+        tokio::task::spawn_blocking(move || {
+            if let Ok(pump) = service.pump(&name) {
+                pump.refresh_limits();
+                service.tell("pump", &service.view(pump));
+            }
+        });
     }
 
     /// Notes who has cleared a pump, and why.
@@ -85,7 +110,7 @@ impl Service {
     fn hear(&self, id: &OrderId, line: &Line, text: &str) {
         let mut live = self.live();
         let Some(order) = live.get_mut(id) else { return };
-        order.take(line, text);
+        let begins = order.take(line, text);
         let pump = order.record.order.pump.clone();
         match line {
             Line::Progress(value) => {
@@ -93,6 +118,9 @@ impl Service {
                 if let Some(object) = value.as_object_mut() {
                     object.insert("order".to_owned(), id.as_str().into());
                     let name = self.name_of(object.get("pump").and_then(|id| id.as_str()), &pump);
+                    if begins {
+                        self.refresh_limits(name.clone());
+                    }
                     object.insert("name".to_owned(), name.into());
                 }
                 self.tell("progress", &value);

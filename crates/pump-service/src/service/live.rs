@@ -1,6 +1,6 @@
 //! An order that is carried out now.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 use tokio::sync::mpsc::UnboundedSender;
@@ -29,6 +29,8 @@ pub(super) struct Live {
     plans: BTreeMap<String, Value>,
     /// Last line of progress of each pump, by the pump's id.
     progress: BTreeMap<String, Value>,
+    /// Pumps whose motion was planned and has told nothing yet, by their ids.
+    announced: BTreeSet<String>,
     stops: UnboundedSender<String>,
     /// Hearer of each line of a command, with its text.
     hearer: Option<UnboundedSender<(Line, String)>>,
@@ -42,7 +44,8 @@ impl Live {
         stops: UnboundedSender<String>,
         hearer: Option<UnboundedSender<(Line, String)>>,
     ) -> Self {
-        Self { record, plans: BTreeMap::new(), progress: BTreeMap::new(), stops, hearer, has_begun: false }
+        let (plans, progress, announced) = Default::default();
+        Self { record, plans, progress, announced, stops, hearer, has_begun: false }
     }
 
     /// Asks the command to stop for this reason.
@@ -83,8 +86,9 @@ impl Live {
         record
     }
 
-    /// Takes a line of the command, and its text.
-    pub(super) fn take(&mut self, line: &Line, text: &str) {
+    /// Takes a line of the command, and its text. Returns true for the first line of a motion.
+    pub(super) fn take(&mut self, line: &Line, text: &str) -> bool {
+        let mut begins = false;
         if let Some(hearer) = &self.hearer {
             // A command whose user has gone is stopped by the one who notices that.
             let _ = hearer.send((line.clone(), text.to_owned()));
@@ -94,8 +98,15 @@ impl Live {
                 self.has_begun = true;
                 let id = value.get("pump").and_then(Value::as_str).unwrap_or_default().to_owned();
                 match value.get("plan") {
-                    Some(plan) => drop(self.plans.insert(id, plan.clone())),
-                    None => drop(self.progress.insert(id, value.clone())),
+                    Some(plan) => {
+                        self.announced.insert(id.clone());
+                        self.plans.insert(id, plan.clone());
+                    }
+                    None => {
+                        // The record has a motion once it moves.
+                        begins =
+                            self.announced.remove(&id) | self.progress.insert(id, value.clone()).is_none();
+                    }
                 }
             }
             Line::Report(report) => {
@@ -120,5 +131,6 @@ impl Live {
             }
             Line::Error(error) | Line::Failed(error) => self.record.error = Some(error.clone()),
         }
+        begins
     }
 }

@@ -66,22 +66,34 @@ impl Pump {
         self.default_flow_ml_s
     }
 
-    /// Reads the record if it has changed since it was read last. Returns true if it has.
-    pub(super) fn refresh(&self) -> bool {
+    /// Reads the record if it has changed since it was read last.
+    pub(super) fn refresh(&self) -> Refreshed {
         let written = self.bench.record_written();
         let is_held = self.bench.is_held();
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         let is_read = read.status.is_some() || read.error.is_some();
         if is_read && read.written == written && read.is_held == is_held {
-            return false;
+            return Refreshed::default();
         }
         (read.written, read.is_held) = (written, is_held);
+        let stood = read.status.as_ref().map(|status| limit_of(status).is_some());
         (read.status, read.error) = match Status::of(&self.bench) {
             Ok(status) => (Some(status), None),
             Err(error) => (None, Some(with_sources(&error))),
         };
         read.last = self.last_logged();
-        true
+        let limit = read.status.as_ref().and_then(limit_of).filter(|_| stood == Some(false));
+        Refreshed { has_changed: true, limit }
+    }
+
+    /// Reads what the limits leave while the pump moves: a dose counts with its plan once it has begun.
+    pub(super) fn refresh_limits(&self) {
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        if let (Some(known), Ok(now)) = (&mut read.status, Status::of(&self.bench)) {
+            let open = now.unfinished.filter(|motion| !motion.until_stopped);
+            let rest_ml = open.map_or(0.0, |motion| motion.planned_ml - motion.delivered_most_ml);
+            known.safety = now.safety.with_planned(rest_ml);
+        }
     }
 
     /// Returns the last dose of the log. A log that cannot be read is told by whoever asks for it.
@@ -109,4 +121,18 @@ impl Pump {
         let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         PumpView::of(self, read.status.clone(), read.error.clone(), read.last.clone())
     }
+}
+
+/// Change of a record that was read anew.
+#[derive(Debug, Default)]
+pub(super) struct Refreshed {
+    pub(super) has_changed: bool,
+    /// Limit at which the pump has come to stand, in words.
+    pub(super) limit: Option<String>,
+}
+
+/// Returns the limit at which a pump stands, in words. `None` for one that stands by order.
+fn limit_of(status: &Status) -> Option<String> {
+    let stand = status.safety.stand?;
+    (stand.limit != SafetyLimit::Ordered.as_str()).then(|| stand.words())
 }

@@ -16,7 +16,7 @@ pub(super) async fn keep_fresh(service: Service) {
         let looked = tokio::task::spawn_blocking(move || {
             // The record of a pump that carries out an order is read once that has ended.
             let at_rest = service.pumps().filter(|pump| !service.is_ordered(pump));
-            let changed: Vec<&Pump> = at_rest.filter(|pump| pump.refresh()).collect();
+            let changed: Vec<&Pump> = at_rest.filter(|pump| service.refresh(pump).has_changed).collect();
             changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
         });
         if looked.await.is_err() {

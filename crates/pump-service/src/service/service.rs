@@ -156,6 +156,11 @@ impl Service {
     /// Returns what people are shown of a pump, with the order that it carries out.
     pub fn view(&self, pump: &Pump) -> PumpView {
         let mut view = pump.view();
+        if let Some(last) = view.last.as_mut().and_then(serde_json::Value::as_object_mut) {
+            let order = last.get("order").and_then(serde_json::Value::as_str);
+            let origin = order.and_then(|order| self.history().origin(order).ok()?);
+            last.insert("origin".to_owned(), origin.into());
+        }
         let live = self.live();
         let id = &pump.bench().file().pump.id;
         if let Some(order) = live.values().find(|order| order.is_of(pump.name(), id)) {

@@ -8,7 +8,7 @@ use crate::calibration::{
 };
 use crate::dosing::{DoseError, drop_ml};
 use crate::pump_file::PumpFile;
-use crate::record::{DosedFluid, LastDose};
+use crate::record::{DosedFluid, LastDose, LogEntry, LogError, LogLine, Purpose, Stamp};
 use crate::units::StatedReading;
 
 impl Bench {
@@ -115,6 +115,51 @@ impl Bench {
     /// [`DoseError::Journal`] where the record cannot be read.
     pub fn last_dose(&self) -> Result<Option<LastDose>, DoseError> {
         Ok(self.story()?.state.and_then(|state| state.last))
+    }
+
+    /// Checks that the dose that was weighed is still the last one. `dose` is its number in the log, or the order of a
+    /// service that made it or its rest. The caller holds the pump's lock, so that no dose comes after the check.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::DosedSince`] if another dose came since, [`CalibrationError::NoSuchDose`] if there was none
+    /// of this name, and [`DoseError`] where the record cannot be read.
+    pub fn check_is_last_dose(&self, dose: &str) -> Result<(), DoseError> {
+        let is_named = |entry: &LogEntry| {
+            entry.number.to_string() == dose || entry.order.is_some_and(|order| order.as_str() == dose)
+        };
+        let (mut last, mut is_known) = (None, false);
+        let unread = |error: LogError| {
+            let LogError { action, path, source } = error;
+            CalibrationError::File { action, path, source }
+        };
+        for line in self.log().map_err(unread)? {
+            let LogLine::Dose(entry) = line.map_err(unread)? else { continue };
+            // A retraction after the dose moves nothing into the vessel.
+            if entry.purpose != Purpose::Retract {
+                is_known |= is_named(&entry);
+                last = Some(entry);
+            }
+        }
+        let since = self.story()?.state.and_then(|state| state.unfinished).map(|dose| dose.intent);
+        // A dose that was stopped is in the log, and stays unfinished.
+        let since = since.filter(|intent| last.as_ref().is_none_or(|last| last.time.unix_s != intent.unix_s));
+        let since = since.and_then(|intent| {
+            intent
+                .told
+                .map(|told| (told.asked, intent.requested_ml, Stamp::new(intent.unix_s, told.utc_offset_s)))
+        });
+        let of_log =
+            last.filter(|entry| !is_named(entry)).map(|entry| (entry.asked, entry.requested_ml, entry.time));
+        match since.or(of_log) {
+            _ if !is_known => Err(CalibrationError::NoSuchDose { dose: dose.to_owned() }.into()),
+            None => Ok(()),
+            Some((asked, requested_ml, time)) => {
+                let volume =
+                    asked.map_or_else(|| format!("{requested_ml:.4} mL"), |asked| asked.as_str().to_owned());
+                Err(CalibrationError::DosedSince { volume, time: time.to_string() }.into())
+            }
+        }
     }
 
     /// Returns the number of the last dose in the log, 0 before the first.

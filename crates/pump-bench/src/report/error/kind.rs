@@ -41,6 +41,8 @@ pub enum ErrorKind {
     Angle,
     /// The record cannot be read or written, or has nothing of the kind that was asked for.
     Record,
+    /// The thing that the words are about has changed since.
+    Changed,
     /// The motor's controller cannot be used or failed.
     Drive,
     /// Another process holds the pump or its device.
@@ -74,6 +76,7 @@ words_of_reports!(ErrorKind {
     Balance = "balance",
     Angle = "angle",
     Record = "record",
+    Changed = "changed",
     Drive = "drive",
     Busy = "busy",
     Unfinished = "unfinished",

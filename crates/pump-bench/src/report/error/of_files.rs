@@ -175,6 +175,8 @@ impl Explain for CalibrationError {
                 facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
             }
             Self::NoLastDose => facts,
+            Self::DosedSince { volume, .. } => ErrorFacts::of(ErrorKind::Changed).value(volume),
+            Self::NoSuchDose { dose } => ErrorFacts::of(ErrorKind::Record).value(dose),
             Self::UnsureLastDose { turned_deg, half_width_deg } => facts
                 .value(format!("± {half_width_deg:.3} deg"))
                 .allowed(format!("± {:.3} deg at most", 1e-3 * turned_deg.abs())),

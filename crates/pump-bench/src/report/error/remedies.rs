@@ -214,6 +214,8 @@ impl CalibrationError {
             | Self::Implausible { .. }
             | Self::ImplausibleReading { .. }
             | Self::UnlikelyReading { .. }
+            | Self::DosedSince { .. }
+            | Self::NoSuchDose { .. }
             | Self::FluidTemperature { .. }
             | Self::NoSpeed { .. }
             | Self::NoSuchVersion { .. }

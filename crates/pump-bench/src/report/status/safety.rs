@@ -72,6 +72,20 @@ impl SafetyStatus {
         }
     }
 
+    /// Returns the limits once the rest of a motion has been made too, mL, negative in reverse.
+    #[must_use]
+    pub fn with_planned(self, rest_ml: f64) -> Self {
+        let less = |left_ml: Option<f64>, ml: f64| left_ml.map(|left_ml| (left_ml - ml).max(0.0));
+        let (pumped_ml, received_ml) = (rest_ml.abs(), rest_ml.max(0.0));
+        Self {
+            day_ml: self.day_ml + pumped_ml,
+            day_left_ml: less(self.day_left_ml, pumped_ml),
+            received_ml: self.received_ml + received_ml,
+            vessel_left_ml: less(self.vessel_left_ml, received_ml),
+            ..self
+        }
+    }
+
     /// The limits in words. `None` where nothing limits the pump and it does not stand.
     pub(in crate::report) fn line(&self, words: Wording) -> Option<String> {
         let ml = |volume_ml: f64| significant(volume_ml, 6);
@@ -118,6 +132,11 @@ impl SafetyStatus {
 }
 
 impl StandStatus {
+    /// Returns the limit and its volumes in words, or the reason of the order.
+    pub fn words(&self) -> String {
+        self.stand.to_string()
+    }
+
     fn of(stand: Stand) -> Self {
         Self {
             limit: stand.limit.as_str(),

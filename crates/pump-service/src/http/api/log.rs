@@ -12,6 +12,7 @@ use tokio_stream::wrappers::ReceiverStream;
 
 use super::super::failure::Failure;
 use super::super::shared::Shared;
+use super::origins::Origins;
 use crate::worker::{LogFormat, log_words, output};
 
 /// Part of the log.
@@ -51,6 +52,8 @@ pub(in super::super) async fn log(
         LogFormat::Text => ("text/plain; charset=utf-8", "txt"),
     };
     let named = format!("inline; filename=\"{pump}.{ending}\"");
-    let body = Body::from_stream(ReceiverStream::new(lines).map(Ok::<_, std::io::Error>));
+    let mut origins = Origins::new(shared.service.history().clone(), format);
+    let told = ReceiverStream::new(lines).map(Some).chain(tokio_stream::once(None));
+    let body = Body::from_stream(told.map(move |piece| Ok::<_, std::io::Error>(origins.put(piece))));
     Ok(([(CONTENT_TYPE, kind.to_owned()), (CONTENT_DISPOSITION, named)], body).into_response())
 }

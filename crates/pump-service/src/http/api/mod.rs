@@ -4,5 +4,6 @@ pub(super) mod calibrations;
 pub(super) mod inputs;
 pub(super) mod log;
 pub(super) mod orders;
+mod origins;
 pub(super) mod pumps;
 pub(super) mod schedule;

@@ -168,10 +168,12 @@ pub(in super::super) async fn emptied(
     place(&shared, &name, Task::Emptied, Options::new(), &headers).await
 }
 
-/// Calibrates by a reading of the last dose.
+/// Calibrates by a reading of the last dose. The option `dose` names that dose; 409 if another one came since.
 #[utoipa::path(post, path = "/api/v1/pumps/{name}/calibrate", tag = "orders", request_body = ReadingBody,
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
-    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+    responses((status = 202, description = "`order/1`", body = Object),
+        (status = 409, description = "`error/1`: another dose came since the one that was weighed"),
+        (status = 422, description = "`error/1`")))]
 pub(in super::super) async fn calibrate(
     State(shared): State<Shared>,
     Path(name): Path<String>,

@@ -1,0 +1,70 @@
+//! A pump that comes to stand at a limit, and what is told of a dose that moves and of one that is done.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::laboratory::{Laboratory, wait_for};
+
+fn limited() -> Laboratory {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let file = laboratory.path("acid.toml");
+    fs::write(&file, fs::read_to_string(&file).unwrap() + "\n[safety]\nmax_ml_per_day = 50.0\n").unwrap();
+    laboratory
+}
+
+#[test]
+fn a_pump_that_comes_to_stand_at_a_limit_is_told_to_everyone_once() {
+    let laboratory = limited();
+    laboratory.tell_failures();
+    let service = laboratory.serve(&["--pace", "fast"]);
+    let ask = |options: Value| {
+        service.post("/api/v1/pumps/acid/dose", &json!({"volume": "60mL", "options": options}))
+    };
+    assert_eq!(ask(json!({"dry-run": true})).0, 423);
+    assert!(laboratory.told().is_empty(), "the pump does not stand for a plan");
+    for _ in 0..2 {
+        assert_eq!(ask(json!({})).0, 423);
+    }
+    wait_for("on_fail", || (!laboratory.told().is_empty()).then_some(()));
+    assert_eq!(laboratory.told(), ["acid 5 safety"]);
+    let (_, notes) = service.get("/api/v1/notes");
+    let text = notes[0]["text"].as_str().unwrap();
+    assert!(text.starts_with("acid stands until a person clears it: 60."), "{notes}");
+    assert_eq!((&notes[0]["kind"], notes.as_array().unwrap().len()), (&json!("safety"), 1), "{notes}");
+}
+
+#[test]
+fn a_dose_counts_for_the_limit_of_a_day_as_soon_as_it_moves() {
+    let laboratory = limited();
+    let service = laboratory.serve(&[]);
+    service.dose("acid", "49mL", &json!({"rate": "1mL/s"}));
+    let left_ml = wait_for("what is left", || {
+        let view = service.get("/api/v1/pumps/acid").1;
+        view["status"]["safety"]["day_left_ml"].as_f64().filter(|left_ml| *left_ml < 50.0)
+    });
+    assert!((left_ml - 1.0).abs() < 0.05, "{left_ml}");
+    let view = service.get("/api/v1/pumps/acid").1;
+    assert!(view["order"].is_string() && view["status"]["unfinished"].is_null(), "{view}");
+}
+
+#[test]
+fn the_log_says_who_ordered_a_dose() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&["--pace", "fast"]);
+    service.ended(&service.dose("acid", "2mL", &json!({})));
+    assert!(laboratory.run(&["3mL", "--pump", "acid"]).status.success());
+    assert!(laboratory.run(&["4mL", "--pump", "acid", "--no-service"]).status.success());
+    let answer = service.get("/api/v1/pumps/acid/log?format=csv").1;
+    let lines: Vec<&str> = answer.as_str().unwrap().lines().collect();
+    let ends = [",order,origin", ",http", ",command", ",,"];
+    assert_eq!(lines.len(), ends.len(), "{lines:?}");
+    assert!(lines.iter().zip(ends).all(|(line, end)| line.ends_with(end)), "{lines:?}");
+    let answer = service.get("/api/v1/pumps/acid/log").1;
+    let origin = |line: &str| serde_json::from_str::<Value>(line).unwrap()["origin"].clone();
+    let origins: Vec<Value> = answer.as_str().unwrap().lines().map(origin).collect();
+    assert_eq!(origins, [json!("http"), json!("command"), Value::Null]);
+    wait_for("the last dose", || {
+        (service.get("/api/v1/pumps/acid").1["last"]["asked"] == "4 mL").then_some(())
+    });
+}
