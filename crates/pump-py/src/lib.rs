@@ -47,7 +47,7 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::pump::{_volume_polynomial, _volume_polynomial_at};
     #[pymodule_export]
-    use crate::simulation::{_steady_states, Run, SteadyState};
+    use crate::simulation::{_cavitation, _steady_states, Run, SteadyState};
 
     /// Takes the memory of first calls.
     #[pymodule_init]

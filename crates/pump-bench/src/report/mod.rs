@@ -33,7 +33,7 @@ pub use log::{LOG_CSV_HEADER, LeftOut, LogPlace, LogSpan, LogTotal, LogTotals, l
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
 pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
-pub use simulation::SimulationReport;
+pub use simulation::{SimulationReport, cavitation_warning};
 pub use sizing::{sizing_json, sizing_text, sizing_title};
 pub use status::{
     CalibrationStatus, LastByWeight, SafetyStatus, StandStatus, Status, StatusRow, UnfinishedCalibration,

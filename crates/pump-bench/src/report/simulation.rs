@@ -1,5 +1,7 @@
 //! The report of a run at constant speed, in words and as JSON.
 
+use std::fmt::Display;
+
 use pump_ctl::plan::{LimitedBy, Lowest, SetBy};
 use pump_model::units::{degrees, rpm};
 use pump_model::{Extremes, Friction, Port, Pump, RollerCentric, SteadyState};
@@ -198,6 +200,11 @@ impl SimulationReport {
     }
 }
 
+/// Returns the warning of an absolute pressure below 0, kPa, with the place at which a model reaches it.
+pub fn cavitation_warning(kpa: f64, place: impl Display) -> String {
+    format!("no liquid can be at {kpa:.1} kPa absolute ({place}): it would cavitate")
+}
+
 /// The reasons for which the figures are doubtful. A pressure limit is checked where a dose checks it: the lowest
 /// pressure of tube and fluid at both ports, those of the pump file by the ports' roles.
 fn warnings_of(
@@ -231,11 +238,7 @@ fn warnings_of(
         let starting = |limit_kpa: f64| if steady.min_kpa < limit_kpa { "" } else { " at start-up" };
         let told = |limit_kpa: f64| if steady.min_kpa < limit_kpa { steady } else { run }.min_kpa;
         if run.min_kpa < 0.0 {
-            warnings.push(format!(
-                "no liquid can be at {:.1} kPa absolute ({port}{}): it would cavitate",
-                told(0.0),
-                starting(0.0)
-            ));
+            warnings.push(cavitation_warning(told(0.0), format_args!("{port}{}", starting(0.0))));
         } else if let Some(lowest) = lowest.filter(broken) {
             warnings.push(format!(
                 "the {port} pressure falls to {:.2} kPa absolute{}, below the limit of {:.2} kPa{}; a dose that \

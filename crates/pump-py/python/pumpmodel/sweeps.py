@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pumpmodel._pumpmodel import Pump, _numbers, _steady_states
+from pumpmodel._pumpmodel import Pump, _cavitation, _numbers, _steady_states
 from pumpmodel._results.optional import optional
 from pumpmodel._results.tables import COLUMNS
 from pumpmodel.choices import SteadyQuantity
@@ -217,6 +218,12 @@ def sweep(
     MemoryError
         If there is no room for the results.
 
+    Warns
+    -----
+    UserWarning
+        If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. One
+        warning counts the points and tells the lowest.
+
     Examples
     --------
     >>> import pumpmodel as pm
@@ -249,7 +256,24 @@ def sweep(
     # This order of operations gives the bits of the compiled module's own conversion.
     rad_s_per_rpm = math.tau / 60
     rpm, rad_s = (speeds, speeds * rad_s_per_rpm) if name == "speed_rpm" else (speeds / rad_s_per_rpm, speeds)
-    return Sweep(pumps, rpm, rad_s, *results)
+    found = Sweep(pumps, rpm, rad_s, *results)
+    warning = _cavitating(found)
+    if warning:
+        warnings.warn(warning, UserWarning, stacklevel=2)
+    return found
+
+
+def _cavitating(found: Sweep) -> str | None:
+    """Return the warning of pressures below 0 kPa absolute, if there are any."""
+    lowest = np.minimum(found.inlet_min_kpa, found.outlet_min_kpa)
+    below = int(np.count_nonzero(lowest < 0))
+    if below == 0:
+        return None
+    row, column = np.unravel_index(np.argmin(lowest), lowest.shape)
+    kpa = float(lowest[row, column])
+    port = "inlet" if found.inlet_min_kpa[row, column] == kpa else "outlet"
+    place = f"{port} of pumps[{row}] at {found.speed_rpm[column]:.6g} r/min"
+    return _cavitation(kpa, f"{place}, the lowest of {below} of {lowest.size} points below 0")
 
 
 def _compute(

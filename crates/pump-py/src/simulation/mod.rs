@@ -1,5 +1,6 @@
 //! Pumps over time, in the steady state, and the steady states of many pumps.
 
+mod cavitation;
 mod followed;
 mod motion;
 mod run;
@@ -8,6 +9,7 @@ mod simulate;
 mod steady_state;
 mod sweep;
 
+pub(crate) use cavitation::_cavitation;
 pub(crate) use run::Run;
 pub(crate) use simulate::INITIALS;
 pub(crate) use steady_state::SteadyState;

@@ -128,7 +128,7 @@ impl Asked<'_, '_> {
                 Err(value("dt_s is given, but time_s has the times already; leave one of them out"))
             }
             (Some(times), None) => {
-                let times_s = rising("time_s", times, (0.0, MAX_TIME_S))?;
+                let times_s = rising("time_s", times, (0.0, MAX_TIME_S), "")?;
                 let end_s = times_s.last().copied().unwrap_or_default();
                 Ok((Times::At(times_s), end_s))
             }
@@ -152,7 +152,7 @@ impl Asked<'_, '_> {
                 "duration_s and dt_s do not go with speeds at knots; give the times of the samples as output_time_s",
             ));
         }
-        let knots_s = rising("time_s", knots, (-MAX_TIME_S, MAX_TIME_S))?;
+        let knots_s = rising("time_s", knots, (-MAX_TIME_S, MAX_TIME_S), JUMP)?;
         if knots_s.len() != count || count < 2 {
             return Err(value(format_args!(
                 "time_s has {} times and the speed {count} numbers; allowed: as many, two at least",
@@ -160,7 +160,7 @@ impl Asked<'_, '_> {
             )));
         }
         let ends = (knots_s[0], knots_s[count - 1]);
-        let times_s = self.output_time_s.map(|times| rising("output_time_s", times, ends)).transpose()?;
+        let times_s = self.output_time_s.map(|times| rising("output_time_s", times, ends, "")).transpose()?;
         Ok((knots_s, times_s))
     }
 }
@@ -202,8 +202,16 @@ fn speed_of<'py>(asked: &Asked<'_, 'py>) -> PyResult<Speed<'py>> {
     }
 }
 
-/// Reads times of shape (n,) that rise within a range.
-fn rising(name: &str, argument: &Bound<'_, PyAny>, (least_s, most_s): (f64, f64)) -> PyResult<Vec<f64>> {
+/// Advice for two knots at one time.
+const JUMP: &str = "; give a jump of the speed as two times with a gap of 1e-9 s";
+
+/// Reads times of shape (n,) that rise within a range. `equal` is advice for a time that stands twice.
+fn rising(
+    name: &str,
+    argument: &Bound<'_, PyAny>,
+    (least_s, most_s): (f64, f64),
+    equal: &str,
+) -> PyResult<Vec<f64>> {
     let Floats::Many { shape, values } = Floats::extract(name, argument)? else {
         return Err(value(format_args!("{name} is one number; allowed: times of shape (n,)")));
     };
@@ -215,8 +223,9 @@ fn rising(name: &str, argument: &Bound<'_, PyAny>, (least_s, most_s): (f64, f64)
     }
     let mut pairs = values.iter().zip(values.iter().skip(1));
     if let Some((before_s, time_s)) = pairs.find(|(before_s, time_s)| time_s <= before_s) {
+        let advice = if time_s == before_s { equal } else { "" };
         return Err(value(format_args!(
-            "{name} has {time_s} s after {before_s} s; allowed: times that rise"
+            "{name} has {time_s} s after {before_s} s; allowed: times that rise{advice}"
         )));
     }
     Ok(values)

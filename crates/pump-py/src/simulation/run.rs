@@ -3,10 +3,11 @@
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pump_bench::simulation::{COLUMNS, Waveform};
 use pump_model::Leg;
-use pyo3::exceptions::PyAttributeError;
+use pyo3::exceptions::{PyAttributeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use super::cavitation::Pressures;
 use crate::argument::Floats;
 use crate::python::errors::{self, value};
 use crate::python::{SignalCheck, collected, frozen, renamed, reserve};
@@ -120,17 +121,20 @@ impl Run {
     ///
     /// Parameters
     /// ----------
-    /// data : dict
+    /// data : mapping or pandas.DataFrame
     ///     Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The
     ///     columns of sensitivities may stand beside them, all or none.
     ///
     /// Raises
     /// ------
+    /// TypeError
+    ///     If `data` has no columns by name.
     /// ValueError
     ///     If a column is missing, unknown or given by both names, or its length differs.
     #[staticmethod]
-    fn from_dict(data: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = data.py();
+        let data = &columns_of(data)?;
         let sensitivity = py.import("pumpmodel._results.sensitivity")?;
         let derivatives = sensitivity.getattr("COLUMNS")?;
         let is_known = |name: &Bound<'_, PyAny>| {
@@ -141,7 +145,7 @@ impl Run {
                 continue;
             }
             return Err(value(format_args!(
-                "{name} is not a column of a run; allowed: {}",
+                "{name} is not a column of a run; allowed: {}; leave it out, as with DataFrame.drop(columns=...)",
                 NAMES.join(", ")
             )));
         }
@@ -277,6 +281,26 @@ impl Run {
     }
 }
 
+/// Returns columns by their names, of a dict, another mapping or a table of pandas.
+fn columns_of<'py>(data: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    if let Ok(dict) = data.cast::<PyDict>() {
+        return Ok(dict.clone());
+    }
+    if !(data.hasattr("keys")? && data.hasattr("__getitem__")?) {
+        return Err(PyTypeError::new_err(format!(
+            "data must have columns by name, not be a {}; allowed: a dict, as of run.to_dict(), another mapping, or a \
+             DataFrame, as of pandas.read_csv",
+            data.get_type().name()?
+        )));
+    }
+    let dict = PyDict::new(data.py());
+    for name in data.call_method0("keys")?.try_iter()? {
+        let name = name?;
+        dict.set_item(&name, data.get_item(&name)?)?;
+    }
+    Ok(dict)
+}
+
 /// Returns true for the name of a column, also a former one.
 fn is_column(name: &str) -> bool {
     NAMES.contains(&name) || FORMER.iter().any(|(former, _)| *former == name)
@@ -323,6 +347,14 @@ impl Run {
     /// Returns the run with derivatives.
     pub(super) fn with_sensitivity(self, sensitivity: Py<PyAny>) -> Self {
         Self { sensitivity, ..self }
+    }
+
+    /// Warns once if a pressure is below 0 kPa absolute.
+    pub(super) fn warn_of_cavitation(&self, py: Python<'_>) -> PyResult<()> {
+        let (inlet, outlet) =
+            (self.inlet_kpa.bind(py).try_readonly()?, self.outlet_kpa.bind(py).try_readonly()?);
+        let pressures = Pressures { inlet_kpa: inlet.as_slice()?, outlet_kpa: outlet.as_slice()? };
+        pressures.warn(py, |_| String::new())
     }
 
     /// Returns the times, s.

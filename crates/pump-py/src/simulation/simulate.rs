@@ -88,6 +88,11 @@ impl Pump {
     /// MemoryError
     ///     If there is no room for the samples.
     ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning.
+    ///
     /// Examples
     /// --------
     /// >>> import pumpmodel as pm
@@ -181,6 +186,7 @@ impl Pump {
         };
         let states = states(py, initial, &method, &model, (motion.first_rad_s(), start_angle_rad))?;
         let run = computed(py, &model, method, &motion, states)?;
+        run.warn_of_cavitation(py)?;
         if !sensitivity {
             return Ok(run);
         }

@@ -2,15 +2,20 @@
 
 use pump_bench::displacement::{DisplacementError, SpeedDependentPump};
 use pump_bench::simulation::SteadyReport;
+use pump_model::Shown;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use super::cavitation::Pressures;
 use crate::argument::{Argument, Floats, speed};
 use crate::pump::Pump;
 use crate::python::{SignalCheck, collected, errors};
 
 /// Number of attributes of a steady state but the speed.
 pub(super) const NUMBERS: usize = 9;
+/// Places of the smallest pressures among them.
+const INLET_MIN: usize = 0;
+const OUTLET_MIN: usize = 3;
 /// Number of attributes of a steady state.
 const FIELDS: usize = NUMBERS + 1;
 
@@ -67,6 +72,12 @@ impl Pump {
     ///     If a speed is not allowed, or a line without resistance resonates at it.
     /// PumpError
     ///     If the solver fails on the way.
+    ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. An array of
+    ///     speeds warns once.
     #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
     fn steady_state<'py>(
         &self,
@@ -162,6 +173,7 @@ impl SteadyState {
         let rows = SignalCheck::map(py, speeds_rad_s.values(), |rad_s| {
             numbers_at(&pump.by_speed, rad_s).map_err(errors::displacement)
         })?;
+        warn_of_cavitation(py, speeds_rad_s, &rows)?;
         let column = |n: usize| match n.checked_sub(1) {
             None => speeds_rad_s.map(py, speed::rpm),
             Some(n) => Ok(speeds_rad_s.with_values(collected(rows.iter().map(|row| row[n]))?)),
@@ -213,6 +225,22 @@ impl SteadyState {
             ("ripple_rms", &self.ripple_rms),
         ]
     }
+}
+
+/// Warns once if a pressure is below 0 kPa absolute at a speed.
+fn warn_of_cavitation(py: Python<'_>, speeds_rad_s: &Floats, rows: &[[f64; NUMBERS]]) -> PyResult<()> {
+    let lowest = |n: usize| collected(rows.iter().map(|row| row[n]));
+    let (inlet_kpa, outlet_kpa) = (lowest(INLET_MIN)?, lowest(OUTLET_MIN)?);
+    let pressures = Pressures { inlet_kpa: &inlet_kpa, outlet_kpa: &outlet_kpa };
+    pressures.warn(py, |n| match speeds_rad_s {
+        Floats::One(_) => String::new(),
+        Floats::Many { values, .. } => format!(
+            " at {} r/min, the lowest of {} of {} speeds below 0",
+            Shown((1e6 * speed::rpm(values[n])).round() / 1e6),
+            pressures.below(),
+            values.len()
+        ),
+    })
 }
 
 /// Computes the numbers of a steady state at a speed: its attributes but the speed, in their order.

@@ -1,4 +1,6 @@
 import sys
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -65,6 +67,21 @@ def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
     for changed, message in wrong:
         with pytest.raises(ValueError, match=message):
             pm.Run.from_dict(changed)
+
+
+def test_a_run_returns_from_a_table_and_any_mapping(tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    assert pm.Run.from_dict(RUN.to_dataframe()) == RUN
+    assert pm.Run.from_dict(MappingProxyType(RUN.to_dict())) == RUN
+    RUN.to_dataframe().to_csv(tmp_path / "run.csv", index=False)
+    again = pm.Run.from_dict(pandas.read_csv(tmp_path / "run.csv"))
+    np.testing.assert_allclose(again.outlet_kpa, RUN.outlet_kpa, rtol=1e-12)
+    RUN.to_dataframe().to_csv(tmp_path / "run.csv")
+    with pytest.raises(ValueError, match=r"Unnamed: 0 is not a column of a run; .* leave it out"):
+        pm.Run.from_dict(pandas.read_csv(tmp_path / "run.csv"))
+    wrong: Any = [1.0]
+    with pytest.raises(TypeError, match=r"data must have columns by name, not be a list; allowed: a dict"):
+        pm.Run.from_dict(wrong)
 
 
 def test_lines_and_limits_are_replaced_and_return_from_their_dicts() -> None:

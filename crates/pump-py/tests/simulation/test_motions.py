@@ -280,3 +280,13 @@ def test_a_speed_that_varies_needs_volumes_that_do_not() -> None:
     assert len(pump.simulate(speed_rpm=100, time_s=[0, 1])) == 2
     with pytest.raises(ValueError, match="the volumes of this pump depend on the speed"):
         pump.simulate(speed_rpm=[20, 30], time_s=[0, 1])
+
+
+def test_a_jump_of_the_speed_is_told_how_to_be_given() -> None:
+    pump = pm.Pump.three_roller()
+    with pytest.raises(ValueError, match=r"a jump of the speed as two times with a gap of 1e-9 s"):
+        pump.simulate(speed_rpm=[50, 50, 100, 100], time_s=[0, 0.5, 0.5, 1])
+    run = pump.simulate(
+        speed_rpm=[50, 50, 100, 100], time_s=[0, 0.5, 0.5 + 1e-9, 1], output_time_s=[0, 0.4, 0.6]
+    )
+    assert run.speed_rad_s[2] == pytest.approx(2 * run.speed_rad_s[1])

@@ -8,6 +8,7 @@ from .bench import _Schedule as _Schedule
 from .doser import Calibration as Calibration
 from .doser import Doser as Doser
 from .doser import Limits as Limits
+from .functions import _cavitation as _cavitation
 from .functions import _choices as _choices
 from .functions import _fluid_check as _fluid_check
 from .functions import _fluid_water as _fluid_water
@@ -60,6 +61,7 @@ __all__ = [
     "_Rack",
     "_Schedule",
     "__version__",
+    "_cavitation",
     "_choices",
     "_fluid_check",
     "_fluid_water",

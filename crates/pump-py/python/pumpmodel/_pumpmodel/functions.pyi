@@ -19,8 +19,9 @@ _Fluid: TypeAlias = tuple[float, float, float, float | None]
 _Hose: TypeAlias = tuple[float, float, float, float, float, float]
 _Law: TypeAlias = tuple[float, float, float, float]
 _Points: TypeAlias = Sequence[tuple[float, float]]
-# JSON and text, the line, then the varied, the measured and the fitted numbers, and the covariances.
-_Identified: TypeAlias = tuple[str, str, Line, list[_Array], _Array]
+# JSON and text, the line, then the varied, the measured and the fitted numbers, the covariances, and the keys of
+# the parameters in the order of the covariances.
+_Identified: TypeAlias = tuple[str, str, Line, list[_Array], _Array, list[str]]
 # Name, value, standard uncertainty, and whether the parameter was held.
 _Told: TypeAlias = tuple[str, float, float, bool]
 # Parameters of the line, the recordings, the covariances, the warnings and the line.
@@ -28,6 +29,9 @@ _Jointly: TypeAlias = tuple[
     list[_Told], list[tuple[list[_Told], int, float, list[_Array]]], _Array, list[str], Line
 ]
 _Falls: TypeAlias = list[tuple[float, float, float]]
+
+def _cavitation(kpa: float, place: str) -> str:
+    """Returns the warning of a pressure below 0 at a place."""
 
 def _number(name: str, argument: object, unit: str | None = None) -> float:
     """Returns the float of an argument. `unit` is that of a name that does not end with it."""

@@ -1,4 +1,4 @@
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from types import GenericAlias
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, final, overload
 
@@ -81,17 +81,19 @@ class Run:
     def p_out_kpa(self) -> _Array:
         """Deprecated name of `outlet_kpa`."""
     @staticmethod
-    def from_dict(data: dict[str, Any]) -> Run:
+    def from_dict(data: Mapping[str, Any] | DataFrame) -> Run:
         """Return the run of the columns that `to_dict` gave.
 
         Parameters
         ----------
-        data : dict
+        data : mapping or pandas.DataFrame
             Eight columns by their names, or by those of the command's `--trace`; array_like of equal length. The
             columns of sensitivities may stand beside them, all or none.
 
         Raises
         ------
+        TypeError
+            If `data` has no columns by name.
         ValueError
             If a column is missing, unknown or given by both names, or its length differs.
         """
