@@ -138,16 +138,53 @@ impl Floats {
         Ok(self.with_values(SignalCheck::quick(py, values.len(), |n| Ok(f(values[n])))?))
     }
 
-    /// Brings both to one shape as NumPy does. A single number stays one.
-    pub(crate) fn broadcast(py: Python<'_>, one: Self, other: Self) -> PyResult<(Self, Self)> {
-        if matches!((&one, &other), (Self::One(_), _) | (_, Self::One(_))) || one.shape() == other.shape() {
-            return Ok((one, other));
+    /// Brings arguments to one shape as NumPy does, and returns that shape. A single number stays one, and the shape is
+    /// none if every argument is.
+    pub(crate) fn broadcast<const N: usize>(
+        py: Python<'_>,
+        named: [(&str, Self); N],
+    ) -> PyResult<([Self; N], Option<Vec<usize>>)> {
+        let many = |(_, floats): &&(&str, Self)| matches!(floats, Self::Many { .. });
+        let shapes = || named.iter().filter(many).map(|(_, floats)| floats.shape());
+        let Some(first) = shapes().next() else {
+            return Ok((named.map(|(_, floats)| floats), None));
+        };
+        if shapes().all(|shape| shape == first) {
+            let first = first.to_vec();
+            return Ok((named.map(|(_, floats)| floats), Some(first)));
         }
-        let arrays = (one.into_object(py)?, other.into_object(py)?);
-        let arrays =
-            py.import(intern!(py, "numpy"))?.call_method1(intern!(py, "broadcast_arrays"), arrays)?;
-        let (one, other): (Bound<'_, PyAny>, Bound<'_, PyAny>) = arrays.extract()?;
-        Ok((Self::extract("one", &one)?, Self::extract("other", &other)?))
+        let numpy = py.import(intern!(py, "numpy"))?;
+        let shapes =
+            PyTuple::new(py, shapes().map(|shape| PyTuple::new(py, shape)).collect::<PyResult<Vec<_>>>()?)?;
+        let shape = numpy.call_method1(intern!(py, "broadcast_shapes"), &shapes).map_err(|_| {
+            let given =
+                named.iter().filter(many).map(|(name, floats)| format!("{name} {:?}", floats.shape()));
+            let given = given.collect::<Vec<_>>().join(", ");
+            value(format_args!(
+                "these shapes do not fit together: {given}; allowed: equal shapes, or one number"
+            ))
+        })?;
+        let mut all = Vec::new();
+        for (name, floats) in named {
+            all.push(match floats {
+                Self::One(number) => Self::One(number),
+                many @ Self::Many { .. } => {
+                    let array = many.into_object(py)?;
+                    let array = numpy.call_method1(intern!(py, "broadcast_to"), (array, &shape))?;
+                    Self::extract(name, &array)?
+                }
+            });
+        }
+        let all = <[Self; N]>::try_from(all).map_err(|_| value("an argument was lost"))?;
+        Ok((all, Some(shape.extract()?)))
+    }
+
+    /// Returns the number at a place in C order, of which a single number has every one.
+    pub(crate) fn at(&self, n: usize) -> f64 {
+        match self {
+            Self::One(number) => *number,
+            Self::Many { values, .. } => values[n],
+        }
     }
 
     /// Converts to a Python float, or to an array of float64.

@@ -3,7 +3,8 @@
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pump_bench::export::Fitted;
 use pump_bench::identification::Identified;
-use pump_model::identification::IdentificationError;
+use pump_model::identification::{IdentificationError, Readings};
+use pump_model::{Parameter, Shown};
 use pyo3::prelude::*;
 
 use crate::line::Line;
@@ -11,9 +12,10 @@ use crate::python::advice;
 use crate::python::errors::{self, value};
 use crate::python::{collected, frozen, no_memory};
 
-/// JSON and text of the command, the line, then the varied, the measured and the fitted numbers, and the covariances.
+/// JSON and text of the command, the line, then the varied, the measured and the fitted numbers, the covariances, and
+/// the keys of the parameters in the order of the covariances.
 pub(super) type IdentificationAnswer<'py> =
-    (String, String, Line, [Bound<'py, PyArray1<f64>>; 3], Bound<'py, PyArray2<f64>>);
+    (String, String, Line, [Bound<'py, PyArray1<f64>>; 3], Bound<'py, PyArray2<f64>>, Vec<&'static str>);
 
 /// Converts an identified line, or the error of the search.
 pub(super) fn answer(
@@ -25,14 +27,9 @@ pub(super) fn answer(
     let array = |number: fn(&Fitted) -> f64| {
         frozen(py, collected(found.points.iter().map(number))?).map(|array| array.into_bound(py))
     };
-    // The parameters of the JSON, and so those of `Identified`, are in the order of their keys.
-    let sought: Vec<_> = found.parameters.iter().filter(|parameter| !parameter.is_held).collect();
-    let count = sought.len();
-    let mut order: Vec<usize> = (0..count).collect();
-    order.sort_by_key(|n| sought[*n].key);
-    let rows = order.iter().flat_map(|row| order.iter().map(move |column| row * count + column));
-    let covariance: Vec<f64> = rows.map(|place| found.covariance[place]).collect();
-    let covariance = PyArray1::from_vec(py, covariance).reshape([count, count])?;
+    let keys = found.parameters.iter().map(|parameter| parameter.key).collect();
+    let count = found.covariance.len().isqrt();
+    let covariance = PyArray1::from_slice(py, &found.covariance).reshape([count, count])?;
     covariance.try_readwrite()?.make_nonwriteable();
     Ok((
         found.json(),
@@ -40,6 +37,7 @@ pub(super) fn answer(
         Line(found.line),
         [array(|point| point.x)?, array(|point| point.measured)?, array(|point| point.fitted)?],
         covariance,
+        keys,
     ))
 }
 
@@ -48,6 +46,28 @@ pub(super) fn refused(error: IdentificationError) -> PyErr {
     match error {
         IdentificationError::Model(error) => errors::model(error),
         IdentificationError::NoMemory { given, .. } => no_memory(given as u64),
+        IdentificationError::OutOfRange { parameter, of, number, value: given, allowed } => {
+            match reading(parameter, of) {
+                Some(name) => {
+                    value(format_args!("{name}[{}] is {}; allowed: {allowed}", number - 1, Shown(given)))
+                }
+                None => value(error),
+            }
+        }
         _ => value(error),
+    }
+}
+
+/// Returns the argument that has a reading.
+fn reading(parameter: Parameter, of: Readings) -> Option<&'static str> {
+    match (of, parameter) {
+        (Readings::Samples, Parameter::Time) => Some("time_s"),
+        (Readings::Samples, Parameter::AbsolutePressure) | (Readings::VolumePoints, Parameter::Pressure) => {
+            Some("pressure_kpa")
+        }
+        (Readings::VolumePoints, Parameter::Volume) => Some("volume_ml"),
+        (Readings::FlowPoints, Parameter::Flow) => Some("flow_ml_s"),
+        (Readings::FlowPoints, Parameter::PressureUncertainty) => Some("standard_kpa"),
+        _ => None,
     }
 }

@@ -6,6 +6,7 @@ mod compliance;
 mod joint;
 mod likelihood;
 mod metrics;
+mod points;
 mod resistance;
 mod waveform;
 

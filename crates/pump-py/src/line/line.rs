@@ -1,5 +1,6 @@
 //! The hydraulic line of one port.
 
+use pump_model::{ModelError, Parameter, Shown};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -158,7 +159,7 @@ impl Line {
         let [resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa] = numbers;
         let line =
             pump_model::Line { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa };
-        line.validate().map_err(errors::model)?;
+        line.validate().map_err(named)?;
         Ok(Self(line))
     }
 
@@ -166,4 +167,17 @@ impl Line {
         let line = &self.0;
         [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, line.reservoir_kpa]
     }
+}
+
+/// Maps a refusal of a line, in the words of the arguments.
+pub(crate) fn named(error: ModelError) -> PyErr {
+    let ModelError::OutOfRange { parameter, value, allowed } = error else { return errors::model(error) };
+    let name = match parameter {
+        Parameter::LineResistance => "resistance_kpa_s_ml",
+        Parameter::LineCompliance => "compliance_ml_kpa",
+        Parameter::LineInertance => "inertance_kpa_s2_ml",
+        Parameter::ReservoirPressure => "reservoir_kpa",
+        _ => return errors::model(error),
+    };
+    errors::value(format_args!("{name} is {}; allowed: {allowed}", Shown(value)))
 }

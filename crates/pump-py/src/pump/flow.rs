@@ -134,17 +134,13 @@ impl Pump {
             Some(starts) => Floats::read("start_angle_rad", starts, MAX_ANGLE_RAD)?,
             None => Floats::One(0.0),
         };
-        let (volumes, starts) = Floats::broadcast(py, volumes, starts)?;
+        let ([volumes, starts], _) =
+            Floats::broadcast(py, [("volume_ml", volumes), ("start_angle_rad", starts)])?;
         let curve = self.model().outlet_curve();
         // Both have one shape, unless one of them is a single number.
         let shape = if matches!(volumes, Floats::One(_)) { &starts } else { &volumes };
-        let of = |numbers: &Floats, n: usize| match numbers {
-            Floats::One(number) => *number,
-            Floats::Many { values, .. } => values[n],
-        };
-        let angles = SignalCheck::quick(py, shape.values().len(), |n| {
-            angle_for(curve, of(&volumes, n), of(&starts, n))
-        })?;
+        let angles =
+            SignalCheck::quick(py, shape.values().len(), |n| angle_for(curve, volumes.at(n), starts.at(n)))?;
         shape.with_values(angles).into_object(py)
     }
 

@@ -32,6 +32,15 @@ impl SignalCheck {
         Self::collect(py, numbers.len(), 1, |n| result(numbers[n]))
     }
 
+    /// Computes `count` results by their numbers, while other Python threads run and signals interrupt.
+    pub(crate) fn each<T: Send>(
+        py: Python<'_>,
+        count: usize,
+        result: impl Fn(usize) -> PyResult<T> + Sync,
+    ) -> PyResult<Vec<T>> {
+        Self::collect(py, count, 1, result)
+    }
+
     /// Computes `count` quick results by their numbers, while other Python threads run and signals interrupt.
     pub(crate) fn quick<T: Send>(
         py: Python<'_>,

@@ -158,7 +158,7 @@ def test_a_fault_of_a_record_tells_its_place() -> None:
         (pm.PressureRecord(time_s, kpa), ValueError, r"recordings\[3\]: no speed is given"),
         (pm.PressureRecord(time_s, kpa[:3], 60), ValueError, r"recordings\[3\]: pressure_kpa has shape"),
         (pm.PressureRecord(time_s, kpa, text), TypeError, r"recordings\[3\]: speed_rpm must be .*not"),
-        (pm.PressureRecord(-time_s, kpa, 60), ValueError, r"recordings\[3\]: time in s of sample 2 is -1"),
+        (pm.PressureRecord(-time_s, kpa, 60), ValueError, r"recordings\[3\]: time_s\[1\] is -1"),
         (pm.PressureRecord(time_s, kpa, 60, standard_kpa=0), ValueError, r"\[3\]: standard_kpa is 0.*kPa"),
         (pm.PressureRecord(time_s, kpa, 60, standard_kpa=1), ValueError, "given for 1 of 4 recordings"),
         (60, TypeError, r"recordings\[3\] must be a PressureRecord, not int"),

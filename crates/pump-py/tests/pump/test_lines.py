@@ -75,3 +75,15 @@ def test_a_revolution_holds_more_where_a_segment_is_trapped_at_more_pressure() -
         law.revolution_ml(pump)
     with pytest.raises(ValueError, match="speed"):
         law.revolution_ml(pump, speed_rpm=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [("resistance_kpa_s_ml", -1), ("compliance_ml_kpa", 0), ("inertance_kpa_s2_ml", 0), ("reservoir_kpa", 0)],
+)
+def test_a_refused_value_of_a_line_is_told_by_its_argument(name: str, number: float) -> None:
+    line = pm.Pump.three_roller().outlet
+    with pytest.raises(ValueError, match=f"^{name} is {number}; allowed: "):
+        line.replace(**{name: number})
+    with pytest.raises(ValueError, match=f"^{name} is {number}; allowed: "):
+        pm.Line(**{**line.to_dict(), name: number})

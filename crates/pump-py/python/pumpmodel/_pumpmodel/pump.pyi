@@ -174,7 +174,7 @@ class LineLikelihood:
     """Likelihood of lines, for the pressure over time while a pump turns, with white noise of the sensor.
 
     The measurement is read once, so that a call is quick: it is made for samplers and minimizers. Samples at equal
-    intervals take least.
+    intervals take least. It can be pickled, as pools of processes need it.
 
     Parameters
     ----------
@@ -252,6 +252,7 @@ class LineLikelihood:
     @property
     def line(self) -> Line:
         """Line of the pump, whose values stand where a call gives no other."""
+    @overload
     def log_likelihood(
         self,
         *,
@@ -267,33 +268,117 @@ class LineLikelihood:
 
         It is -S/(2 standard²) - n/2 ln(2 pi standard²), where S is the sum of the squares of measured less model.
 
+        Arguments may be arrays, as of the walkers of a sampler: they are broadcast.
+
         Parameters
         ----------
-        resistance_kpa_s_ml : float, optional
+        resistance_kpa_s_ml : float or array_like, optional
             R, kPa s/mL, 0 to 1e6; by default that of the pump's line.
-        compliance_ml_kpa : float, optional
+        compliance_ml_kpa : float or array_like, optional
             C, mL/kPa, 1e-6 to 1e6; by default that of the pump's line.
-        inertance_kpa_s2_ml : float, optional
+        inertance_kpa_s2_ml : float or array_like, optional
             L, kPa s²/mL, 1e-6 to 1e6; by default that of the pump's line.
-        reservoir_kpa : float, optional
+        reservoir_kpa : float or array_like, optional
             Pressure of the reservoir, kPa absolute, 0.001 to 1e6; by default that of the pump's line.
-        start_angle_rad : float, optional
+        start_angle_rad : float or array_like, optional
             Angle at the start, or at time 0 of a steady record, rad; by default as given at the beginning.
-        start_s : float, optional
+        start_s : float or array_like, optional
             Time at which the pump began to turn, s; by default as given at the beginning.
-        standard_kpa : float, optional
+        standard_kpa : float or array_like, optional
             Standard deviation of the noise, kPa, more than zero; by default as given at the beginning.
 
         Returns
         -------
-        float
-            Logarithm of the likelihood.
+        float or numpy.ndarray
+            Logarithm of the likelihood. Array input gives an array of float64 of the arguments' common shape.
 
         Raises
         ------
         ValueError
             If a value is outside its range, or if a line without resistance resonates at a steady speed.
         """
+    @overload
+    def log_likelihood(
+        self,
+        *,
+        resistance_kpa_s_ml: _Number | _Numbers | None = None,
+        compliance_ml_kpa: _Number | _Numbers | None = None,
+        inertance_kpa_s2_ml: _Number | _Numbers | None = None,
+        reservoir_kpa: _Number | _Numbers | None = None,
+        start_angle_rad: _Number | _Numbers | None = None,
+        start_s: _Number | _Numbers | None = None,
+        standard_kpa: _Number | _Numbers | None = None,
+    ) -> float | _Array: ...
+    @overload
+    def value_and_gradient(
+        self,
+        *,
+        resistance_kpa_s_ml: _Number | None = None,
+        compliance_ml_kpa: _Number | None = None,
+        inertance_kpa_s2_ml: _Number | None = None,
+        reservoir_kpa: _Number | None = None,
+        start_angle_rad: _Number | None = None,
+        start_s: _Number | None = None,
+        standard_kpa: _Number | None = None,
+    ) -> tuple[float, dict[str, float]]:
+        """Return the logarithm of the likelihood with its derivatives, which are exact. Other Python threads run
+        meanwhile.
+
+        Where a sample stands at an edge of the flow, its derivative by the angle is that toward the direction of the
+        motion.
+
+        Parameters
+        ----------
+        resistance_kpa_s_ml : float or array_like, optional
+            R; this and the others are those of `log_likelihood`.
+        compliance_ml_kpa : float or array_like, optional
+            C.
+        inertance_kpa_s2_ml : float or array_like, optional
+            L.
+        reservoir_kpa : float or array_like, optional
+            Pressure of the reservoir.
+        start_angle_rad : float or array_like, optional
+            Angle at the start.
+        start_s : float or array_like, optional
+            Time at which the pump began to turn.
+        standard_kpa : float or array_like, optional
+            Standard deviation of the noise.
+
+        Returns
+        -------
+        tuple of (float or numpy.ndarray, dict)
+            Logarithm of the likelihood as `log_likelihood` returns it, and its derivatives by the names of the seven
+            arguments, over their units: floats, or arrays of its shape.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or if a line without resistance resonates at a steady speed.
+
+        Examples
+        --------
+        >>> import pumpmodel as pm
+        >>> pump = pm.Pump.three_roller()
+        >>> run = pump.simulate(speed_rpm=100, duration_s=1)
+        >>> likelihood = pm.LineLikelihood(
+        ...     pump, time_s=run.time_s, pressure_kpa=run.outlet_kpa, standard_kpa=0.1, speed_rpm=100, begin="step"
+        ... )
+        >>> value, gradient = likelihood.value_and_gradient(inertance_kpa_s2_ml=0.0045)
+        >>> gradient["inertance_kpa_s2_ml"] < 0
+        True
+        """
+    @overload
+    def value_and_gradient(
+        self,
+        *,
+        resistance_kpa_s_ml: _Number | _Numbers | None = None,
+        compliance_ml_kpa: _Number | _Numbers | None = None,
+        inertance_kpa_s2_ml: _Number | _Numbers | None = None,
+        reservoir_kpa: _Number | _Numbers | None = None,
+        start_angle_rad: _Number | _Numbers | None = None,
+        start_s: _Number | _Numbers | None = None,
+        standard_kpa: _Number | _Numbers | None = None,
+    ) -> tuple[float | _Array, dict[str, float | _Array]]: ...
     def __len__(self) -> int: ...
 
 @final
@@ -944,6 +1029,11 @@ class Pump:
         MemoryError
             If there is no room for the samples.
 
+        Warns
+        -----
+        UserWarning
+            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning.
+
         Examples
         --------
         >>> import pumpmodel as pm
@@ -1131,6 +1221,12 @@ class Pump:
             If a speed is not allowed, or a line without resistance resonates at it.
         PumpError
             If the solver fails on the way.
+
+        Warns
+        -----
+        UserWarning
+            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. An array of
+            speeds warns once.
         """
     @overload
     def steady_state(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> SteadyState[_Array]: ...

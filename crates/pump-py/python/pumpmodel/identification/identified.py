@@ -48,7 +48,8 @@ class Identified:
     """An identified line, with the parameters, the quality and the warnings of the fit.
 
     `identify_resistance`, `identify_compliance` and `identify_line` return it. `str(...)` is the report of
-    `dose identify`.
+    `dose identify`. Parameters and covariances of a line are in the order R, C, L, reservoir, angle, start:
+    `covariance_names` has the names of the rows of `covariance`, those of the sought parameters alone.
     """
 
     #: Kind of identification: "resistance", "compliance" or "line".
@@ -75,8 +76,10 @@ class Identified:
     measured_kpa: _Array
     #: Fitted values, kPa, shape (n,), read-only.
     fitted_kpa: _Array
-    #: Covariances of the sought parameters in the order of `parameters` and in their units, shape (k, k),
-    #: read-only. The roots of the diagonal are their `standard`.
+    #: Names of the rows of `covariance`: the sought parameters in the order of `parameters`.
+    covariance_names: tuple[str, ...]
+    #: Covariances of the sought parameters in their units, shape (k, k), read-only. The roots of the diagonal
+    #: are their `standard`.
     covariance: _Array
     # Times, flows or volumes, by the kind.
     _varied: _Array
@@ -85,10 +88,10 @@ class Identified:
     _text: str = field(default="")
 
     @classmethod
-    def _of(cls, answer: tuple[str, str, Line, list[_Array], _Array]) -> Identified:
-        told, text, line, (varied, measured, fitted), covariance = answer
+    def _of(cls, answer: tuple[str, str, Line, list[_Array], _Array, Sequence[str]]) -> Identified:
+        told, text, line, (varied, measured, fitted), covariance, names = answer
         data = json.loads(told)
-        parameters = {name: Estimate.from_dict(found) for name, found in data["parameters"].items()}
+        parameters = {name: Estimate.from_dict(data["parameters"][name]) for name in names}
         return cls(
             kind=data["kind"],
             port=data["line"],
@@ -102,6 +105,7 @@ class Identified:
             rows=data["rows"],
             measured_kpa=measured,
             fitted_kpa=fitted,
+            covariance_names=tuple(name for name, found in parameters.items() if not found.held),
             covariance=covariance,
             _varied=varied,
             _json=told,
@@ -198,7 +202,7 @@ class Identified:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the arrays so that they are read-only again when they are loaded."""
-        return _rebuild, (self._json, self._text, self.line, *self._arrays())
+        return _rebuild, (self._json, self._text, self.line, *self._arrays(), tuple(self.parameters))
 
     def _arrays(self) -> tuple[_Array, _Array, _Array, _Array]:
         return self._varied, self.measured_kpa, self.fitted_kpa, self.covariance
@@ -209,11 +213,13 @@ class Identified:
         return self._varied
 
 
-def _rebuild(told: str, text: str, line: Line, *arrays: _Array) -> Identified:
-    *columns, covariance = arrays
-    for array in arrays:
+def _rebuild(told: str, text: str, line: Line, *parts: Any) -> Identified:
+    # Fits that were pickled before have the order of the JSON, which has no names beside it.
+    names = parts[4] if len(parts) > 4 else tuple(json.loads(told)["parameters"])
+    *columns, covariance = parts[:4]
+    for array in parts[:4]:
         array.setflags(write=False)
-    return Identified._of((told, text, line, columns, covariance))
+    return Identified._of((told, text, line, columns, covariance, names))
 
 
 def _pump(pump: Pump | None) -> Pump:
