@@ -123,7 +123,7 @@ def main(folder: Path) -> Choice:
 
 # %%
 if __name__ == "__main__":
-    choice = main(Path(sys.argv[1]))
+    choice = main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
     for rollers, swing in zip(ROLLERS, choice.swing_kpa, strict=True):
         print(f"{rollers} rollers: {swing:.1f} kPa peak to peak at {FLOW_ML_S:g} mL/s")
     print(f"chosen: {choice.head!r}, contact angle {math.degrees(choice.head.contact_angle_rad):.0f} deg")

@@ -69,5 +69,5 @@ def main(folder: Path) -> dict[int, tuple[float, float]]:
 
 # %%
 if __name__ == "__main__":
-    for volume_ml, (percent, microlitres) in main(Path(sys.argv[1])).items():
+    for volume_ml, (percent, microlitres) in main(Path(sys.argv[1] if len(sys.argv) > 1 else ".")).items():
         print(f"{volume_ml} mL: {percent:.1f} % without the angle, {microlitres:.2f} uL with it")

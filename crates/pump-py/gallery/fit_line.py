@@ -88,4 +88,4 @@ def main(folder: Path) -> pm.Identified:
 
 # %%
 if __name__ == "__main__":
-    print(main(Path(sys.argv[1])))
+    print(main(Path(sys.argv[1] if len(sys.argv) > 1 else ".")))

@@ -76,5 +76,7 @@ def draw_pressures(file: Path) -> None:
 
 # %%
 if __name__ == "__main__":
-    for pump, (peak, duration) in zip(PUMPS, main(Path(sys.argv[1])), strict=True):
+    for pump, (peak, duration) in zip(
+        PUMPS, main(Path(sys.argv[1] if len(sys.argv) > 1 else ".")), strict=True
+    ):
         print(f"{pump.rollers} rollers: a pulse of {peak:.3f} mL/s at most, {duration:.5f} s long")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,21 @@ class VolumeTrials:
     volume_ml: _Array
     budget_standard_ml: float
     budget_expanded_ml: float
+
+    def __eq__(self, other: object) -> bool:
+        """Tell if every volume and the budget are equal."""
+        if not isinstance(other, VolumeTrials):
+            return NotImplemented
+        mine = (self.budget_standard_ml, self.budget_expanded_ml)
+        return mine == (other.budget_standard_ml, other.budget_expanded_ml) and np.array_equal(
+            self.volume_ml, other.volume_ml
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the volumes so that they are read-only again when they are loaded."""
+        return _rebuild, (self.volume_ml, self.budget_standard_ml, self.budget_expanded_ml)
 
     @property
     def mean_ml(self) -> float:
@@ -198,6 +213,11 @@ def monte_carlo(plan: Plan, *, trials: int = 100_000, seed: int | None = None) -
     volumes_ml.flags.writeable = False
     standard_ml = math.sqrt(sum(standard_ml**2 for standard_ml in shares.values()))
     return VolumeTrials(volumes_ml, standard_ml, plan.expanded_uncertainty_ml)
+
+
+def _rebuild(volume_ml: _Array, standard_ml: float, expanded_ml: float) -> VolumeTrials:
+    volume_ml.setflags(write=False)
+    return VolumeTrials(volume_ml, standard_ml, expanded_ml)
 
 
 def _whole(name: str, given: object, least: int, most: int) -> None:

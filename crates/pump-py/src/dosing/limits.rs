@@ -1,10 +1,13 @@
 //! Pressure limits of a dose.
 
-use pump_ctl::plan::PressureLimits;
+use pump_ctl::Parameter;
+use pump_ctl::plan::{PlanError, PressureLimits};
+use pump_model::Shown;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::argument::{Argument, optional};
+use crate::python::errors;
 
 /// Pressure limits that a dose must keep. A limit that is left out is the pump file's, if it has one.
 ///
@@ -13,9 +16,14 @@ use crate::argument::{Argument, optional};
 /// Parameters
 /// ----------
 /// max_outlet_kpa : float, optional
-///     Largest pressure at the port that pushes, kPa absolute. `Doser` checks that it is positive and at most 1e6.
+///     Largest pressure at the port that pushes, kPa absolute, 1e-9 to 1e6.
 /// min_inlet_kpa : float, optional
-///     Smallest pressure at the port that sucks, kPa absolute. `Doser` checks that it is within 1e6 either way.
+///     Smallest pressure at the port that sucks, kPa absolute, up to 1e6 either way.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a limit is outside its range.
 #[pyclass(frozen, eq, get_all, module = "pumpmodel")]
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Limits {
@@ -31,7 +39,9 @@ impl Limits {
     #[pyo3(signature = (*, max_outlet_kpa=None, min_inlet_kpa=None))]
     fn new(max_outlet_kpa: Argument<'_, '_>, min_inlet_kpa: Argument<'_, '_>) -> PyResult<Self> {
         let max_outlet_kpa = optional("max_outlet_kpa", max_outlet_kpa)?;
-        Ok(Self { max_outlet_kpa, min_inlet_kpa: optional("min_inlet_kpa", min_inlet_kpa)? })
+        let limits = Self { max_outlet_kpa, min_inlet_kpa: optional("min_inlet_kpa", min_inlet_kpa)? };
+        limits.pressures().validate().map_err(named)?;
+        Ok(limits)
     }
 
     /// Return the limits as plain data.
@@ -77,4 +87,15 @@ impl Limits {
     pub(crate) fn pressures(&self) -> PressureLimits {
         PressureLimits { max_outlet_kpa: self.max_outlet_kpa, min_inlet_kpa: self.min_inlet_kpa }
     }
+}
+
+/// Maps a refusal of a limit, in the words of the arguments.
+fn named(error: PlanError) -> PyErr {
+    let PlanError::OutOfRange { parameter, value, allowed } = error else { return errors::plan(error) };
+    let name = match parameter {
+        Parameter::OutletLimit => "max_outlet_kpa",
+        Parameter::InletLimit => "min_inlet_kpa",
+        _ => return errors::plan(error),
+    };
+    errors::value(format_args!("{name} is {}; allowed: {allowed}", Shown(value)))
 }

@@ -109,9 +109,10 @@ def test_less_than_half_a_step_is_a_plan_error() -> None:
 
 
 def test_limits_that_mean_nothing_are_refused() -> None:
-    for limits in (pm.Limits(max_outlet_kpa=-1), pm.Limits(min_inlet_kpa=math.nan)):
-        with pytest.raises(ValueError, match=r"pressure limit in kPa absolute is .*; allowed: "):
-            pm.Doser(pm.Pump.three_roller(), limits)
+    with pytest.raises(ValueError, match=r"^max_outlet_kpa is -1; allowed: "):
+        pm.Limits(max_outlet_kpa=-1)
+    with pytest.raises(ValueError, match=r"^min_inlet_kpa is NaN; allowed: "):
+        pm.Limits(min_inlet_kpa=math.nan)
     doser = pm.Doser(pm.Pump.three_roller(), pm.Limits(max_outlet_kpa=110, min_inlet_kpa=70))
     assert doser.limits == pm.Limits(max_outlet_kpa=110, min_inlet_kpa=70)
     plan = doser.plan("25mL", speed="100rpm")

@@ -1,7 +1,7 @@
 """The next experiment, against the uncertainties of fits that were made."""
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -114,3 +114,17 @@ def test_an_experiment_that_cannot_be_is_refused_by_name() -> None:
         pm.next_experiment(pm.Pump.three_roller(), [experiment], standard_kpa="0.3")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="standard_kpa is 1e-300; allowed: 1e-9 to 1e9"):
         pm.next_experiment(pm.Pump.three_roller(), [experiment], standard_kpa=1e-300)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"duration_s": -1}, "duration_s is -1; allowed: a positive number in s"),
+        ({"dt_s": 0}, "dt_s is 0; allowed: a positive number in s"),
+        ({"dt_s": 2}, "dt_s is 2; allowed: more than 0, duration_s at most"),
+        ({"speed_rpm": 0}, "speed_rpm is 0; allowed: a finite speed other than 0"),
+    ],
+)
+def test_an_experiment_that_cannot_be_made_is_refused_at_once(keywords: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        pm.Experiment(**{"speed_rpm": 60, "duration_s": 1, **keywords})

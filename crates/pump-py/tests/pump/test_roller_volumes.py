@@ -83,7 +83,11 @@ def test_a_function_of_an_array_or_of_a_number_becomes_a_roller_volume(function:
             50,
             "function is nan at 40 deg; allowed: a volume in mL",
         ),
-        (lambda deg: 2.1, 50, r"function returns the shape \(\) for 241 angles; allowed: \(241,\)"),
+        (
+            lambda deg: 2.1,
+            50,
+            r"shape \(\) for 241 angles; allowed: \(241,\); return an array, as np.full_like",
+        ),
         (smooth_ml, 0, "engagement_deg is 0; allowed: more than 0 and less than 360"),
         (smooth_ml, math.nan, "engagement_deg is nan; allowed"),
         (smooth_ml, 360, "engagement_deg is 360; allowed"),

@@ -1,7 +1,6 @@
 import copy
 import multiprocessing
 import pickle
-from collections.abc import Hashable
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
@@ -49,6 +48,9 @@ def every_object() -> list[object]:
         pm.VolumePolynomial([-3.2e-5, 0.0024, 0, 0], 50),
         pm.WeighedRun(speed_rpm=60, turned_deg=720),
         pm.ShortDose(start_angle_deg=0, turned_deg=24, volume_ml=1),
+        pump.harmonics(4, speed_rpm=50),
+        pm.monte_carlo(doser.plan("2mL", start_angle_rad=0.3), trials=100, seed=1),
+        pm.PressureRecord(np.array([0.0, 1.0]), np.array([88.0, 89.0]), speed_rpm=60),
         pump.steady_state(speed_rpm=50),
         pump.steady_state(speed_rpm=[[50, 100]]),
     ]
@@ -69,8 +71,9 @@ def test_equal_contents_are_equal_objects(one: object, same: object) -> None:
 
 @pytest.mark.parametrize(("one", "same"), PAIRS)
 def test_values_hash_and_arrays_do_not(one: object, same: object) -> None:
-    if isinstance(one, pm.Run | pm.SteadyState):
-        assert not isinstance(one, Hashable)
+    if isinstance(one, pm.Run | pm.SteadyState | pm.Harmonics | pm.VolumeTrials | pm.PressureRecord):
+        with pytest.raises(TypeError, match="unhashable"):
+            hash(one)
     else:
         assert hash(one) == hash(same)
 

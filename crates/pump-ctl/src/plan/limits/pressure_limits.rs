@@ -35,7 +35,12 @@ impl PressureLimits {
         }
     }
 
-    pub(super) fn validate(&self) -> Result<(), PlanError> {
+    /// Refuses limits that mean nothing.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`PlanError::OutOfRange`] for a limit outside its range.
+    pub fn validate(&self) -> Result<(), PlanError> {
         if let Some(kpa) = self.max_outlet_kpa {
             within(Parameter::OutletLimit, kpa, Allowed::Between { least: 1e-9, most: 1e6 })?;
         }

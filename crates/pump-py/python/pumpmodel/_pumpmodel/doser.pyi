@@ -28,9 +28,14 @@ class Limits:
     Parameters
     ----------
     max_outlet_kpa : float, optional
-        Largest pressure at the port that pushes, kPa absolute. `Doser` checks that it is positive and at most 1e6.
+        Largest pressure at the port that pushes, kPa absolute, 1e-9 to 1e6.
     min_inlet_kpa : float, optional
-        Smallest pressure at the port that sucks, kPa absolute. `Doser` checks that it is within 1e6 either way.
+        Smallest pressure at the port that sucks, kPa absolute, up to 1e6 either way.
+
+    Raises
+    ------
+    ValueError
+        If a limit is outside its range.
     """
 
     def __new__(

@@ -29,6 +29,16 @@ class Harmonics(NamedTuple):
     #: Mean pressure, kPa absolute.
     mean_kpa: float
 
+    def __eq__(self, other: object) -> bool:
+        """Tell if every number is equal."""
+        if not isinstance(other, Harmonics):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in self._fields)
+
+    def __ne__(self, other: object) -> bool:
+        """Tell if a number differs."""
+        return not self == other
+
     def plot(self, *, ax: Sequence[Axes] | None = None) -> list[Axes]:
         """Draw the amplitudes of flow and pressure over the frequency.
 

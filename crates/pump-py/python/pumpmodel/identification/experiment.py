@@ -53,6 +53,13 @@ class Experiment(Record):
         for name in names:
             if not math.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} is {getattr(self, name)}; allowed: a finite number")
+        if self.speed_rpm == 0:
+            raise ValueError("speed_rpm is 0; allowed: a finite speed other than 0")
+        for name in ("duration_s", "dt_s"):
+            if getattr(self, name) <= 0:
+                raise ValueError(f"{name} is {getattr(self, name)}; allowed: a positive number in s")
+        if self.dt_s > self.duration_s:
+            raise ValueError(f"dt_s is {self.dt_s}; allowed: more than 0, duration_s at most")
         for name, allowed in (("port", get_args(Port)), ("initial", get_args(Initial))):
             if getattr(self, name) not in allowed:
                 listed = ", ".join(map(repr, allowed))
@@ -218,7 +225,7 @@ def _before(line: Line, known: Identified | JointlyIdentified | None) -> tuple[l
     free = [n for n, name in enumerate(_LINE) if name in sought]
     if not free:
         raise ValueError("known held R, C and L; allowed: an identification that sought one of them at least")
-    places = [sought.index(_LINE[n]) for n in free]
+    places = [known.covariance_names.index(_LINE[n]) for n in free]
     sizes = _sizes(line)[free]
     covariance = known.covariance[np.ix_(places, places)] / np.outer(sizes, sizes)
     return free, np.asarray(np.linalg.inv(covariance), dtype=np.float64)

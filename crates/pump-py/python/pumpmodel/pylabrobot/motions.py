@@ -1,5 +1,6 @@
 """Motions of a bench from the arguments of PyLabRobot's calls, to be planned or made."""
 
+import math
 from collections.abc import Awaitable, Callable
 from typing import Any, TypeAlias
 
@@ -32,7 +33,7 @@ def volume_of(
         message = "volume is missing; give it in mL, as volume=25"
         raise TypeError(message)
     _need_one(speed, rate)
-    ml = _number("volume", volume, "mL")
+    ml = _finite("volume", volume, "mL")
     cruise = None if speed is None else f"{_number('speed', speed, 'r/min')!r}rpm"
     return lambda bench, plan: bench.dose(
         f"{ml!r}mL",
@@ -50,7 +51,8 @@ def revolutions_of(
     num_revolutions: Number, speed: Number | None, rate: str | None, limits: Limits | None = None
 ) -> Motion:
     """Return the turn by revolutions. Without speed and rate it has the pump's own rate."""
-    turns = _number("num_revolutions", num_revolutions, "revolutions")
+    turns = _finite("num_revolutions", num_revolutions, "revolutions")
+    _refuse_both(speed, rate)
     keywords: dict[str, Any] = {"rate": rate, "limits": limits, "reverse": turns < 0}
     keywords["speed"] = None if speed is None else _rpm(speed)
     return lambda bench, plan: _turn(bench, abs(turns), keywords, plan)
@@ -67,7 +69,10 @@ def duration_of(
     if duration is None:
         message = "duration is missing; give it in s, as duration=10"
         raise TypeError(message)
-    seconds = _number("duration", duration, "s")
+    seconds = _finite("duration", duration, "s")
+    if seconds <= 0:
+        message = f"duration is {seconds}; allowed: a positive number in s"
+        raise ValueError(message)
     keywords = _cruise(speed, rate, reverse, limits)
     return lambda bench, plan: bench.run(duration=f"{seconds!r}s", dry_run=plan, **keywords)
 
@@ -84,6 +89,21 @@ def _need_one(speed: Number | None, rate: str | None) -> None:
     if speed is None and rate is None:
         message = 'neither speed nor rate is given; give a speed in r/min, or a rate as "10 mL/s"'
         raise ValueError(message)
+    _refuse_both(speed, rate)
+
+
+def _refuse_both(speed: Number | None, rate: str | None) -> None:
+    if speed is not None and rate is not None:
+        message = "speed and rate are both given; give exactly one"
+        raise ValueError(message)
+
+
+def _finite(name: str, given: Number, unit: str) -> float:
+    number = _number(name, given, unit)
+    if not math.isfinite(number):
+        message = f"{name} is {number}; allowed: a finite number in {unit}"
+        raise ValueError(message)
+    return number
 
 
 def _rpm(speed: Number) -> str:

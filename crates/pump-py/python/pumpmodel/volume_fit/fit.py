@@ -328,8 +328,10 @@ def _sampled(function: Callable[[Any], Any], angles: NDArray[np.float64]) -> NDA
         values = [function(angle) for angle in angles.tolist()]
     volumes = np.asarray(core._numbers("function", values))
     if volumes.shape != angles.shape:
+        cure = "; return an array, as np.full_like(angle, 0.05)" if volumes.shape == () else ""
         raise ValueError(
-            f"function returns the shape {volumes.shape} for {len(angles)} angles; allowed: ({len(angles)},)"
+            f"function returns the shape {volumes.shape} for {len(angles)} angles; "
+            f"allowed: ({len(angles)},){cure}"
         )
     infinite = np.flatnonzero(~np.isfinite(volumes))
     if len(infinite):
