@@ -208,3 +208,12 @@ def test_ctrl_c_ends_a_search_within_a_fifth_of_a_second(interruptible: None) ->
         timer.join()
         # A fifth of a second on an idle machine; a busy one may take longer.
         assert answered_s < 0.5
+
+
+def test_a_reading_that_is_no_number_is_named_by_its_place() -> None:
+    for name in ("pressure_kpa", "drop_kpa", "standard_kpa"):
+        readings = {"drop_kpa": [1.0, 2.0, 3.0, 4.0], name: [1.0, 2.0, 3.0, np.nan]}
+        if name == "pressure_kpa":
+            del readings["drop_kpa"]
+        with pytest.raises(ValueError, match=rf"^{name}\[3\] is NaN; allowed: a finite number$"):
+            pm.identify_resistance([10, 20, 30, 40], **readings)  # type: ignore[arg-type]
