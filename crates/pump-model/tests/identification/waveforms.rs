@@ -293,6 +293,36 @@ fn the_squares_of_residuals_are_those_of_the_predicted_pressures() {
 }
 
 #[test]
+fn the_slopes_of_the_squares_are_those_of_differences() {
+    let steady = RotorMotion::Steady { angle_rad: 0.4, speed_rad_s: -7.0 };
+    for (port, motion) in [(Port::Outlet, RotorMotion::FromRest(&RAMP)), (Port::Inlet, steady)] {
+        let samples = record(Line::PUBLISHED, port, motion, 500, (0.3, 0.0), &mut Dice(3));
+        let recording = Recording { port, samples: &samples, motion };
+        let pump = Pump::three_roller();
+        // R, C, L, angle, start and reservoir.
+        let at = [0.12, 0.031, 0.005, 0.017, 0.0123, 89.0];
+        let line = |at: [f64; 6]| Line {
+            resistance_kpa_s_ml: at[0],
+            compliance_ml_kpa: at[1],
+            inertance_kpa_s2_ml: at[2],
+            reservoir_kpa: at[5],
+        };
+        let squares = |at: [f64; 6]| recording.residual_squares_kpa2(&pump, &line(at), at[3], at[4]).unwrap();
+        let (sum, slopes) = recording.residual_squares_with_slopes(&pump, &line(at), at[3], at[4]).unwrap();
+        assert!((sum / squares(at) - 1.0).abs() < 1e-9);
+        for (n, slope) in slopes.into_iter().enumerate() {
+            let beside = |factor: f64| {
+                let mut beside = at;
+                beside[n] *= factor;
+                squares(beside)
+            };
+            let difference = (beside(1.0 + 1e-6) - beside(1.0 - 1e-6)) / (2e-6 * at[n]);
+            assert!((slope / difference - 1.0).abs() < 1e-4, "{port:?} {n}: {slope} for {difference}");
+        }
+    }
+}
+
+#[test]
 fn the_covariance_of_a_fit_has_the_standard_uncertainties_on_its_diagonal() {
     let motion = RotorMotion::FromRest(&RAMP);
     let samples = record(Line::PUBLISHED, Port::Outlet, motion, 500, (0.3, 0.0), &mut Dice(9));
