@@ -83,6 +83,20 @@ mod tests {
     }
 
     #[test]
+    fn a_typed_command_is_told_by_what_the_pump_does() {
+        let told = [
+            (vec!["6mL", "--pump=acid"], "dosing 6mL"),
+            (vec!["prime", "20mL"], "priming 20mL"),
+            (vec!["prime", "--rate=max", "20mL"], "carrying out the command `prime --rate=max 20mL`"),
+            (vec!["home", "--sensor"], "carrying out the command `home --sensor`"),
+        ];
+        for (words, doing) in told {
+            let words = words.into_iter().map(str::to_owned).collect();
+            assert_eq!(Task::Command { words }.doing(), doing);
+        }
+    }
+
+    #[test]
     fn an_option_that_reaches_the_computer_is_refused() {
         for option in
             ["on-fail", "plot", "steps", "trace", "driver", "port", "pump", "config", "state-dir", "format"]

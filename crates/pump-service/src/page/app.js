@@ -85,7 +85,7 @@ const ANYWAY = 'Use it although it is far from what was expected';
 
 /** A message without its clauses that name commands: the page has buttons for what they do. */
 function plain(text) {
-	const kept = text.split('; ').filter((part) => !/`dose [a-z]/.test(part));
+	const kept = text.split('; ').filter((part) => !/`dose (safety|resume|accept|status|vessel|calibrate)/.test(part));
 	return kept.length ? kept.join('; ') : text;
 }
 class Refused extends Error {

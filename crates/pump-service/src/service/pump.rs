@@ -92,7 +92,10 @@ impl Pump {
         if let (Some(known), Ok(now)) = (&mut read.status, Status::of(&self.bench)) {
             let open = now.unfinished.filter(|motion| !motion.until_stopped);
             let rest_ml = open.map_or(0.0, |motion| motion.planned_ml - motion.delivered_most_ml);
+            // A stand is new to the reading after the motion, which tells it.
+            let stand = known.safety.stand;
             known.safety = now.safety.with_planned(rest_ml);
+            known.safety.stand = stand;
         }
     }
 
