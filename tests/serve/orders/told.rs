@@ -68,3 +68,18 @@ fn the_log_says_who_ordered_a_dose() {
         (service.get("/api/v1/pumps/acid").1["last"]["asked"] == "4 mL").then_some(())
     });
 }
+
+#[test]
+fn a_run_for_a_time_that_was_stopped_is_no_dose() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let body = json!({"options": {"rate": "1mL/s", "for": "10s"}});
+    let (_, run) = service.post("/api/v1/pumps/acid/run", &body);
+    service.moves("acid");
+    service.post("/api/v1/pumps/acid/stop", &json!({}));
+    service.ended(run["id"].as_str().unwrap());
+    let (status, refused) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL"}));
+    assert_eq!((status, &refused["code"]), (409, &json!(4)));
+    let message = refused["message"].as_str().unwrap();
+    assert!(message.starts_with("a run of continuous flow is unfinished: "), "{message}");
+}
