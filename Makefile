@@ -182,10 +182,11 @@ other-systems: $(TOOLS)/installed
 		PATH="$(CURDIR)/$(TOOLS)/bin:$$PATH" cargo-zigbuild check --locked --features serve -p pump-dose --target $$target || exit 1; \
 	done
 
-# The Windows program doses under wine.
+# The Windows program doses under wine, which lacks a library before version 9.
 windows: $(TOOLS)/installed
 	rustup target add x86_64-pc-windows-gnu
 	PATH="$(CURDIR)/$(TOOLS)/bin:$$PATH" cargo-zigbuild build --locked --features serve --bin dose --target x86_64-pc-windows-gnu
+	$(TOOLS)/bin/python -m ziglang cc -target x86_64-windows-gnu -shared -o target/x86_64-pc-windows-gnu/debug/bcryptprimitives.dll packaging/wine/bcryptprimitives.c -ladvapi32
 	command -v wine || (apt-get update && apt-get install -y --no-install-recommends wine wine64)
 	rm -rf target/wine && WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all timeout 300 wine target/x86_64-pc-windows-gnu/debug/dose.exe 25mL
 

@@ -44,7 +44,7 @@ pub(crate) struct RecordOption {
     /// Folder of the record
     #[arg(long_help = "Folder in which the angle, the carry and the calibrations of each pump are kept. \
         Environment variable: DOSE_STATE_DIR. Default: the configuration's state_dir, otherwise pump-dose in \
-        $XDG_STATE_HOME or in ~/.local/state.")]
+        $XDG_STATE_HOME or in ~/.local/state, on Windows in %LOCALAPPDATA%.")]
     #[arg(long, value_name = "DIR", env = "DOSE_STATE_DIR", hide_env = true)]
     state_dir: Option<PathBuf>,
 }

@@ -45,7 +45,7 @@ pub enum FolderError {
         source: std::io::Error,
     },
     /// No folder for journals is named or can be found.
-    #[error("no folder for journals: neither an absolute XDG_STATE_HOME nor an absolute HOME is set")]
+    #[error("no folder for journals: neither an absolute XDG_STATE_HOME nor an absolute {HOME} is set")]
     NoFolder,
 }
 
@@ -56,18 +56,25 @@ pub struct Folder {
     pump: String,
 }
 
-/// Returns the default folder for journals: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
+/// Variable of the environment that names the folder of a user's own data.
+const HOME: &str = if cfg!(windows) { "LOCALAPPDATA" } else { "HOME" };
+
+/// Returns the default folder for journals: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`, on Windows
+/// `%LOCALAPPDATA%\pump-dose` (FOLDERID_LocalAppData).
 ///
 /// A relative XDG_STATE_HOME or HOME is ignored, as its specification (XDG Base Directory 0.8) asks for.
 ///
 /// # Errors
 ///
-/// [`FolderError::NoFolder`] if neither an absolute XDG_STATE_HOME nor an absolute HOME is set.
+/// [`FolderError::NoFolder`] if neither of the two variables is set to an absolute path.
 pub fn default_state_dir() -> Result<PathBuf, FolderError> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let base = set("XDG_STATE_HOME")
-        .filter(|path| path.is_absolute())
-        .or_else(|| Some(set("HOME")?.join(".local").join("state")).filter(|path| path.is_absolute()));
+    let own = || {
+        let home = set(HOME)?;
+        Some(if cfg!(windows) { home } else { home.join(".local").join("state") })
+    };
+    let is_absolute = |path: &PathBuf| path.is_absolute();
+    let base = set("XDG_STATE_HOME").filter(is_absolute).or_else(|| own().filter(is_absolute));
     Ok(base.ok_or(FolderError::NoFolder)?.join("pump-dose"))
 }
 
