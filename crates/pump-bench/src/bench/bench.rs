@@ -433,11 +433,11 @@ impl Bench {
     pub(crate) fn refuse_unfinished(&self, state: Option<PumpState>) -> Result<(), DoseError> {
         let Some(dose) = state.and_then(|state| state.unfinished) else { return Ok(()) };
         let (least_ml, most_ml) = dose.delivered_ml(&self.model);
-        if dose.intent.terms.until_stopped || dose.intent.purpose == Purpose::Run {
-            return Err(DoseError::UnfinishedRun { least_ml, most_ml });
-        }
         if dose.intent.terms.profile {
             return Err(DoseError::NoRestOfProfile { least_ml, most_ml });
+        }
+        if dose.intent.terms.until_stopped || dose.intent.purpose == Purpose::Run {
+            return Err(DoseError::UnfinishedRun { least_ml, most_ml });
         }
         Err(DoseError::Unfinished { requested_ml: dose.intent.whole_requested_ml(), least_ml, most_ml })
     }

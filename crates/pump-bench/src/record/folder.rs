@@ -45,7 +45,16 @@ pub enum FolderError {
         source: std::io::Error,
     },
     /// No folder for journals is named or can be found.
-    #[error("no folder for journals: neither an absolute XDG_STATE_HOME nor an absolute {HOME} is set")]
+    #[cfg_attr(
+        not(windows),
+        error("no folder for journals: neither an absolute XDG_STATE_HOME nor an absolute HOME is set")
+    )]
+    #[cfg_attr(
+        windows,
+        error(
+            "no folder for journals: neither an absolute XDG_STATE_HOME nor an absolute LOCALAPPDATA is set"
+        )
+    )]
     NoFolder,
 }
 
