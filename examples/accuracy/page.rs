@@ -110,7 +110,7 @@ fn least_back_flow(flows: &[((f64, f64), BackFlows, BackFlows)]) -> String {
     let off = |all: &BackFlows| largest(&all.stiffer_ul).max(largest(&all.softer_ul));
     format!(
         "Line-aware ramps are to keep the back flow to 2 µL. A dose below 200 µL may take a hundredth of its\n\
-         volume back, but never less than half a motor step, 0.83 µL. Where no ramps keep to that, as at a fast\n\
+         volume back, but never less than half a mean motor step, 0.83 µL. Where no ramps keep to that, as at a fast\n\
          rate, the ramps with the least back flow win. The largest back flow of `line` ramps in the table is\n\
          {:.1} µL, and {:.1} µL where C is 20 % off.\n",
         most(&|all| largest(&all.nominal_ul)),

@@ -76,8 +76,8 @@ impl Pump {
     /// Warns
     /// -----
     /// UserWarning
-    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. An array of
-    ///     speeds warns once.
+    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. An array
+    ///     of speeds warns once.
     #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
     fn steady_state<'py>(
         &self,

@@ -1225,8 +1225,8 @@ class Pump:
         Warns
         -----
         UserWarning
-            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. An array of
-            speeds warns once.
+            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning. An array
+            of speeds warns once.
         """
     @overload
     def steady_state(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> SteadyState[_Array]: ...
