@@ -8,7 +8,7 @@ use diffsol::{
     OdeSolverProblem, OdeSolverStopReason,
 };
 
-use super::{Recorder, slope};
+use super::{Recorder, jumps, slope};
 use crate::case::{Case, JointSegment, Samples, horner};
 
 type Matrix = NalgebraMat<f64>;
@@ -63,11 +63,7 @@ where
     let mut there = solver.state().y.clone();
     for segment in &case.joint {
         let before = current.replace(*segment);
-        // The history is of no use where a flow jumps. Over a kink of the slope it is better than none.
-        let over_s = segment.start_s - before.start_s;
-        let jumps =
-            before.flows.iter().zip(&segment.flows).any(|(a, b)| (horner(a, over_s) - b[0]).abs() > 1e-9);
-        if segment.start_s > 0.0 && jumps {
+        if jumps(&before, segment) {
             let mut state = solver.state_mut();
             let mut dz = [0.0; 4];
             slope(case, segment, segment.start_s, &[state.y[0], state.y[1], state.y[2], state.y[3]], &mut dz);

@@ -38,3 +38,10 @@ fn slope(case: &Case, segment: &JointSegment, t: f64, z: &[f64], dz: &mut [f64])
         dz.copy_from_slice(&port.derivative(horner(flow, t - segment.start_s), [z[0], z[1]]));
     }
 }
+
+/// Returns true if a flow jumps between two segments. Over a kink of its slope a solver's history is better than none.
+fn jumps(before: &JointSegment, segment: &JointSegment) -> bool {
+    let over_s = segment.start_s - before.start_s;
+    let flows = before.flows.iter().zip(&segment.flows);
+    segment.start_s > 0.0 && flows.into_iter().any(|(a, b)| (horner(a, over_s) - b[0]).abs() > 1e-9)
+}

@@ -5,6 +5,7 @@ use std::cell::Cell;
 use diffsol::error::DiffsolError;
 use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverState, OdeSolverStopReason};
 
+use super::jumps;
 use crate::case::{Case, JointSegment, PortCase, SAMPLES, Samples, horner, sample_s};
 
 /// States of a port: (p, q), and the derivatives of both by R, C and L, each times its parameter.
@@ -29,10 +30,7 @@ pub(crate) fn run(case: &Case, tolerance: f64, found: &mut [Samples; 3]) -> Resu
     let mut due = 0;
     for segment in &case.joint {
         let before: JointSegment = current.replace(*segment);
-        let over_s = segment.start_s - before.start_s;
-        let jumps =
-            before.flows.iter().zip(&segment.flows).any(|(a, b)| (horner(a, over_s) - b[0]).abs() > 1e-9);
-        if segment.start_s > 0.0 && jumps {
+        if jumps(&before, segment) {
             let mut state = solver.state_mut();
             let (mut z, mut dz) = ([0.0; 2 * STATES], [0.0; 2 * STATES]);
             for (n, z) in z.iter_mut().enumerate() {

@@ -155,3 +155,21 @@ pub(crate) fn sums<const C: usize>(row: &Row<C>, causes: &Causes<C>) -> [f64; LA
     }
     sums
 }
+
+/// Returns the number of samples up to `end_s`, `most` at most, of which the first lies there or before. Sample n is at
+/// `time_s(n)`, `dt_s` after the one before.
+#[inline]
+pub(crate) fn reached(most: usize, end_s: f64, dt_s: f64, time_s: impl Fn(usize) -> f64) -> usize {
+    if time_s(most) <= end_s {
+        return most;
+    }
+    // The quotient may round over a sample.
+    let mut count = (((end_s - time_s(0)) / dt_s) as usize).clamp(1, most);
+    while count > 1 && time_s(count - 1) > end_s {
+        count -= 1;
+    }
+    while count < most && time_s(count) <= end_s {
+        count += 1;
+    }
+    count
+}

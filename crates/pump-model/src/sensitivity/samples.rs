@@ -1,6 +1,6 @@
 //! Samples of a run with derivatives at equal intervals.
 
-use crate::line::reach::LANES;
+use crate::line::reach::{LANES, reached};
 use crate::motion::leg::Leg;
 
 use super::augmented::{Augmented, physical, units};
@@ -132,18 +132,7 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
         if run.flows.line.degree > 4 {
             return 1;
         }
-        if self.time_s(COUNT - 1) <= run.stretch.end_s {
-            return COUNT - 1;
-        }
-        // The quotient may round over a sample.
-        let mut inside = (((run.stretch.end_s - self.time_s(0)) / self.dt_s) as usize).clamp(1, COUNT - 1);
-        while inside > 1 && self.time_s(inside - 1) > run.stretch.end_s {
-            inside -= 1;
-        }
-        while inside < COUNT - 1 && self.time_s(inside) <= run.stretch.end_s {
-            inside += 1;
-        }
-        inside
+        reached(COUNT - 1, run.stretch.end_s, self.dt_s, |n| self.time_s(n))
     }
 
     /// Returns the time of the next sample, n = 0, or of a later one, s.

@@ -7,7 +7,7 @@ use super::onset::Onset;
 use crate::line::exact_run::{ExactRun, next_stretch};
 use crate::line::line_state::LineState;
 use crate::line::oscillator::Balanced;
-use crate::line::reach::{CAUSES, LANES, Reach};
+use crate::line::reach::{CAUSES, LANES, Reach, reached};
 
 /// Number of rows of samples that follow from one sample.
 const ROWS: usize = 8;
@@ -172,19 +172,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
 
     /// Returns the number of lanes inside the stretch, without the last one, from which the next lanes follow.
     fn inside(&self) -> usize {
-        let end_s = self.run.stretch.end_s;
-        if self.time_s(COUNT - 1) <= end_s {
-            return COUNT - 1;
-        }
-        // The quotient may round over a sample.
-        let mut inside = (((end_s - self.time_s(0)) / self.dt_s) as usize).clamp(1, COUNT - 1);
-        while inside > 1 && self.time_s(inside - 1) > end_s {
-            inside -= 1;
-        }
-        while inside < COUNT - 1 && self.time_s(inside) <= end_s {
-            inside += 1;
-        }
-        inside
+        reached(COUNT - 1, self.run.stretch.end_s, self.dt_s, |n| self.time_s(n))
     }
 }
 
