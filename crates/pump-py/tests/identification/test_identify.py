@@ -217,3 +217,15 @@ def test_a_reading_that_is_no_number_is_named_by_its_place() -> None:
             del readings["drop_kpa"]
         with pytest.raises(ValueError, match=rf"^{name}\[3\] is NaN; allowed: a finite number$"):
             pm.identify_resistance([10, 20, 30, 40], **readings)  # type: ignore[arg-type]
+
+
+def test_a_simulations_own_output_is_found_without_an_uncertainty() -> None:
+    pump = pm.Pump.three_roller()
+    run = pump.simulate(speed_rpm=100, duration_s=3, dt_s=2e-3)
+    found = pm.identify_line(
+        pump, time_s=run.time_s, pressure_kpa=run.outlet_kpa, speed_rpm=100, begin="step"
+    )
+    sought = [estimate for estimate in found.parameters.values() if not estimate.held]
+    assert [estimate.standard for estimate in sought] == [0.0] * 4
+    assert "± 0" in repr(found)
+    assert "<table" in found._repr_html_()

@@ -35,12 +35,18 @@ _VARIED: dict[Identification, str] = {
 class Estimate(Record):
     """A value with its standard uncertainty; twice the uncertainty covers 95 %.
 
-    `held` is True if the value was given and not sought.
+    `held` is True if the value was given and not sought. The uncertainty is 0 then, and where all points agree with
+    the fit exactly, as those of a simulation do.
     """
 
     value: float
     standard: float
     held: bool
+
+
+def _estimate(told: dict[str, Any]) -> Estimate:
+    # The report has no uncertainty of points that agree exactly.
+    return Estimate.from_dict(told | {"standard": told["standard"] or 0.0})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +97,7 @@ class Identified:
     def _of(cls, answer: tuple[str, str, Line, list[_Array], _Array, Sequence[str]]) -> Identified:
         told, text, line, (varied, measured, fitted), covariance, names = answer
         data = json.loads(told)
-        parameters = {name: Estimate.from_dict(data["parameters"][name]) for name in names}
+        parameters = {name: _estimate(data["parameters"][name]) for name in names}
         return cls(
             kind=data["kind"],
             port=data["line"],
