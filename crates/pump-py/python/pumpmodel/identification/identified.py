@@ -35,8 +35,8 @@ _VARIED: dict[Identification, str] = {
 class Estimate(Record):
     """A value with its standard uncertainty; twice the uncertainty covers 95 %.
 
-    `held` is True if the value was given and not sought. The uncertainty is 0 then, and where all points agree with
-    the fit exactly, as those of a simulation do.
+    `held` is True if the value was given and not sought. The uncertainty is 0 then, and where all points
+    agree with the fit exactly, as those of a simulation do.
     """
 
     value: float
