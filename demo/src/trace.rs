@@ -23,7 +23,7 @@ pub(crate) fn trace(pump: &Pump, plan: &Plan, dt_s: f64, end_s: f64, to: &mut Tr
         leg = first;
     }
     let [mut inlet, mut outlet] =
-        [Port::Inlet, Port::Outlet].map(|port| ExactRun::from_rest(pump, port, plan.legs()));
+        [Port::Inlet, Port::Outlet].map(|port| ExactRun::from_rest(pump, port, plan.legs()).in_series());
     let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
     for n in 0..rows {
         let t_s = time_s[n];
@@ -33,12 +33,14 @@ pub(crate) fn trace(pump: &Pump, plan: &Plan, dt_s: f64, end_s: f64, to: &mut Tr
         (angle_rad[n], speed_rad_s[n]) = (leg.angle_at(t_s), leg.speed_at(t_s));
         let (inlet_ml_rad, outlet_ml_rad, outlet_ml) = pump.at_angle(angle_rad[n]);
         (q_in[n], q_out[n]) = (inlet_ml_rad * speed_rad_s[n], outlet_ml_rad * speed_rad_s[n]);
-        let (sucked, pushed) = (inlet.at(t_s), outlet.at(t_s));
-        p_in[n] = sucked.above_reservoir_kpa + pump.inlet().reservoir_kpa;
-        p_out[n] = pushed.above_reservoir_kpa + pump.outlet().reservoir_kpa;
+        let (mut sucked_kpa, mut pushed_kpa) = ([0.0], [0.0]);
+        inlet.fill_kpa(&[t_s], &mut sucked_kpa);
+        outlet.fill_kpa(&[t_s], &mut pushed_kpa);
+        p_in[n] = sucked_kpa[0] + pump.inlet().reservoir_kpa;
+        p_out[n] = pushed_kpa[0] + pump.outlet().reservoir_kpa;
         // The volume that the line holds has not passed it.
-        vessel_ml[n] = outlet_ml - start_ml - pump.outlet().compliance_ml_kpa * pushed.above_reservoir_kpa;
-        leaves[n] = pushed.flow_ml_s;
+        vessel_ml[n] = outlet_ml - start_ml - pump.outlet().compliance_ml_kpa * pushed_kpa[0];
+        leaves[n] = outlet.state().flow_ml_s;
     }
     Some(rows)
 }
