@@ -9,7 +9,7 @@ use diffsol::{
 };
 
 use super::{Recorder, jumps, slope};
-use crate::case::{Case, JointSegment, Samples, horner};
+use crate::case::{Case, JointSegment, Samples};
 
 type Matrix = NalgebraMat<f64>;
 type Factored = NalgebraLU<f64>;

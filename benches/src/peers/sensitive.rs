@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use diffsol::error::DiffsolError;
-use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverState, OdeSolverStopReason};
+use diffsol::{NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverStopReason};
 
 use super::jumps;
 use crate::case::{Case, JointSegment, PortCase, SAMPLES, Samples, horner, sample_s};
