@@ -203,7 +203,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
             }
         };
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
-        // What the line holds at the start passes it without a turn.
+        // A volume that the line holds at the start passes it without a turn.
         let held_ml = pump.outlet().compliance_ml_kpa * outlet.above_reservoir_kpa;
         let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
         Ok(Self { pump, times, legs, leg, start_ml, held_ml, last_s: leg.start_s, ports })

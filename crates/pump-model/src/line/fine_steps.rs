@@ -18,9 +18,9 @@ const FEWEST: usize = 2;
 #[derive(Debug, Clone)]
 pub(crate) struct FineSteps {
     step_s: f64,
-    /// What a state and a flow do over 0, 1, 2 ... steps; none for a line that does not swing.
+    /// Effects of a state and a flow over 0, 1, 2 ... steps; none for a line that does not swing.
     reach: Option<Reach<1>>,
-    /// The same for flows at changing speeds, as soon as there is one.
+    /// Effects for flows at changing speeds, as soon as there is one.
     ramp: Option<Reach<1, ALL_CAUSES>>,
 }
 

@@ -68,7 +68,7 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
             let causes = self.reach.causes(&self.run.state, &self.run.flows, self.run.reached_s);
             let inside = self.inside().min(count - done);
             if count - done >= COUNT {
-                // What a row has too much, the next samples overwrite.
+                // The next samples overwrite the excess of a row.
                 let rows = inside.div_ceil(LANES);
                 for (row, lanes) in self.reach.kpa(causes).take(rows).enumerate() {
                     let place = done + row * LANES..done + (row + 1) * LANES;

@@ -54,7 +54,7 @@ impl Order {
             words.push(option("pump", name("pump", &self.pump)?));
         }
         words.extend(self.task.options(&self.options)?);
-        // Its report is a word for people.
+        // Going back to a calibration is reported in words alone.
         if !matches!(self.task, Task::UseCalibration { .. }) {
             words.push(option("format", "json"));
         }

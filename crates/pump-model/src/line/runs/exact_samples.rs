@@ -28,7 +28,7 @@ pub struct ExactSamples<'a, M> {
     start_s: f64,
     dt_s: f64,
     reach: Reach<ROWS>,
-    /// What a change of the flow does within an interval; none if the line swings faster than that.
+    /// Effect of a change of the flow within an interval; none if the line swings faster than that.
     onset: Option<Onset>,
     /// Causes of the samples in the lanes; none where the flow's degree is above 4, and the first lane alone is known.
     causes: Option<[f64; CAUSES]>,
@@ -73,7 +73,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
             }
             let count = (self.valid - self.next).min(kpa.len());
             match self.causes {
-                // What a row has too much, the next samples overwrite.
+                // The next samples overwrite the excess of a row.
                 Some(causes) if self.next == 0 && kpa.len() >= COUNT => {
                     let (places, _) = kpa.as_chunks_mut::<LANES>();
                     for (place, row) in

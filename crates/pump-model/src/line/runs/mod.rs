@@ -1,4 +1,4 @@
-//! What follows an exact run: its samples, and the vessel at the line's end.
+//! Followers of an exact run: its samples, and the vessel at the line's end.
 
 pub(crate) mod exact_samples;
 pub(crate) mod exact_series;
