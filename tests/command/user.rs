@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -75,7 +77,24 @@ impl User {
     }
 
     pub(crate) fn record(&self) -> Option<String> {
-        fs::read_to_string(self.path("state/three-roller/sim/journal.jsonl")).ok()
+        self.record_of("three-roller")
+    }
+
+    pub(crate) fn record_of(&self, pump: &str) -> Option<String> {
+        fs::read_to_string(self.path(&format!("state/{pump}/sim/journal.jsonl"))).ok()
+    }
+
+    /// Waits until the last motion of a pump has steps on record. Its first progress comes before any step.
+    pub(crate) fn until_moved(&self, pump: &str) {
+        let moved = |text: &str| {
+            let motion = text.rsplit("\"intent\"").next().unwrap();
+            motion.lines().any(|line| line.contains("\"progress\"") && !line.contains("\"made\":0,"))
+        };
+        let deadline = Instant::now() + Duration::from_secs(120);
+        while !self.record_of(pump).is_some_and(|text| moved(&text)) {
+            assert!(Instant::now() < deadline, "no steps of {pump} on record");
+            sleep(Duration::from_millis(2));
+        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! Several doses from one command.
 
-use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::thread::sleep;
@@ -9,8 +8,6 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::user::{User, number};
-
-const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
 
 /// Largest volume of a motor step of the three-roller pump, mL.
 const STEP_ML: f64 = 2.2e-3;
@@ -219,14 +216,11 @@ fn a_signal_in_motion_stops_the_dose_and_with_it_the_batch() {
     let mut running = Running::start(&user, &["1L", "--repeat", "3"]);
     running.next_report();
     let deadline = Instant::now() + Duration::from_secs(120);
-    let under_way =
-        |text: &str| text.rsplit_once("\"intent\"").is_some_and(|(_, end)| end.contains("progress"));
-    while !fs::read_to_string(user.path(JOURNAL))
-        .is_ok_and(|text| text.matches("\"intent\"").count() == 2 && under_way(&text))
-    {
+    while user.record().is_none_or(|text| text.matches("\"intent\"").count() != 2) {
         assert!(Instant::now() < deadline, "no second dose on record");
         sleep(Duration::from_millis(2));
     }
+    user.until_moved("three-roller");
     running.signal("INT");
     let (code, reports, err) = running.end();
     assert_eq!((code, reports.len()), (130, 1), "{err}");

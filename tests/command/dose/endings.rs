@@ -14,12 +14,12 @@ const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
 /// A dose that the simulation needs seconds for.
 const LONG: &str = "3L";
 
-/// Starts a long dose and waits until its journal says that steps may be made.
+/// Starts a long dose and waits until its journal says that steps were made.
 fn begun(user: &User) -> Child {
     begun_with(user, &[])
 }
 
-/// Starts a long dose with options and waits until its journal says that steps may be made.
+/// Starts a long dose with options and waits until its journal says that steps were made.
 fn begun_with(user: &User, options: &[&str]) -> Child {
     let child = user
         .command(&[&[LONG], options].concat())
@@ -27,11 +27,7 @@ fn begun_with(user: &User, options: &[&str]) -> Child {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    user.until_moved("three-roller");
     child
 }
 
@@ -286,12 +282,8 @@ fn of_two_starts_in_the_same_moment_one_is_told_who_has_the_pump() {
 
 /// Makes a dose that is stopped on its way. Returns its report.
 fn stopped(user: &User, volume: &str) -> String {
-    let mut child = user.command(&[volume]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
-        assert!(Instant::now() < deadline && child.try_wait().unwrap().is_none(), "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    let child = user.command(&[volume]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    user.until_moved("three-roller");
     signal(&child, "INT");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));

@@ -9,21 +9,13 @@ use serde_json::Value;
 
 use crate::user::{User, number};
 
-const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
-
 /// Pitches of a revolution of the published pump.
 const PITCHES: f64 = 3.0;
 
-/// Starts a run until it is stopped, and waits until its journal says that steps may be made.
+/// Starts a run until it is stopped, and waits until its journal says that steps were made.
 fn begun(user: &User, words: &[&str]) -> Child {
     let child = user.command(words).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(20);
-    while !fs::read_to_string(user.path(JOURNAL))
-        .is_ok_and(|text| text.lines().last().is_some_and(|line| line.contains("progress")))
-    {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    user.until_moved("three-roller");
     child
 }
 

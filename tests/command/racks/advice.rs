@@ -2,8 +2,6 @@
 
 use std::fs;
 use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use super::{MIX, desk};
 use crate::user::{Answer, User};
@@ -26,15 +24,8 @@ fn two_others(steps: &str) -> User {
 fn stopped(user: &User) -> Answer {
     let mut command = user.command(&["run", "mix.toml"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(120);
-    let is_under_way = |pump: &str| {
-        let journal = fs::read_to_string(user.path(&format!("state/{pump}/sim/journal.jsonl")));
-        journal.is_ok_and(|text| text.contains("\"progress\""))
-    };
-    while !is_under_way("two-roller") || !is_under_way("base-id") {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(5));
-    }
+    user.until_moved("two-roller");
+    user.until_moved("base-id");
     assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();

@@ -146,23 +146,13 @@ fn the_limit_of_a_day_of_the_command_line_is_that_of_each_pump_and_widens_none()
 #[test]
 fn ctrl_c_stops_every_pump_and_the_report_is_printed() {
     use std::process::{Command, Stdio};
-    use std::thread::sleep;
-    use std::time::{Duration, Instant};
 
     // A minute and a half, of which a moment is waited for.
     let user = desk(&MIX.replace("6mL\"\nrate = \"6mL/s", "90mL\"\nrate = \"1mL/s"));
     let mut command = user.command(&["run", "mix.toml", "--format", "json"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let journals =
-        ["three-roller", "two-roller"].map(|pump| user.path(&format!("state/{pump}/sim/journal.jsonl")));
-    let is_under_way = || {
-        journals.iter().all(|path| fs::read_to_string(path).is_ok_and(|text| text.contains("\"progress\"")))
-    };
-    let until = Instant::now() + Duration::from_secs(60);
-    while !is_under_way() && Instant::now() < until {
-        sleep(Duration::from_millis(10));
-    }
-    assert!(is_under_way());
+    user.until_moved("three-roller");
+    user.until_moved("two-roller");
     let signalled = Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap();
     assert!(signalled.success());
     let output = child.wait_with_output().unwrap();

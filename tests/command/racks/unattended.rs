@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::process::Stdio;
-use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -20,15 +19,8 @@ fn slow() -> String {
 fn killed(user: &User) {
     let mut command = user.command(&["run", "mix.toml"]);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(120);
-    let is_under_way = |pump: &str| {
-        let journal = fs::read_to_string(user.path(&format!("state/{pump}/sim/journal.jsonl")));
-        journal.is_ok_and(|text| text.contains("\"progress\""))
-    };
-    while !is_under_way("three-roller") || !is_under_way("two-roller") {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    user.until_moved("three-roller");
+    user.until_moved("two-roller");
     child.kill().unwrap();
     child.wait().unwrap();
 }

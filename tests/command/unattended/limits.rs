@@ -195,19 +195,12 @@ fn a_run_until_stopped_that_a_limit_ends_stands_with_exit_code_5_and_tells_of_it
 #[test]
 fn the_rest_of_a_run_until_stopped_that_was_killed_stands_at_the_limit_too() {
     use std::process::Stdio;
-    use std::thread::sleep;
-    use std::time::{Duration, Instant};
 
     let user = User::new();
     let tank = pump(&user, "vessel_ml = 12.0");
     let mut command = user.command(&["run", "--rate", "3mL/s", "--pump", tank]);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let journal = user.path("state/tank/sim/journal.jsonl");
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while !fs::read_to_string(&journal).is_ok_and(|text| text.contains("progress")) {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    user.until_moved("tank");
     child.kill().unwrap();
     child.wait().unwrap();
     let resumed = user.types(&["resume", "--pump", tank, "--format", "json"]);

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::process::{Command, Stdio};
-use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -96,12 +95,7 @@ fn a_stopped_dose_tells_the_bounds_that_its_report_has() {
     assert_eq!(user.types(&["home", "--set", "30deg", "--tolerance", "5deg"]).code, 0);
     let words = ["3L", "--on-fail", TELL, "--format", "json"];
     let child = user.command(&words).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(120);
-    // The first is announced before the motor moves.
-    while user.record().is_none_or(|text| text.matches("progress").count() < 3) {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    user.until_moved("three-roller");
     assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
     let stopped = child.wait_with_output().unwrap();
     assert_eq!(stopped.status.code(), Some(130));

@@ -2,15 +2,11 @@
 
 use std::fs;
 use std::process::Stdio;
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 use crate::unattended::clock::with_room;
 use crate::user::{User, number};
-
-const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
 
 /// Leaves a dose of 3 L that was killed on its way.
 fn killed(user: &User) {
@@ -25,11 +21,7 @@ fn killed_with(user: &User, options: &[&str]) {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
-        assert!(Instant::now() < deadline, "no progress on record");
-        sleep(Duration::from_millis(2));
-    }
+    user.until_moved("three-roller");
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!user.json(&["status"])["unfinished"].is_null());
