@@ -45,7 +45,8 @@ fn anchors(text: &str) -> BTreeSet<String> {
 fn targets(text: &str) -> Vec<String> {
     let prose = prose(text);
     let links = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
-    let pictures = prose.split("src=\"").skip(1).filter_map(|rest| rest.split_once('"'));
+    let pictures = ["src=\"", "srcset=\""].into_iter().flat_map(|name| prose.split(name).skip(1));
+    let pictures = pictures.filter_map(|rest| rest.split_once('"'));
     links.chain(pictures).map(|(target, _)| target.split_whitespace().collect()).collect()
 }
 

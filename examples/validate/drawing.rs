@@ -21,8 +21,8 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     ] {
         let drawing = Drawing::new(&Geometry::published(3, variant))?;
         let reference = |value| (value, REFERENCE);
-        let row = |what: &str, unit, theirs, ours, bound| {
-            Row::computed(format!("{name}: {what}"), unit, reference(theirs), ours, Bound::Absolute(bound))
+        let row = |what: &str, unit, compared, ours, bound| {
+            Row::computed(format!("{name}: {what}"), unit, reference(compared), ours, Bound::Absolute(bound))
         };
         let (end_deg, end_ml) = POINTS[POINTS.len() - 1];
         let at_end_ml = drawing.volume_ml(radians(end_deg));

@@ -60,10 +60,10 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let fall_s = log(1000.0) / decay;
     rows.push(Row::computed("fall to 0.1 %", "s", reference(0.52), fall_s, Bound::Absolute(5e-3)));
     rows.extend(hose_rows(&line)?);
-    for (degc, theirs) in WATER {
+    for (degc, compared) in WATER {
         let ours = Fluid::water(degc)?.density_kg_m3;
         let name = format!("density of water at {degc} °C");
-        rows.push(Row::computed(name, "kg/m³", (theirs, DENSITIES), ours, Bound::Percent(0.03)));
+        rows.push(Row::computed(name, "kg/m³", (compared, DENSITIES), ours, Bound::Percent(0.03)));
     }
     rows.push(Row::missing("points (flow, pressure) behind R", RESISTANCE_TEST, "needs raw data"));
     rows.push(Row::missing("points (volume, pressure) behind C", COMPLIANCE_TEST, "needs raw data"));
@@ -99,10 +99,10 @@ fn hose_rows(line: &Line) -> Result<Vec<Row>, Box<dyn Error>> {
         )
         .fitted(),
     );
-    for (flow_ml_s, theirs) in [(3.5, 0.0028), (35.0, 0.020)] {
+    for (flow_ml_s, compared) in [(3.5, 0.0028), (35.0, 0.020)] {
         let ours = friction.resistance_kpa_s_ml(flow_ml_s);
         let name = format!("R of the hose at {flow_ml_s} mL/s");
-        rows.push(Row::computed(name, "kPa s/mL", reference(theirs), ours, bound));
+        rows.push(Row::computed(name, "kPa s/mL", reference(compared), ours, bound));
     }
     rows.push(
         Row::computed(

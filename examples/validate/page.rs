@@ -129,6 +129,6 @@ from the paper's equations and data.
 - The column *done* says how a figure was checked. *computed*: our figure follows from other inputs. *input*: the \
 model takes the figure as it is. *fitted*: our figure was adjusted to published figures and is no evidence. \
 *needs raw data*: the figure cannot be checked.
-- A deviation in % is relative to theirs. Any other deviation is ours less theirs. A `-` in its column means \
-that there is no figure to compare.
+- The column *compared* has the figure of the source. A deviation in % is relative to it. Any other deviation is \
+ours less it. A `-` means that there is no figure to compare.
 ";

@@ -36,10 +36,10 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     const NAMES: [&str; 6] =
         ["P_in largest", "P_in smallest", "P_in mean", "P_out largest", "P_out smallest", "P_out mean"];
     let mut rows = Vec::new();
-    for (rollers, rpm, theirs) in STEADY_KPA {
-        for ((theirs, ours), name) in theirs.into_iter().zip(steady_kpa(rollers, rpm)?).zip(NAMES) {
+    for (rollers, rpm, compared) in STEADY_KPA {
+        for ((compared, ours), name) in compared.into_iter().zip(steady_kpa(rollers, rpm)?).zip(NAMES) {
             let name = format!("{rollers} rollers, {rpm} r/min: {name}");
-            rows.push(Row::computed(name, "kPa", (theirs, REFERENCE), ours, Bound::Absolute(6e-5)));
+            rows.push(Row::computed(name, "kPa", (compared, REFERENCE), ours, Bound::Absolute(6e-5)));
         }
     }
     let pump = Pump::three_roller();
@@ -48,14 +48,14 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let (inlet, outlet) = (start(Port::Inlet), start(Port::Outlet));
     let ours = [inlet.min_kpa, inlet.max_kpa, outlet.min_kpa, outlet.max_kpa];
     let names = ["P_in smallest", "P_in largest", "P_out smallest", "P_out largest"];
-    for ((theirs, ours), name) in START_KPA.into_iter().zip(ours).zip(names) {
+    for ((compared, ours), name) in START_KPA.into_iter().zip(ours).zip(names) {
         let name = format!("3 rollers, from rest to 100 r/min at once: {name}");
-        rows.push(Row::computed(name, "kPa", (theirs, REFERENCE), ours, Bound::Absolute(6e-4)));
+        rows.push(Row::computed(name, "kPa", (compared, REFERENCE), ours, Bound::Absolute(6e-4)));
     }
     for measured in &MEASURED {
-        for (port, theirs) in ["inlet", "outlet"].into_iter().zip(measured.pearson) {
+        for (port, compared) in ["inlet", "outlet"].into_iter().zip(measured.pearson) {
             let name = format!("{} rollers: mean Pearson correlation at the {port}", measured.rollers);
-            rows.push(Row::unchecked(name, "", (theirs, PRESSURE_RESULTS), "needs raw data"));
+            rows.push(Row::unchecked(name, "", (compared, PRESSURE_RESULTS), "needs raw data"));
         }
     }
     rows.push(Row::unchecked(

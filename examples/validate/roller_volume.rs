@@ -48,10 +48,10 @@ pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
         [(Variant::Measured, TABLE_1, ""), (Variant::AsBuilt, CODE, " (variant `as-built`)")]
     {
         for ((what, unit, table, code), ours) in DIMENSIONS.into_iter().zip(values(variant)) {
-            let theirs = if source == CODE { code } else { table };
+            let compared = if source == CODE { code } else { table };
             // A conversion from degrees to radians and back rounds the last bit.
             let bound = if unit == "deg" { Bound::Absolute(1e-12) } else { Bound::Equal };
-            rows.push(Row::input(format!("{what}{name}"), unit, (theirs, source), ours).bounded(bound));
+            rows.push(Row::input(format!("{what}{name}"), unit, (compared, source), ours).bounded(bound));
         }
     }
     let pump = Pump::three_roller();
@@ -138,9 +138,9 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
             Bound::Absolute(5e-5),
         ),
     ];
-    for (order, (theirs, ours)) in POLYNOMIAL.into_iter().zip(found).enumerate() {
+    for (order, (compared, ours)) in POLYNOMIAL.into_iter().zip(found).enumerate() {
         let name = format!("coefficient of x^{}, fitted again", 5 - order);
-        rows.push(Row::computed(name, "mL/deg^n", (theirs, CODE), ours, Bound::Percent(2e-3)));
+        rows.push(Row::computed(name, "mL/deg^n", (compared, CODE), ours, Bound::Percent(2e-3)));
     }
     let after = beside_the_means(&found);
     Ok(Section { title: "Roller volume", before: String::new(), rows, after })

@@ -2,16 +2,16 @@
 
 use libm::{floor, log10};
 
-/// Largest deviation of our figure from theirs that is allowed.
+/// Largest deviation of our figure from the compared one that is allowed.
 #[derive(Clone, Copy)]
 pub(crate) enum Bound {
-    /// Our figure must equal theirs.
+    /// Our figure must equal the compared one.
     Equal,
-    /// Our figure may differ by this part of theirs, percent.
+    /// Our figure may differ by this part of the compared one, percent.
     Percent(f64),
     /// Our figure may differ by this amount, in the row's unit.
     Absolute(f64),
-    /// Our figure must be no more than theirs.
+    /// Our figure must be no more than the compared one.
     AtMost,
     /// Any deviation is allowed.
     Open,
@@ -35,14 +35,14 @@ pub(crate) struct Row {
     name: String,
     unit: &'static str,
     source: &'static str,
-    theirs: Option<f64>,
+    compared: Option<f64>,
     ours: Option<f64>,
     bound: Bound,
     done: Done,
 }
 
 /// The head of a table of rows.
-pub(crate) const HEAD: &str = "| | unit | theirs | source | ours | deviation | bound | done |
+pub(crate) const HEAD: &str = "| | unit | compared | source | ours | deviation | bound | done |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
@@ -51,44 +51,44 @@ impl Row {
     pub(crate) fn computed(
         name: impl Into<String>,
         unit: &'static str,
-        (theirs, source): (f64, &'static str),
+        (compared, source): (f64, &'static str),
         ours: f64,
         bound: Bound,
     ) -> Self {
         let name = name.into();
-        Self { name, unit, source, theirs: Some(theirs), ours: Some(ours), bound, done: Done::Computed }
+        Self { name, unit, source, compared: Some(compared), ours: Some(ours), bound, done: Done::Computed }
     }
 
     /// Returns a row for a figure that the model takes as it is.
     pub(crate) fn input(
         name: impl Into<String>,
         unit: &'static str,
-        theirs: (f64, &'static str),
+        compared: (f64, &'static str),
         ours: f64,
     ) -> Self {
-        Self::computed(name, unit, theirs, ours, Bound::Equal).taken()
+        Self::computed(name, unit, compared, ours, Bound::Equal).taken()
     }
 
     /// Returns a row for their figure without one of ours.
     pub(crate) fn unchecked(
         name: impl Into<String>,
         unit: &'static str,
-        (theirs, source): (f64, &'static str),
+        (compared, source): (f64, &'static str),
         why: &'static str,
     ) -> Self {
         let (name, done) = (name.into(), Done::Not(why));
-        Self { name, unit, source, theirs: Some(theirs), ours: None, bound: Bound::Open, done }
+        Self { name, unit, source, compared: Some(compared), ours: None, bound: Bound::Open, done }
     }
 
     /// Returns a row for figures that were not published.
     pub(crate) fn missing(name: impl Into<String>, source: &'static str, why: &'static str) -> Self {
-        Self { theirs: None, ..Self::unchecked(name, "", (0.0, source), why) }
+        Self { compared: None, ..Self::unchecked(name, "", (0.0, source), why) }
     }
 
     /// Returns a row for our figure without a published one.
     pub(crate) fn ours(name: impl Into<String>, unit: &'static str, ours: f64) -> Self {
         let (name, done) = (name.into(), Done::Computed);
-        Self { name, unit, source: "none", theirs: None, ours: Some(ours), bound: Bound::Open, done }
+        Self { name, unit, source: "none", compared: None, ours: Some(ours), bound: Bound::Open, done }
     }
 
     /// Returns the row with another bound.
@@ -106,16 +106,16 @@ impl Row {
         Self { done: Done::Fitted, ..self }
     }
 
-    /// Returns ours less theirs and the largest deviation that is allowed, both in percent or in the row's
+    /// Returns ours less the compared figure and the largest deviation that is allowed, both in percent or in the row's
     /// unit.
     fn deviation(&self) -> Option<(f64, f64)> {
-        let (theirs, ours) = (self.theirs?, self.ours?);
+        let (compared, ours) = (self.compared?, self.ours?);
         Some(match self.bound {
-            Bound::Equal => (ours - theirs, 0.0),
-            Bound::Percent(bound) => (100.0 * (ours - theirs) / theirs.abs(), bound),
-            Bound::Absolute(bound) => (ours - theirs, bound),
-            Bound::AtMost => (ours - theirs, f64::INFINITY),
-            Bound::Open => (100.0 * (ours - theirs) / theirs.abs(), f64::INFINITY),
+            Bound::Equal => (ours - compared, 0.0),
+            Bound::Percent(bound) => (100.0 * (ours - compared) / compared.abs(), bound),
+            Bound::Absolute(bound) => (ours - compared, bound),
+            Bound::AtMost => (ours - compared, f64::INFINITY),
+            Bound::Open => (100.0 * (ours - compared) / compared.abs(), f64::INFINITY),
         })
     }
 
@@ -153,7 +153,7 @@ impl Row {
         let bound = match self.bound {
             Bound::Equal => "0".to_owned(),
             Bound::Percent(bound) | Bound::Absolute(bound) => format!("{}{unit}", as_printed(bound)),
-            Bound::AtMost => "at most theirs".to_owned(),
+            Bound::AtMost => "at most compared".to_owned(),
             Bound::Open => "-".to_owned(),
         };
         let done = match self.done {
@@ -162,9 +162,9 @@ impl Row {
             Done::Fitted => "fitted",
             Done::Not(why) => why,
         };
-        let theirs = self.theirs.map_or("-".to_owned(), as_printed);
+        let compared = self.compared.map_or("-".to_owned(), as_printed);
         format!(
-            "| {} | {} | {theirs} | {} | {} | {deviation} | {bound} | {done} |\n",
+            "| {} | {} | {compared} | {} | {} | {deviation} | {bound} | {done} |\n",
             self.name,
             self.unit,
             self.source,
@@ -203,8 +203,8 @@ fn trimmed(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn beyond(theirs: f64, ours: f64, bound: Bound) -> bool {
-        Row::computed("a length", "mm", (theirs, "paper"), ours, bound).beyond_bound().is_some()
+    fn beyond(compared: f64, ours: f64, bound: Bound) -> bool {
+        Row::computed("a length", "mm", (compared, "paper"), ours, bound).beyond_bound().is_some()
     }
 
     #[test]

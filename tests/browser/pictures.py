@@ -23,13 +23,14 @@ def take(browser, service, address, size, name, height):
 
 
 def take_demo(browser):
-    """Write a picture of the demo in the middle of its dose, as wide as a README is shown and below 150 kB."""
+    """Write pictures of the demo in the middle of its dose, as wide as a README is shown and below 150 kB."""
     address, size = (ROOT / "target/demo/index.html").as_uri(), {"width": 1280, "height": 1225}
-    page = watch(browser, address, size=size, device_scale_factor=0.7)
-    expect(page.get_by_role("button", name="Pause")).to_be_visible()
-    page.evaluate("seek(3)")
-    page.screenshot(path=ROOT / "docs/demo.png")
-    page.context.close()
+    for scheme, name in {"light": "demo.png", "dark": "demo_dark.png"}.items():
+        page = watch(browser, address, size=size, device_scale_factor=0.7, color_scheme=scheme)
+        expect(page.get_by_role("button", name="Pause")).to_be_visible()
+        page.evaluate("seek(3)")
+        page.screenshot(path=ROOT / "docs" / name)
+        page.context.close()
 
 
 def main():
