@@ -35,17 +35,45 @@ fn a_pump_that_comes_to_stand_at_a_limit_is_told_to_everyone_once() {
 }
 
 #[test]
-fn a_dose_counts_for_the_limit_of_a_day_as_soon_as_it_moves() {
+fn a_dose_counts_as_it_is_delivered_and_its_rest_is_under_way() {
     let laboratory = limited();
     let service = laboratory.serve(&[]);
     service.dose("acid", "49mL", &json!({"rate": "1mL/s"}));
-    let left_ml = wait_for("what is left", || {
+    let counted = |status: &Value| {
+        let of = |key: &str| status["safety"][key].as_f64().unwrap();
+        let (day_ml, rest_ml, left_ml) = (of("day_ml"), of("under_way_ml"), of("day_left_ml"));
+        assert!((day_ml + rest_ml + left_ml - 50.0).abs() < 0.05, "{status}");
+        assert_eq!((of("received_ml"), status["wear"]["volume_ml"].as_f64()), (day_ml, Some(day_ml)));
+        (day_ml, left_ml)
+    };
+    let (mut views, mut last_ml) = (0, 0.0);
+    // The page's stream, the view and the numbers count on while the pump moves, as the command does by the record.
+    while views < 3 {
+        let view = wait_for("more to count", || {
+            let view = service.get("/api/v1/pumps/acid").1;
+            (view["status"]["safety"]["day_ml"].as_f64() > Some(last_ml)).then_some(view)
+        });
+        let answer = laboratory.run(&["safety", "--pump", "acid", "--format", "json"]);
+        let (of_view, of_command) =
+            (counted(&view["status"]), counted(&serde_json::from_slice(&answer.stdout).unwrap()));
+        assert!((of_view.1 - 1.0).abs() < 0.05, "the whole plan is not free any more: {view}");
+        assert!((0.0..2.5).contains(&(of_command.0 - of_view.0)), "{of_view:?}, {of_command:?}");
+        assert!(view["order"].is_string() && view["status"]["unfinished"].is_null(), "{view}");
+        (views, last_ml) = (views + 1, of_view.0);
+    }
+    let numbers = service.get("/metrics").1;
+    let number = |name: &str| -> f64 {
+        let line = numbers.as_str().unwrap().lines().find(|line| line.starts_with(&format!("{name}{{")));
+        line.and_then(|line| line.rsplit(' ').next()?.parse().ok()).unwrap()
+    };
+    assert!(number("dose_day_ml") >= last_ml && number("dose_tube_volume_ml_total") >= last_ml);
+    assert!((number("dose_day_ml") + number("dose_under_way_ml") - 49.0).abs() < 0.05);
+    service.post("/api/v1/stop", &json!({}));
+    let view = wait_for("the pump to stand", || {
         let view = service.get("/api/v1/pumps/acid").1;
-        view["status"]["safety"]["day_left_ml"].as_f64().filter(|left_ml| *left_ml < 50.0)
+        view["order"].is_null().then_some(view)
     });
-    assert!((left_ml - 1.0).abs() < 0.05, "{left_ml}");
-    let view = service.get("/api/v1/pumps/acid").1;
-    assert!(view["order"].is_string() && view["status"]["unfinished"].is_null(), "{view}");
+    assert_eq!(view["status"]["safety"]["under_way_ml"], 0.0, "nobody makes the rest: {view}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use pump_model::Pump;
 use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
-use super::{DeliveredRange, Intent, Whole};
+use super::{DeliveredRange, Intent, Purpose, Whole};
 use crate::displacement::Correction;
 
 /// Dose that was begun and not finished.
@@ -92,6 +92,22 @@ impl Unfinished {
             return (booked_ml, booked_ml);
         }
         self.motion_delivered(pump).range_ml()
+    }
+
+    /// Returns the volume that safety limits count once the last motion is made to its end, beyond what they count
+    /// already, in mL; negative in reverse. 0 for a retraction, and for a run until it is stopped, whose end nobody
+    /// knows.
+    pub(crate) fn still_to_count_ml(&self, pump: &Pump) -> f64 {
+        if self.is_endless() || self.intent.purpose == Purpose::Retract {
+            return 0.0;
+        }
+        let (least_ml, most_ml) = self.counted_ml(pump);
+        let planned_ml = self.intent.planned_ml;
+        if planned_ml < 0.0 {
+            (planned_ml - least_ml.min(most_ml)).min(0.0)
+        } else {
+            (planned_ml - least_ml.max(most_ml)).max(0.0)
+        }
     }
 
     /// Returns the most that the last motion may have pumped in its direction, in mL.

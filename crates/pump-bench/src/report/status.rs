@@ -172,7 +172,11 @@ impl Status {
     ///
     /// [`DoseError::Journal`] or [`DoseError::Calibration`] where the record cannot be read.
     pub fn of(bench: &Bench) -> Result<Self, DoseError> {
-        let recorded = bench.story()?.state;
+        let story = bench.story()?;
+        let recorded = story.state;
+        let in_use_by = bench.folder().holder();
+        // A motion that nobody makes any more was cut off.
+        let under_way = story.cut_off.map(|(_, motion)| motion).filter(|_| in_use_by.is_some());
         let state = recorded.unwrap_or(bench.fresh());
         let unfinished = state.unfinished.map(|dose| {
             let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
@@ -217,8 +221,8 @@ impl Status {
             unfinished,
             last_by_weight: LastByWeight::of(&state),
             unfinished_calibration: UnfinishedCalibration::of(bench),
-            safety: SafetyStatus::of(bench, recorded.as_ref()),
-            in_use_by: bench.folder().holder(),
+            safety: SafetyStatus::of(bench, recorded.as_ref(), under_way.as_ref()),
+            in_use_by,
             folder: bench.folder().path().display().to_string(),
         })
     }

@@ -23,14 +23,32 @@ pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
     };
     let moves = views.iter().map(|view| (view.name.clone(), f64::from(u8::from(view.order.is_some()))));
     let read = views.iter().map(|view| (view.name.clone(), f64::from(u8::from(view.error.is_none()))));
-    let metrics: [Metric; 7] = [
+    let metrics: [Metric; 10] = [
         ("dose_pump_readable", "gauge", "1 if the record of the pump can be read.", read.collect()),
         ("dose_pump_ordered", "gauge", "1 while the pump carries out an order.", moves.collect()),
         (
             "dose_tube_volume_ml_total",
             "counter",
             "Volume that the tube has pumped, in mL.",
-            of(|status| status.wear.volume_ml),
+            service.pumps().map(|pump| (pump.name().to_owned(), pump.tube_ml())).collect(),
+        ),
+        (
+            "dose_day_ml",
+            "gauge",
+            "Volume that the limit of 24 hours counts by now, in mL.",
+            of(|status| status.safety.day_ml),
+        ),
+        (
+            "dose_received_ml",
+            "gauge",
+            "Volume that the vessel has received since it was emptied, in mL.",
+            of(|status| status.safety.received_ml),
+        ),
+        (
+            "dose_under_way_ml",
+            "gauge",
+            "Volume that the motion under way will still pump at most, in mL.",
+            of(|status| status.safety.under_way_ml),
         ),
         ("dose_carry_ml", "gauge", "Volume that the next dose owes, in mL.", of(|status| status.carry_ml)),
         (

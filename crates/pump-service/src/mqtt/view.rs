@@ -24,6 +24,10 @@ pub(super) struct State<'a> {
     carry_ml: Option<f64>,
     /// Volume that the tube has pumped, mL.
     tube_ml: Option<f64>,
+    /// Volumes that the safety limits count by now, and that of the motion under way, mL.
+    day_ml: Option<f64>,
+    received_ml: Option<f64>,
+    under_way_ml: Option<f64>,
     /// Volume of the last dose, prime, purge or run on record, mL; the middle of its bounds while it is unfinished.
     delivered_ml: Option<f64>,
     /// Volume that it was asked for, mL; that of the whole dose while it is unfinished.
@@ -50,6 +54,9 @@ impl<'a> State<'a> {
             angle_deg: status.and_then(|status| status.angle_deg),
             carry_ml: status.map(|status| status.carry_ml),
             tube_ml: status.map(|status| status.wear.volume_ml),
+            day_ml: status.map(|status| status.safety.day_ml),
+            received_ml: status.map(|status| status.safety.received_ml),
+            under_way_ml: status.map(|status| status.safety.under_way_ml),
             delivered_ml: of_unfinished.map(|dose| dose.0).or_else(|| of_last("delivered_ml")),
             asked_ml: of_unfinished.map(|dose| dose.1).or_else(|| of_last("requested_ml")),
             order: view.order.as_ref(),

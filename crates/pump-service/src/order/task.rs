@@ -152,6 +152,11 @@ impl Task {
         }
     }
 
+    /// Returns true if the task accepts an interrupted dose.
+    pub(crate) fn accepts(&self) -> bool {
+        matches!(self, Self::Accept) || self.is_typed(&["accept"])
+    }
+
     /// Returns true for a typed command that begins with these words.
     fn is_typed(&self, begin: &[&str]) -> bool {
         let Self::Command { words } = self else { return false };

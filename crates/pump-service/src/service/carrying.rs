@@ -37,9 +37,11 @@ impl Service {
             let delivered_ml = is_killed.then(|| service.delivered_ml(&record, &changed)).flatten();
             let come: Vec<bool> = changed.iter().map(|pump| service.refresh(pump).limit.is_some()).collect();
             service.live().remove(&record.id);
-            service.note_clear(&record);
+            service.note_word(&record);
             // The command tells of its own failures, and leaves a refusal to the one who is answered.
-            let is_refused = record.origin == Origin::Http.to_string() && record.state == OrderState::Refused;
+            let is_answered =
+                [Origin::Http, Origin::Page].iter().any(|origin| origin.to_string() == record.origin);
+            let is_refused = is_answered && record.state == OrderState::Refused;
             let stands = record.error.clone().filter(|_| is_refused && come.contains(&true));
             service.tell("order", &record.brief());
             changed.iter().for_each(|pump| service.tell("pump", &service.view(pump)));
@@ -73,24 +75,28 @@ impl Service {
         refreshed
     }
 
-    /// Reads what the limits leave to a pump whose motion begins, and tells it.
-    fn refresh_limits(&self, name: String) {
+    /// Reads what the limits count of a pump whose motion begins, and tells it.
+    fn refresh_counted(&self, name: String) {
         let service = self.clone();
         tokio::task::spawn_blocking(move || {
             if let Ok(pump) = service.pump(&name) {
-                pump.refresh_limits();
+                pump.refresh_counted();
                 service.tell("pump", &service.view(pump));
             }
         });
     }
 
-    /// Notes who has cleared a pump, and why.
-    fn note_clear(&self, record: &OrderRecord) {
-        if let Some((reason, by)) = record.order.task.clearing()
-            && record.state == OrderState::Done
-        {
-            let text = format!("{} was cleared by {by}: {reason}", record.order.pump);
-            self.note("safety", Some(&record.order.pump), &text);
+    /// Notes who has cleared a pump, and why, or who has accepted its interrupted dose.
+    fn note_word(&self, record: &OrderRecord) {
+        let OrderRecord { order, origin, state: OrderState::Done, .. } = record else { return };
+        if let Some((reason, by)) = order.task.clearing() {
+            self.note("safety", Some(&order.pump), &format!("{} was cleared by {by}: {reason}", order.pump));
+        } else if order.task.accepts() {
+            self.note(
+                "dose",
+                Some(&order.pump),
+                &format!("the interrupted dose of {} was accepted, by {origin}", order.pump),
+            );
         }
     }
 
@@ -119,7 +125,7 @@ impl Service {
                     object.insert("order".to_owned(), id.as_str().into());
                     let name = self.name_of(object.get("pump").and_then(|id| id.as_str()), &pump);
                     if begins {
-                        self.refresh_limits(name.clone());
+                        self.refresh_counted(name.clone());
                     }
                     object.insert("name".to_owned(), name.into());
                 }

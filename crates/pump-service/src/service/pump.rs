@@ -35,6 +35,19 @@ struct Read {
     written: Option<SystemTime>,
     /// True if another process held the pump.
     is_held: bool,
+    /// Volume that the tube has pumped, as it was counted, in mL.
+    tube_ml: f64,
+}
+
+impl Read {
+    /// Counts what the tube has pumped. A motion that was stopped has pumped a little less than it may have before,
+    /// and a counter never goes back: it begins anew with another tube.
+    fn count_tube(&mut self) {
+        let Some(status) = &self.status else { return };
+        let now_ml = status.wear.volume_ml;
+        let is_another = now_ml < 0.5 * self.tube_ml;
+        self.tube_ml = if is_another { now_ml } else { self.tube_ml.max(now_ml) };
+    }
 }
 
 impl Pump {
@@ -81,22 +94,24 @@ impl Pump {
             Ok(status) => (Some(status), None),
             Err(error) => (None, Some(with_sources(&error))),
         };
+        read.count_tube();
         read.last = self.last_logged();
         let limit = read.status.as_ref().and_then(limit_of).filter(|_| stood == Some(false));
         Refreshed { has_changed: true, limit }
     }
 
-    /// Reads what the limits leave while the pump moves: a dose counts with its plan once it has begun.
-    pub(super) fn refresh_limits(&self) {
+    /// Reads what the limits and the tube count by now: a motion goes on, and the day forgets. Returns true if that has
+    /// changed.
+    pub(super) fn refresh_counted(&self) -> bool {
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        if let (Some(known), Ok(now)) = (&mut read.status, Status::of(&self.bench)) {
-            let open = now.unfinished.filter(|motion| !motion.until_stopped);
-            let rest_ml = open.map_or(0.0, |motion| motion.planned_ml - motion.delivered_most_ml);
-            // A stand is new to the reading after the motion, which tells it.
-            let stand = known.safety.stand;
-            known.safety = now.safety.with_planned(rest_ml);
-            known.safety.stand = stand;
-        }
+        let (Some(known), Ok(now)) = (&mut read.status, Status::of(&self.bench)) else { return false };
+        // A stand is new to the reading after the motion, which tells it.
+        let mut safety = now.safety;
+        safety.stand = known.safety.stand;
+        let has_changed = (known.safety, known.wear) != (safety, now.wear);
+        (known.safety, known.wear) = (safety, now.wear);
+        read.count_tube();
+        has_changed
     }
 
     /// Returns the last dose of the log. A log that cannot be read is told by whoever asks for it.
@@ -104,6 +119,11 @@ impl Pump {
         let entry = self.bench.last_logged().ok()??;
         let line = log_json(&self.bench.file().pump.id, self.bench.drive_id(), &entry, false);
         serde_json::from_str(&line).ok()
+    }
+
+    /// Returns the volume that the tube has pumped, in mL: a counter, which begins anew with each tube.
+    pub(crate) fn tube_ml(&self) -> f64 {
+        self.read.lock().unwrap_or_else(PoisonError::into_inner).tube_ml
     }
 
     /// Returns the number of the last dose of the log, as it was read last.

@@ -218,7 +218,7 @@ impl Service {
             return Err(Refusal::Key(text.len()));
         }
         // A person who asks over HTTP is answered, and the schedule tells what it could not make.
-        let is_answered = matches!(origin, Origin::Http | Origin::Schedule(_));
+        let is_answered = origin.is_answered() || matches!(origin, Origin::Schedule(_));
         let asked = Asked { order, origin, key, seat: Seat { is_answered, ..Seat::default() }, hearer: None };
         let (id, stops, worker) = match self.begin(asked)? {
             Begun::New { id, stops, worker } => (id, stops, worker),

@@ -5,10 +5,13 @@ use serde::Serialize;
 use crate::bench::{Bench, system_now_s};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{duration, significant};
-use crate::record::{PumpState, Stamp};
+use crate::record::{PumpState, Stamp, Unfinished};
 use crate::safety::{Stand, StandReason};
 
 /// Volumes that safety limits count, and the stand of the pump if one is reached.
+///
+/// A motion under way counts with the most that it may have pumped so far. The rest of its plan is `under_way_ml`, and
+/// no longer free: what is used, under way and left adds up to the limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct SafetyStatus {
@@ -16,14 +19,17 @@ pub struct SafetyStatus {
     pub max_ml_per_day: Option<f64>,
     /// Volume of the last 24 hours in either direction, mL.
     pub day_ml: f64,
-    /// Volume that the limit of 24 hours leaves, mL; null without that limit.
+    /// Volume that the limit of 24 hours leaves beside the motion under way, mL; null without that limit.
     pub day_left_ml: Option<f64>,
     /// Volume that the receiving vessel holds, mL; null if nobody has said it.
     pub vessel_ml: Option<f64>,
     /// Volume that the vessel has received since it was emptied, mL.
     pub received_ml: f64,
-    /// Volume that the vessel has room for, mL; null if nobody has said what it holds.
+    /// Volume that the vessel has room for beside the motion under way, mL; null if nobody has said what it holds.
     pub vessel_left_ml: Option<f64>,
+    /// Volume that the motion under way will still pump at most, in either direction, mL; 0 while nothing moves, and
+    /// in a run until it is stopped.
+    pub under_way_ml: f64,
     /// How far the clock is behind the latest time on record, s; 0 if it is not.
     pub clock_behind_s: u64,
     /// Stand of the pump at a limit or by order; null if it may move.
@@ -52,49 +58,40 @@ pub struct StandStatus {
 }
 
 impl SafetyStatus {
-    /// Reads the limits of a bench whose `state` is on record.
-    pub(super) fn of(bench: &Bench, state: Option<&PumpState>) -> Self {
+    /// Reads the limits of a bench whose `state` is on record, while `motion` is under way.
+    pub(super) fn of(bench: &Bench, state: Option<&PumpState>, motion: Option<&Unfinished>) -> Self {
         let (now_s, table) = (system_now_s(), &bench.file().safety);
         let account = bench.safety_account(state, now_s);
         let (day_ml, received_ml) = (account.day_ml(now_s), account.vessel_ml);
+        let rest_ml = motion.map_or(0.0, |motion| motion.still_to_count_ml(bench.model()));
         let left = |allowed_ml: Option<f64>, used_ml: f64| {
             allowed_ml.map(|allowed_ml| (allowed_ml - used_ml).max(0.0))
         };
         Self {
             max_ml_per_day: table.max_ml_per_day,
             day_ml,
-            day_left_ml: left(table.max_ml_per_day, day_ml),
+            day_left_ml: left(table.max_ml_per_day, day_ml + rest_ml.abs()),
             vessel_ml: table.vessel_ml,
             received_ml,
-            vessel_left_ml: left(table.vessel_ml, received_ml),
+            vessel_left_ml: left(table.vessel_ml, received_ml + rest_ml.max(0.0)),
+            under_way_ml: rest_ml.abs(),
             clock_behind_s: account.behind_s(now_s),
             stand: account.stand.map(StandStatus::of),
-        }
-    }
-
-    /// Returns the limits once the rest of a motion has been made too, mL, negative in reverse.
-    #[must_use]
-    pub fn with_planned(self, rest_ml: f64) -> Self {
-        let less = |left_ml: Option<f64>, ml: f64| left_ml.map(|left_ml| (left_ml - ml).max(0.0));
-        let (pumped_ml, received_ml) = (rest_ml.abs(), rest_ml.max(0.0));
-        Self {
-            day_ml: self.day_ml + pumped_ml,
-            day_left_ml: less(self.day_left_ml, pumped_ml),
-            received_ml: self.received_ml + received_ml,
-            vessel_left_ml: less(self.vessel_left_ml, received_ml),
-            ..self
         }
     }
 
     /// The limits in words. `None` where nothing limits the pump and it does not stand.
     pub(in crate::report) fn line(&self, words: Wording) -> Option<String> {
         let ml = |volume_ml: f64| significant(volume_ml, 6);
+        let under_way = self.under_way_words();
         let day = self.max_ml_per_day.zip(self.day_left_ml).map(|(most_ml, left_ml)| {
-            format!("{} of {} mL in the last 24 h, {} mL left", ml(self.day_ml), ml(most_ml), ml(left_ml))
+            let (used, most, left) = (ml(self.day_ml), ml(most_ml), ml(left_ml));
+            format!("{used} of {most} mL in the last 24 h{under_way}, {left} mL left")
         });
         let vessel = self.vessel_ml.zip(self.vessel_left_ml).map(|(holds_ml, left_ml)| {
             let received = ml(self.received_ml);
-            format!("the vessel has received {received} of {} mL, {} mL left", ml(holds_ml), ml(left_ml))
+            let (holds, left) = (ml(holds_ml), ml(left_ml));
+            format!("the vessel has received {received} of {holds} mL{under_way}, {left} mL left")
         });
         let behind = (self.max_ml_per_day.is_some() && self.clock_behind_s > 0).then(|| {
             let behind = duration(self.clock_behind_s as f64);
@@ -110,6 +107,12 @@ impl SafetyStatus {
         (!said.is_empty()).then(|| format!("safety: {}", said.join("; ")))
     }
 
+    /// The rest of the motion under way in words; empty without one.
+    fn under_way_words(&self) -> String {
+        let volume = || format!(", up to {} mL under way", significant(self.under_way_ml, 6));
+        if self.under_way_ml > 0.0 { volume() } else { String::new() }
+    }
+
     /// The limits in words, a line each, for a person who asks for nothing else.
     pub fn text(&self, words: Wording) -> String {
         let unlimited = |limit: Option<f64>, line: String| limit.is_none().then_some(line);
@@ -117,7 +120,11 @@ impl SafetyStatus {
             self.line(words),
             unlimited(
                 self.max_ml_per_day,
-                format!("no limit of 24 h: {} mL were pumped in the last 24 h", significant(self.day_ml, 6)),
+                format!(
+                    "no limit of 24 h: {} mL were pumped in the last 24 h{}",
+                    significant(self.day_ml, 6),
+                    self.under_way_words()
+                ),
             ),
             unlimited(
                 self.vessel_ml,

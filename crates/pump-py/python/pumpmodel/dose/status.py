@@ -101,7 +101,11 @@ class Stand(Record):
 
 @dataclass(frozen=True)
 class Safety(Record):
-    """The volumes that the safety limits of the pump file count, mL. A limit that is not set is None."""
+    """The volumes that the safety limits of the pump file count, mL. A limit that is not set is None.
+
+    A motion under way counts with the most that it may have pumped so far; `under_way_ml` is the rest of its
+    plan, and what is left is free beside it.
+    """
 
     _records: ClassVar[dict[str, type[Record]]] = {"stand": Stand}
 
@@ -111,6 +115,7 @@ class Safety(Record):
     vessel_ml: float | None
     received_ml: float
     vessel_left_ml: float | None
+    under_way_ml: float
     clock_behind_s: int
     stand: Stand | None
 

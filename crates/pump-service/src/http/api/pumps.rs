@@ -3,6 +3,7 @@
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{Path, State};
+use axum::http::header::ORIGIN;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde_json::{Value, json};
@@ -247,7 +248,9 @@ pub(super) async fn place(
             Some(Key { text: text.to_owned(), body })
         }
     };
-    let placed = shared.service.place(order, &Origin::Http, key).await?;
+    // A browser says so with each order, and a page of another site was refused before.
+    let origin = if headers.contains_key(ORIGIN) { Origin::Page } else { Origin::Http };
+    let placed = shared.service.place(order, &origin, key).await?;
     if placed.record.state == OrderState::Refused {
         return Err(Failure::of_command(placed.record.code.unwrap_or(2), placed.record.error));
     }
