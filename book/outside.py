@@ -15,6 +15,7 @@ from typing import Any
 FENCED = re.compile(r"^(```+|~~~+).*?^\1\s*?$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"(?<!`)(`+)(?!`).+?(?<!`)\1(?!`)", re.DOTALL)
 LINK = re.compile(r"!?\[([^\[\]]*)\]\(\s*([^)\s]+)\s*\)")
+PICTURE = re.compile(r'(<(?:img|source) [^>]*?src(?:set)?=")([^"]+)')
 
 
 def page_name(source: str) -> str:
@@ -47,6 +48,12 @@ def link_in_guide(label: str, whole: str, target: str, source: str, pages: set[s
     return f"`{path}`" if label.strip("`") == path else f"{label} (`{path}`)"
 
 
+def picture_in_guide(target: str, source: str) -> str:
+    """Return the place in the guide of a picture that HTML of the page `source` shows."""
+    path = posixpath.normpath(posixpath.join("docs", posixpath.dirname(source), target))
+    return target if "://" in target or not path.startswith("docs/") else posixpath.relpath(path, "docs")
+
+
 def text_in_guide(text: str, source: str, pages: set[str]) -> str:
     """Return the text of the page `source` with its links as they hold in the guide."""
     parts, end = [], 0
@@ -55,7 +62,8 @@ def text_in_guide(text: str, source: str, pages: set[str]) -> str:
         label = text[slice(*found.span(1))]
         parts += [text[end:begin], link_in_guide(label, text[begin:after], found.group(2), source, pages)]
         end = after
-    return "".join([*parts, text[end:]])
+    whole = "".join([*parts, text[end:]])
+    return PICTURE.sub(lambda found: found[1] + picture_in_guide(found[2], source), whole)
 
 
 def chapters(items: list[Any]) -> Iterator[dict[str, Any]]:

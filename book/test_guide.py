@@ -19,6 +19,12 @@ def test_a_document_on_top_is_a_page_of_the_guide() -> None:
     assert told("![A dose](docs/dose.svg)", "../README.md") == "![A dose](dose.svg)"
 
 
+def test_a_picture_of_a_document_on_top_has_its_place_in_the_guide() -> None:
+    html = '<picture><source media="x" srcset="docs/a_dark.png"><img src="docs/a.png"></picture>'
+    assert told(html, "../README.md") == html.replace("docs/", "")
+    assert told('<img src="a.png">', "start.md") == '<img src="a.png">'
+
+
 def test_a_file_that_the_guide_lacks_is_shown_by_name() -> None:
     assert told("a [pump file](../examples/a.toml).") == "a pump file (`examples/a.toml`)."
     assert told("[`examples/a.toml`](../examples/a.toml)") == "`examples/a.toml`"
