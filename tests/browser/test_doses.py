@@ -267,7 +267,7 @@ def test_the_log_has_the_doses_and_their_export(laboratory, service, open_page):
             page.get_by_role("link", name=name).click()
         text = download.value.path().read_text()
         assert text.startswith(begins), text[:200]
-    assert json.loads(text) == laboratory.log("acid")[0] | {"origin": "http"}
+    assert json.loads(text) == laboratory.log("acid")[0] | {"origin": "http", "weighed": False, "accepted": None}
     # A dose that ends elsewhere is there without a reload.
     service.ended(service.dose("acid", "3mL") and "acid")
     expect(page.get_by_role("table").first.get_by_role("row")).to_have_count(3)

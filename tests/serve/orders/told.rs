@@ -85,7 +85,7 @@ fn the_log_says_who_ordered_a_dose() {
     assert!(laboratory.run(&["4mL", "--pump", "acid", "--no-service"]).status.success());
     let answer = service.get("/api/v1/pumps/acid/log?format=csv").1;
     let lines: Vec<&str> = answer.as_str().unwrap().lines().collect();
-    let ends = [",order,origin", ",http", ",command", ",,"];
+    let ends = [",order,origin,weighed,accepted", ",http,false,", ",command,false,", ",,,false,"];
     assert_eq!(lines.len(), ends.len(), "{lines:?}");
     assert!(lines.iter().zip(ends).all(|(line, end)| line.ends_with(end)), "{lines:?}");
     let answer = service.get("/api/v1/pumps/acid/log").1;
@@ -95,6 +95,40 @@ fn the_log_says_who_ordered_a_dose() {
     wait_for("the last dose", || {
         (service.get("/api/v1/pumps/acid").1["last"]["asked"] == "4 mL").then_some(())
     });
+}
+
+#[test]
+fn a_dose_that_was_resumed_is_told_as_a_whole_and_one_that_was_accepted_names_who_did() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    let service = laboratory.serve(&[]);
+    let stopped = || {
+        let id = service.dose("acid", "9mL", &json!({"rate": "3mL/s"}));
+        service.moves("acid");
+        service.post("/api/v1/pumps/acid/stop", &json!({}));
+        service.ended(&id);
+    };
+    let ends = |path: &str| {
+        let order = service.post(path, &json!({})).1;
+        service.ended(order["id"].as_str().unwrap());
+    };
+    stopped();
+    let part = service.get("/api/v1/pumps/acid").1["last"].clone();
+    ends("/api/v1/pumps/acid/resume");
+    let view = service.get("/api/v1/pumps/acid").1;
+    let (whole, number) = (&view["whole"], |of: &Value, key: &str| of[key].as_f64().unwrap());
+    assert_eq!((&whole["time"], &whole["requested_ml"]), (&part["time"], &json!(9.0)));
+    assert_eq!(whole["before_ml"], part["delivered_ml"]);
+    let sum_ml = number(&part, "delivered_ml") + number(&view["last"], "delivered_ml");
+    assert!((number(whole, "delivered_ml") - sum_ml).abs() < 1e-9 && (sum_ml - 9.0).abs() < 0.01, "{view}");
+    stopped();
+    assert!(service.get("/api/v1/pumps/acid").1["whole"].is_null(), "another dose");
+    ends("/api/v1/pumps/acid/accept");
+    let answer = service.get("/api/v1/pumps/acid/log").1;
+    let accepted = |line: &str| serde_json::from_str::<Value>(line).unwrap()["accepted"].clone();
+    let accepted: Vec<Value> = answer.as_str().unwrap().lines().map(accepted).collect();
+    assert_eq!(accepted, [Value::Null, Value::Null, json!("http")]);
+    let note = &service.get("/api/v1/notes").1[0];
+    assert_eq!(note["text"], "the interrupted dose of acid was accepted, by http");
 }
 
 #[test]

@@ -6,8 +6,10 @@
 mod error;
 mod history;
 mod logins;
+mod marks;
 mod record;
 
 pub use self::error::HistoryError;
 pub use self::history::History;
+pub(crate) use self::marks::Marks;
 pub use self::record::{EventRecord, Key, OrderRecord, OrderState};

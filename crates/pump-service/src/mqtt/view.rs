@@ -28,9 +28,10 @@ pub(super) struct State<'a> {
     day_ml: Option<f64>,
     received_ml: Option<f64>,
     under_way_ml: Option<f64>,
-    /// Volume of the last dose, prime, purge or run on record, mL; the middle of its bounds while it is unfinished.
+    /// Volume of the last dose, prime, purge or run on record, mL; the middle of its bounds while it is unfinished, and
+    /// all its parts if it was resumed.
     delivered_ml: Option<f64>,
-    /// Volume that it was asked for, mL; that of the whole dose while it is unfinished.
+    /// Volume that it was asked for, mL; that of the whole dose while it is unfinished, or if it was resumed.
     asked_ml: Option<f64>,
     order: Option<&'a OrderId>,
     task: Option<&'static str>,
@@ -45,9 +46,11 @@ impl<'a> State<'a> {
     pub(super) fn of(view: &'a PumpView, motion: Option<&'static str>) -> Self {
         let status = view.status.as_ref();
         let of_last = |key: &str| view.last.as_ref()?.get(key)?.as_f64();
+        let of_whole = view.whole.map(|whole| (whole.delivered_ml, whole.requested_ml));
         let unfinished = status.and_then(|status| status.unfinished.as_ref());
         let of_unfinished = unfinished
-            .map(|dose| (0.5 * (dose.delivered_least_ml + dose.delivered_most_ml), dose.requested_ml));
+            .map(|dose| (0.5 * (dose.delivered_least_ml + dose.delivered_most_ml), dose.requested_ml))
+            .or(of_whole);
         Self {
             schema: "mqtt-pump/1",
             state: motion.unwrap_or_else(|| word(view)),

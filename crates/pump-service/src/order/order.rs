@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::OrderError;
-use super::options::{Options, option, read_options};
+use super::options::{Choice, Options, option, read_options};
 use super::task::{Task, name};
 
 /// Order to a pump, or to a rack.
@@ -37,6 +37,11 @@ impl Order {
     /// An order without options.
     pub fn new(pump: &str, task: Task) -> Self {
         Self { pump: pump.to_owned(), task, options: Options::new() }
+    }
+
+    /// Returns true if the order plans alone: nothing moves, and nothing is kept.
+    pub(crate) fn is_dry(&self) -> bool {
+        self.options.get("dry-run") == Some(&Choice::Switch(true))
     }
 
     /// Returns the words of the command, without the program's name.

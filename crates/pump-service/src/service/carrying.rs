@@ -5,8 +5,8 @@ use tokio::sync::mpsc::UnboundedReceiver;
 
 use super::pump::{Pump, Refreshed};
 use super::service::Service;
-use crate::history::{OrderRecord, OrderState};
-use crate::order::{OrderId, Origin};
+use crate::history::{Marks, OrderRecord, OrderState};
+use crate::order::{OrderId, Origin, Task};
 use crate::shell::{Failed, on_fail};
 use crate::worker::{Ended, Line, Worker, message_of};
 
@@ -38,6 +38,7 @@ impl Service {
             let come: Vec<bool> = changed.iter().map(|pump| service.refresh(pump).limit.is_some()).collect();
             service.live().remove(&record.id);
             service.note_word(&record);
+            service.mark_dose(&record);
             // The command tells of its own failures, and leaves a refusal to the one who is answered.
             let is_answered =
                 [Origin::Http, Origin::Page].iter().any(|origin| origin.to_string() == record.origin);
@@ -97,6 +98,20 @@ impl Service {
                 Some(&order.pump),
                 &format!("the interrupted dose of {} was accepted, by {origin}", order.pump),
             );
+        }
+    }
+
+    /// Marks the last dose of a pump that was weighed for a calibration, or accepted.
+    fn mark_dose(&self, record: &OrderRecord) {
+        let OrderRecord { order, origin, state: OrderState::Done, .. } = record else { return };
+        let accepted = order.task.accepts().then(|| origin.clone());
+        let weighed = matches!(order.task, Task::Calibrate { .. }) && !order.is_dry();
+        let number = self.pump(&order.pump).map_or(0, Pump::last_number);
+        if number == 0 || (!weighed && accepted.is_none()) {
+            return;
+        }
+        if let Err(error) = self.history().mark(&order.pump, number, &Marks { weighed, accepted }) {
+            self.note("service", Some(&order.pump), &error.to_string());
         }
     }
 

@@ -12,6 +12,7 @@ mod service;
 mod still;
 mod taken_over;
 mod view;
+mod whole;
 
 pub use self::error::ServiceError;
 pub use self::event::Event;
@@ -20,4 +21,5 @@ pub use self::pump::Pump;
 pub use self::service::{Service, Setup};
 pub(crate) use self::still::Stillness;
 pub use self::view::PumpView;
+pub use self::whole::WholeDose;
 pub(crate) use crate::worker::error_report;

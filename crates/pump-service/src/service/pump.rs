@@ -14,6 +14,7 @@ use serde_json::Value;
 
 use super::error::ServiceError;
 use super::view::PumpView;
+use super::whole::WholeDose;
 
 /// Pump of a service: its bench, and what was last read of its record.
 #[derive(Debug)]
@@ -31,6 +32,8 @@ struct Read {
     error: Option<String>,
     /// Last dose of the log, `log/1`.
     last: Option<Value>,
+    /// Dose that the last one of the log has ended, as a whole, if it was the rest of it.
+    whole: Option<WholeDose>,
     /// Time at which the record was written last.
     written: Option<SystemTime>,
     /// True if another process held the pump.
@@ -95,7 +98,7 @@ impl Pump {
             Err(error) => (None, Some(with_sources(&error))),
         };
         read.count_tube();
-        read.last = self.last_logged();
+        (read.last, read.whole) = self.last_logged();
         let limit = read.status.as_ref().and_then(limit_of).filter(|_| stood == Some(false));
         Refreshed { has_changed: true, limit }
     }
@@ -114,11 +117,12 @@ impl Pump {
         has_changed
     }
 
-    /// Returns the last dose of the log. A log that cannot be read is told by whoever asks for it.
-    fn last_logged(&self) -> Option<Value> {
-        let entry = self.bench.last_logged().ok()??;
+    /// Returns the last dose of the log, and the whole of which it is a rest. A log that cannot be read is told by
+    /// whoever asks for it.
+    fn last_logged(&self) -> (Option<Value>, Option<WholeDose>) {
+        let Ok(Some(entry)) = self.bench.last_logged() else { return (None, None) };
         let line = log_json(&self.bench.file().pump.id, self.bench.drive_id(), &entry, false);
-        serde_json::from_str(&line).ok()
+        (serde_json::from_str(&line).ok(), WholeDose::of(&self.bench, &entry))
     }
 
     /// Returns the volume that the tube has pumped, in mL: a counter, which begins anew with each tube.
@@ -142,7 +146,8 @@ impl Pump {
     /// Returns what people are shown of the pump while nothing moves.
     pub fn view(&self) -> PumpView {
         let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
-        PumpView::of(self, read.status.clone(), read.error.clone(), read.last.clone())
+        let view = PumpView::of(self, read.status.clone(), read.error.clone(), read.last.clone());
+        PumpView { whole: read.whole, ..view }
     }
 }
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::pump::Pump;
+use super::whole::WholeDose;
 use crate::order::OrderId;
 
 /// Pump as people and programs are shown it, `pump-view/1`.
@@ -38,6 +39,8 @@ pub struct PumpView {
     pub error: Option<String>,
     /// Last dose, prime, purge or run of the log, `log/1`; null without one.
     pub last: Option<Value>,
+    /// Dose that was resumed, all its parts together, if `last` is its last part; null otherwise.
+    pub whole: Option<WholeDose>,
     /// Order that is carried out now; null while there is none.
     pub order: Option<OrderId>,
     /// Word of the task that is carried out now.
@@ -72,6 +75,7 @@ impl PumpView {
             status,
             error,
             last,
+            whole: None,
             order: None,
             task: None,
             plan: None,

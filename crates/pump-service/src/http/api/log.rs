@@ -52,7 +52,8 @@ pub(in super::super) async fn log(
         LogFormat::Text => ("text/plain; charset=utf-8", "txt"),
     };
     let named = format!("inline; filename=\"{pump}.{ending}\"");
-    let mut origins = Origins::new(shared.service.history().clone(), format);
+    let origins = Origins::new(shared.service.history().clone(), &pump, format);
+    let mut origins = origins.map_err(crate::service::Refusal::from)?;
     let told = ReceiverStream::new(lines).map(Some).chain(tokio_stream::once(None));
     let body = Body::from_stream(told.map(move |piece| Ok::<_, std::io::Error>(origins.put(piece))));
     Ok(([(CONTENT_TYPE, kind.to_owned()), (CONTENT_DISPOSITION, named)], body).into_response())
