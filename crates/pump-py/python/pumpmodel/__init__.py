@@ -77,7 +77,7 @@ from pumpmodel.plotting import (
 )
 from pumpmodel.rack import Rack, RackDose, RackPump, RackReport, RackTotal
 from pumpmodel.speed_law import SpeedLaw
-from pumpmodel.sweeps import Sweep, sweep
+from pumpmodel.sweeps import Sweep, sweep, sweep_in_parts
 from pumpmodel.volume_fit import VolumeFit, VolumePolynomial
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
@@ -153,6 +153,7 @@ __all__ = [
     "plot_pump",
     "rmse",
     "sweep",
+    "sweep_in_parts",
 ]
 
 _methods.attach()

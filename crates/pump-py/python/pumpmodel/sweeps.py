@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields
+from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 
 import numpy as np
@@ -233,10 +234,92 @@ def sweep(
     (2, 3)
     """
     pumps = (pumps,) if isinstance(pumps, Pump) else tuple(pumps)
-    for number, pump in enumerate(pumps):
-        if not isinstance(pump, Pump):
-            message = f"pumps[{number}] must be a Pump, not {type(pump).__name__}"
-            raise TypeError(message)
+    name, speeds = _speeds(speed_rpm, speed_rad_s)
+    found, warning = _swept(pumps, name, speeds, executor, _show if progress is True else progress or None)
+    if warning:
+        warnings.warn(warning, UserWarning, stacklevel=2)
+    return found
+
+
+def sweep_in_parts(
+    pumps: Iterable[Pump],
+    *,
+    speed_rpm: ArrayLike | None = None,
+    speed_rad_s: ArrayLike | None = None,
+    points: int = 100_000,
+    executor: Executor | None = None,
+) -> Iterator[Sweep]:
+    """Compute the periodic steady states of pumps part by part, for more points than fit into memory.
+
+    Pumps are taken from the iterable as they are needed, so a generator may make them. A part is computed
+    when it is asked for, as `sweep` computes it, and its numbers are those of one sweep to the last bit.
+
+    Parameters
+    ----------
+    pumps : iterable of Pump
+        Pumps of the sweep, one row of results for each.
+    speed_rpm : array_like
+        Speeds of the pump head, r/min, a number or shape (speeds,); negative in reverse; not zero.
+    speed_rad_s : array_like
+        Speeds of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    points : int
+        Largest number of points (pumps times speeds) of a part, at least 1. A part has whole rows, so a row
+        of more speeds is a part of its own.
+    executor : concurrent.futures.Executor, optional
+        Executor of the work: a ThreadPoolExecutor, a ProcessPoolExecutor, `get_executor()` of a Dask client.
+
+    Yields
+    ------
+    Sweep
+        The next rows. A part of 100,000 points takes 7 MB.
+
+    Raises
+    ------
+    TypeError
+        If a pump is not a `Pump`, or `points` is not an integer.
+    ValueError
+        If a speed or `points` is not allowed, or a line without resistance resonates at a speed. The message
+        names the pump by its number in the whole sweep.
+
+    Warns
+    -----
+    UserWarning
+        If a pressure is below 0 kPa absolute, once for each part.
+
+    Examples
+    --------
+    >>> import pumpmodel as pm
+    >>> three = pm.Pump.three_roller()
+    >>> heads = (three.replace(rollers=count) for count in range(2, 7))
+    >>> parts = pm.sweep_in_parts(heads, speed_rpm=range(10, 171), points=400)
+    >>> [part.shape for part in parts]
+    [(2, 161), (2, 161), (1, 161)]
+    """
+    name, speeds = _speeds(speed_rpm, speed_rad_s)
+    if isinstance(points, bool) or not isinstance(points, int | np.integer):
+        message = f"points must be an integer, not {type(points).__name__}"
+        raise TypeError(message)
+    if points < 1:
+        message = f"points is {points}; allowed: 1 or more"
+        raise ValueError(message)
+    rows = max(1, int(points) // max(1, len(speeds)))
+    return _parts(iter((pumps,) if isinstance(pumps, Pump) else pumps), name, speeds, rows, executor)
+
+
+def _parts(
+    pumps: Iterator[Pump], name: str, speeds: NDArray[Any], rows: int, executor: Executor | None
+) -> Iterator[Sweep]:
+    first = 0
+    while part := tuple(islice(pumps, rows)):
+        found, warning = _swept(part, name, speeds, executor, None, first)
+        if warning:
+            warnings.warn(warning, UserWarning, stacklevel=2)
+        yield found
+        first += len(part)
+
+
+def _speeds(speed_rpm: ArrayLike | None, speed_rad_s: ArrayLike | None) -> tuple[str, NDArray[Any]]:
+    """Return the name of the argument that has the speeds, and its numbers."""
     if (speed_rpm is None) == (speed_rad_s is None):
         message = "give exactly one of speed_rpm and speed_rad_s"
         raise ValueError(message)
@@ -245,25 +328,36 @@ def sweep(
     if speeds.ndim != 1:
         message = f"{name} has shape {speeds.shape}; allowed: a number or one dimension"
         raise ValueError(message)
+    return name, speeds
 
-    shown = _show if progress is True else progress or None
+
+def _swept(
+    pumps: tuple[Pump, ...],
+    name: str,
+    speeds: NDArray[Any],
+    executor: Executor | None,
+    progress: _Progress | None,
+    first: int = 0,
+) -> tuple[Sweep, str | None]:
+    """Return the steady states of pumps, the first of which has the number `first`, and a warning."""
+    for number, pump in enumerate(pumps, start=first):
+        if not isinstance(pump, Pump):
+            message = f"pumps[{number}] must be a Pump, not {type(pump).__name__}"
+            raise TypeError(message)
     if executor is None:
-        results = _compute(pumps, name, speeds, progress=shown)
+        results = _compute(pumps, name, speeds, first=first, progress=progress)
     else:
-        results = _on_executor(executor, pumps, name, speeds, shown)
+        results = _on_executor(executor, pumps, name, speeds, progress, first)
 
     speeds = speeds.astype(np.float64)
     # This order of operations gives the bits of the compiled module's own conversion.
     rad_s_per_rpm = math.tau / 60
     rpm, rad_s = (speeds, speeds * rad_s_per_rpm) if name == "speed_rpm" else (speeds / rad_s_per_rpm, speeds)
     found = Sweep(pumps, rpm, rad_s, *results)
-    warning = _cavitating(found)
-    if warning:
-        warnings.warn(warning, UserWarning, stacklevel=2)
-    return found
+    return found, _cavitating(found, first)
 
 
-def _cavitating(found: Sweep) -> str | None:
+def _cavitating(found: Sweep, first: int) -> str | None:
     """Return the warning of pressures below 0 kPa absolute, if there are any."""
     lowest = np.minimum(found.inlet_min_kpa, found.outlet_min_kpa)
     below = int(np.count_nonzero(lowest < 0))
@@ -272,7 +366,7 @@ def _cavitating(found: Sweep) -> str | None:
     row, column = np.unravel_index(np.argmin(lowest), lowest.shape)
     kpa = float(lowest[row, column])
     port = "inlet" if found.inlet_min_kpa[row, column] == kpa else "outlet"
-    place = f"{port} of pumps[{row}] at {found.speed_rpm[column]:.6g} r/min"
+    place = f"{port} of pumps[{first + row}] at {found.speed_rpm[column]:.6g} r/min"
     return _cavitation(kpa, f"{place}, the lowest of {below} of {lowest.size} points below 0")
 
 
@@ -292,13 +386,19 @@ def _compute(
 
 
 def _on_executor(
-    executor: Executor, pumps: tuple[Pump, ...], name: str, speeds: NDArray[Any], progress: _Progress | None
+    executor: Executor,
+    pumps: tuple[Pump, ...],
+    name: str,
+    speeds: NDArray[Any],
+    progress: _Progress | None,
+    first: int,
 ) -> list[_Array]:
     shape = len(pumps), len(speeds)
     results = [np.empty(shape) for _ in RESULTS]
     tiles = list(_tiles(*shape))
     futures = [
-        executor.submit(_tile, pumps[rows], name, speeds[columns], rows.start) for rows, columns in tiles
+        executor.submit(_tile, pumps[rows], name, speeds[columns], first + rows.start)
+        for rows, columns in tiles
     ]
     done = 0
     try:

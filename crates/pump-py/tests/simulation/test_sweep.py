@@ -94,10 +94,10 @@ def test_bad_arguments_are_refused_by_name() -> None:
 
 def test_progress_rises_to_the_end() -> None:
     seen: list[tuple[int, int]] = []
-    pm.sweep(pumps(), speed_rpm=np.linspace(1, 170, 3000), progress=lambda *now: seen.append(now))
+    pm.sweep(pumps(), speed_rpm=np.linspace(1, 170, 50_000), progress=lambda *now: seen.append(now))
     done = [points for points, _ in seen]
     assert done == sorted(done)
-    assert seen[-1] == (12_000, 12_000)
+    assert seen[-1] == (200_000, 200_000)
     assert len(seen) > 1
 
 
