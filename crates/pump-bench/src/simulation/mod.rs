@@ -1,6 +1,7 @@
 //! Waveforms: flows, pressures and the delivered volume over time.
 
 mod fastest;
+mod range;
 mod reached;
 mod sample;
 mod sensitivity;
@@ -10,6 +11,7 @@ mod times;
 mod waveform;
 
 pub use fastest::{FastestRun, fastest_run};
+pub use range::Course;
 pub(crate) use reached::Reached;
 pub(crate) use sample::Columns;
 pub use sample::{COLUMNS, Sample};

@@ -18,10 +18,9 @@ pub struct SensitiveWaveform<'a, M> {
     pump: &'a Pump,
     inlet: Source<'a, M>,
     outlet: Source<'a, M>,
-    /// State of the outlet at the start, and the angle, rad, volume, mL, and flow, mL/rad, of its rollers there.
+    /// State of the outlet at the start, and the angle, rad, and flow, mL/rad, of its rollers there.
     start: SensitiveState,
     start_rad: f64,
-    start_ml: f64,
     start_ml_rad: f64,
 }
 
@@ -78,28 +77,33 @@ impl<'a, M: Iterator<Item = Leg> + Clone> SensitiveWaveform<'a, M> {
             outlet: source(at_outlet),
             start: outlet,
             start_rad,
-            start_ml: pump.outlet_curve().volume_ml(start_rad),
         }
     }
 
-    /// Writes the derivatives of the next samples, whose times in s and angles in rad these are.
-    pub fn fill(&mut self, time_s: &[f64], angle_rad: &[f64], to: Derivatives<'_>) {
+    /// Writes the derivatives of the next samples, whose times in s, angles in rad and delivered volumes in mL these are.
+    pub fn fill(&mut self, [time_s, angle_rad, delivered_ml]: [&[f64]; 3], to: Derivatives<'_>) {
         let Derivatives { mut inlet_kpa_by, mut outlet_kpa_by, mut delivered_ml_by } = to;
         let mut done = 0;
-        for (times, angles) in time_s.chunks(BLOCK).zip(angle_rad.chunks(BLOCK)) {
+        let blocks = time_s.chunks(BLOCK).zip(angle_rad.chunks(BLOCK)).zip(delivered_ml.chunks(BLOCK));
+        for ((times, angles), delivered) in blocks {
             let place = done..done + times.len();
             done = place.end;
-            let mut scratch = [[0.0; BLOCK]; 4];
-            let [kpa, flow_ml_rad, volume_ml, unused] =
-                scratch.each_mut().map(|column| &mut column[..times.len()]);
+            let mut scratch = [[0.0; BLOCK]; 3];
+            let [kpa, flow_ml_rad, pushed_ml] = scratch.each_mut().map(|column| &mut column[..times.len()]);
             let kpa_by = inlet_kpa_by.each_mut().map(|column| &mut column[place.clone()]);
-            self.inlet.fill(times, SensitiveColumns { kpa, kpa_by, flow_ml_rad });
+            self.inlet.fill(times, SensitiveColumns { kpa, kpa_by, flow_ml_rad: None, rate_kpa_s: None });
             let kpa_by = outlet_kpa_by.each_mut().map(|column| &mut column[place.clone()]);
-            self.outlet.fill(times, SensitiveColumns { kpa, kpa_by, flow_ml_rad });
-            self.pump.at_angles(angles, unused, &mut [0.0; BLOCK], volume_ml);
+            let flow = Some(&mut *flow_ml_rad);
+            self.outlet.fill(times, SensitiveColumns { kpa, kpa_by, flow_ml_rad: flow, rate_kpa_s: None });
+            // The rollers have pushed what was delivered, and what the line holds more than at the start.
+            let (compliance, start_kpa) =
+                (self.pump.outlet().compliance_ml_kpa, self.start.state.above_reservoir_kpa);
+            for ((pushed_ml, delivered_ml), kpa) in pushed_ml.iter_mut().zip(delivered).zip(&*kpa) {
+                *pushed_ml = delivered_ml + compliance * (kpa - start_kpa);
+            }
             let kpa_by = outlet_kpa_by.each_ref().map(|column| &column[place.clone()]);
             let delivered_by = delivered_ml_by.each_mut().map(|column| &mut column[place.clone()]);
-            self.deliver(angles, [kpa, flow_ml_rad, volume_ml], kpa_by, delivered_by);
+            self.deliver(angles, [kpa, flow_ml_rad, pushed_ml], kpa_by, delivered_by);
         }
     }
 
@@ -107,7 +111,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone> SensitiveWaveform<'a, M> {
     fn deliver(
         &self,
         angle_rad: &[f64],
-        [kpa, flow_ml_rad, volume_ml]: [&mut [f64]; 3],
+        [kpa, flow_ml_rad, pushed_ml]: [&mut [f64]; 3],
         kpa_by: [&[f64]; PARAMETERS],
         delivered_by: [&mut [f64]; PARAMETERS],
     ) {
@@ -124,7 +128,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone> SensitiveWaveform<'a, M> {
                     SensitivityParameter::StartAngle => flow_ml_rad[n] - self.start_ml_rad,
                     SensitivityParameter::RollerVolume => {
                         let bare_ml = nominal_ml_rad * (angle_rad[n] - self.start_rad);
-                        (volume_ml[n] - self.start_ml - bare_ml) / roller_ml
+                        (pushed_ml[n] - bare_ml) / roller_ml
                     }
                     _ => 0.0,
                 };
@@ -141,10 +145,13 @@ impl<M: Iterator<Item = Leg>> Source<'_, M> {
             Self::Every(samples) => return samples.fill(columns),
             Self::At(run) => run,
         };
-        let SensitiveColumns { kpa, mut kpa_by, flow_ml_rad } = columns;
+        let SensitiveColumns { kpa, mut kpa_by, mut flow_ml_rad, .. } = columns;
         for (n, time_s) in time_s.iter().enumerate() {
             let state = run.at(*time_s);
-            (kpa[n], flow_ml_rad[n]) = (state.state.above_reservoir_kpa, run.flow_ml_rad());
+            kpa[n] = state.state.above_reservoir_kpa;
+            if let Some(flow_ml_rad) = &mut flow_ml_rad {
+                flow_ml_rad[n] = run.flow_ml_rad();
+            }
             for (column, by) in kpa_by.iter_mut().zip(state.pressure_by) {
                 column[n] = by;
             }

@@ -11,7 +11,9 @@ use crate::line::periodic_state::periodic_state;
 use crate::motion::leg::Leg;
 use crate::port::Port;
 use crate::pump::pump::Pump;
+use crate::sensitivity::parameter::SensitivityParameter;
 use crate::sensitivity::run::SensitiveRun;
+use crate::sensitivity::samples::SensitiveColumns;
 use crate::sensitivity::state::SensitiveState;
 use crate::units::wrap;
 
@@ -160,15 +162,7 @@ impl<'a> Recording<'a> {
         (angle_rad, start_s): (f64, f64),
         watch: &'b Watch<'b>,
     ) -> Result<impl Iterator<Item = (f64, [f64; SLOPES])> + use<'a, 'b>, ModelError> {
-        line.validate()?;
-        let start = match self.motion {
-            RotorMotion::FromRest(_) => SensitiveState::AT_REST,
-            RotorMotion::Steady { speed_rad_s, .. } => {
-                SensitiveState::repeated(pump, line, self.port, speed_rad_s)?
-            }
-        };
-        let legs = self.legs(pump.pitch_rad(), angle_rad, start_s);
-        let mut run = SensitiveRun::on(pump, line, self.port, legs, start);
+        let mut run = self.sensitive_run(pump, line, (angle_rad, start_s))?;
         let begins_s = run.time_s();
         let goes_on = move || watch.goes_on();
         let state = move |sample: &PressureSample| {
@@ -278,15 +272,67 @@ impl<'a> Recording<'a> {
         let goes_on = || true;
         let watch = Watch::new(&goes_on);
         let (mut squares, mut slopes) = (0.0, [0.0; N]);
-        let model = self.slopes_kpa(pump, line, (angle_rad, start_s), &watch)?;
-        for (sample, (above_kpa, [by_r, by_c, by_l, by_angle, by_start])) in self.samples.iter().zip(model) {
-            let residual_kpa = sample.pressure_kpa - line.reservoir_kpa - above_kpa;
+        let mut add = |measured_kpa: f64, above_kpa: f64, by: [f64; SLOPES]| {
+            let residual_kpa = measured_kpa - line.reservoir_kpa - above_kpa;
             squares += residual_kpa * residual_kpa;
+            let [by_r, by_c, by_l, by_angle, by_start] = by;
             for (slope, by) in slopes.iter_mut().zip([by_r, by_c, by_l, by_angle, by_start, 1.0]) {
                 *slope -= 2.0 * residual_kpa * by;
             }
+        };
+        let Some(interval_s) = self.interval_s() else {
+            let model = self.slopes_kpa(pump, line, (angle_rad, start_s), &watch)?;
+            for (sample, (above_kpa, by)) in self.samples.iter().zip(model) {
+                add(sample.pressure_kpa, above_kpa, by);
+            }
+            return Ok((squares, slopes));
+        };
+        let mut run = self.sensitive_run(pump, line, (angle_rad, start_s))?;
+        let begins_s = run.time_s();
+        // Until the first leg the line is in its state at the start, which a later start leaves as it is.
+        let moves = self.samples.partition_point(|sample| sample.time_s <= begins_s);
+        let (before, moving) = self.samples.split_at(moves);
+        let SensitiveState { state, pressure_by: [by_r, by_c, by_l, by_angle, ..], .. } = run.state();
+        for sample in before {
+            add(sample.pressure_kpa, state.above_reservoir_kpa, [by_r, by_c, by_l, by_angle, 0.0]);
+        }
+        let Some(first) = moving.first() else { return Ok((squares, slopes)) };
+        run.at(first.time_s);
+        let mut every = run.every(interval_s);
+        let (mut kpa, mut rate_kpa_s) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut kpa_by = [[0.0; BLOCK]; SensitivityParameter::COUNT];
+        for block in moving.chunks(BLOCK) {
+            let length = block.len();
+            every.fill(SensitiveColumns {
+                kpa: kpa.get_mut(..length).unwrap_or_default(),
+                kpa_by: kpa_by.each_mut().map(|column| column.as_mut_slice()),
+                flow_ml_rad: None,
+                rate_kpa_s: Some(&mut rate_kpa_s),
+            });
+            for (n, sample) in block.iter().enumerate() {
+                let [by_r, by_c, by_l, by_angle, _] = kpa_by.each_ref().map(|column| column[n]);
+                add(sample.pressure_kpa, kpa[n], [by_r, by_c, by_l, by_angle, -rate_kpa_s[n]]);
+            }
         }
         Ok((squares, slopes))
+    }
+
+    /// Returns the run of a line with its derivatives, as [`Self::run`] that of the line alone.
+    fn sensitive_run<'b>(
+        &self,
+        pump: &'b Pump,
+        line: &'b Line,
+        (angle_rad, start_s): (f64, f64),
+    ) -> Result<SensitiveRun<'b, impl Iterator<Item = Leg> + use<'a>>, ModelError> {
+        line.validate()?;
+        let start = match self.motion {
+            RotorMotion::FromRest(_) => SensitiveState::AT_REST,
+            RotorMotion::Steady { speed_rad_s, .. } => {
+                SensitiveState::repeated(pump, line, self.port, speed_rad_s)?
+            }
+        };
+        let legs = self.legs(pump.pitch_rad(), angle_rad, start_s);
+        Ok(SensitiveRun::on(pump, line, self.port, legs, start))
     }
 
     /// Returns the interval of samples that are at equal intervals but for rounding, s.

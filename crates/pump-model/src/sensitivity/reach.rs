@@ -85,6 +85,12 @@ impl<const ROWS: usize> SensitiveReach<ROWS> {
         })
     }
 
+    /// Returns the second states y of the line row by row, kPa, see [`Oscillator`].
+    #[inline]
+    pub(super) fn second_kpa(&self, causes: SensitiveCauses) -> impl Iterator<Item = [f64; LANES]> {
+        self.line.rows().iter().map(move |[_, effects]| sums(effects, &causes.line))
+    }
+
     /// Returns the state with derivatives `n` intervals on. There must be a lane for it.
     pub(super) fn state(&self, n: usize, causes: &SensitiveCauses) -> Augmented {
         let mut state = [[0.0; 2]; STATES];

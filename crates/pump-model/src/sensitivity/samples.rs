@@ -38,8 +38,10 @@ pub struct SensitiveColumns<'a> {
     /// Derivatives of the pressure, kPa over the unit of each parameter, in the order of
     /// [`SensitivityParameter::ALL`].
     pub kpa_by: [&'a mut [f64]; SensitivityParameter::COUNT],
-    /// Flow at the rollers per radian, mL/rad, on the side of an edge on which the derivatives are.
-    pub flow_ml_rad: &'a mut [f64],
+    /// Flow at the rollers per radian, mL/rad, on the side of an edge on which the derivatives are, where it is asked for.
+    pub flow_ml_rad: Option<&'a mut [f64]>,
+    /// Rates of change of the pressure, kPa/s, where they are asked for.
+    pub rate_kpa_s: Option<&'a mut [f64]>,
 }
 
 impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
@@ -60,9 +62,10 @@ impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
 impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
     /// Writes the pressures of the next samples and their derivatives, for less than asking for them one by one.
     pub fn fill(&mut self, columns: SensitiveColumns<'_>) {
-        let SensitiveColumns { kpa, mut kpa_by, flow_ml_rad } = columns;
-        let lengths = kpa_by.iter().map(|column| column.len());
-        let count = lengths.fold(kpa.len().min(flow_ml_rad.len()), usize::min);
+        let SensitiveColumns { kpa, mut kpa_by, mut flow_ml_rad, mut rate_kpa_s } = columns;
+        let asked = [&flow_ml_rad, &rate_kpa_s].into_iter().flatten().map(|column| column.len());
+        let lengths = kpa_by.iter().map(|column| column.len()).chain(asked);
+        let count = lengths.fold(kpa.len(), usize::min);
         let mut done = 0;
         while done < count {
             let causes = self.reach.causes(&self.run.state, &self.run.flows, self.run.reached_s);
@@ -87,7 +90,12 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
                     }
                 }
             }
-            self.fill_flow_ml_rad(&mut flow_ml_rad[done..done + inside]);
+            if let Some(flow_ml_rad) = &mut flow_ml_rad {
+                self.fill_flow_ml_rad(&mut flow_ml_rad[done..done + inside]);
+            }
+            if let Some(rate_kpa_s) = &mut rate_kpa_s {
+                self.fill_rate_kpa_s(&mut rate_kpa_s[done..done + inside], causes);
+            }
             self.go_on(inside, &causes);
             done += inside;
         }
@@ -103,6 +111,27 @@ impl<M: Iterator<Item = Leg>> SensitiveSamples<'_, M> {
         let first_s = self.time_s(0);
         for (n, flow_ml_rad) in flow_ml_rad.iter_mut().enumerate() {
             *flow_ml_rad = stretch.flow_ml_rad(first_s + n as f64 * self.dt_s);
+        }
+    }
+
+    /// Writes the rates of change of the pressure at the next samples, which must lie inside the stretch.
+    fn fill_rate_kpa_s(&self, rate_kpa_s: &mut [f64], causes: SensitiveCauses) {
+        let run = &self.run;
+        let rate = |n: usize, second_kpa: f64| {
+            let flow = run.flows.line.at(run.reached_s + n as f64 * self.dt_s);
+            let [rate, _] = run.oscillator.derivative([0.0, second_kpa], flow);
+            rate
+        };
+        let rows = rate_kpa_s.chunks_mut(LANES).zip(self.reach.second_kpa(causes));
+        for (row, (places, lanes)) in rows.enumerate() {
+            for (lane, (place, second_kpa)) in places.iter_mut().zip(lanes).enumerate() {
+                *place = rate(row * LANES + lane, second_kpa);
+            }
+        }
+        // Where the flow's degree is above 4 the first sample alone is known, without lanes.
+        let [[_, second_kpa], ..] = run.state;
+        if let Some(first) = rate_kpa_s.first_mut() {
+            *first = rate(0, second_kpa);
         }
     }
 

@@ -270,7 +270,7 @@ fn samples_at_equal_intervals_are_those_asked_one_by_one() {
             for legs in motions(0.0, 10.471_975_511_965_978) {
                 let start = SensitiveState::fixed(LineState { above_reservoir_kpa: 1.0, flow_ml_s: 0.5 });
                 let run = || SensitiveRun::new(&pump, port, legs.clone(), start);
-                let (mut columns, mut flow) = ([[0.0; 1201]; 6], [0.0; 1201]);
+                let (mut columns, mut flow, mut rate) = ([[0.0; 1201]; 6], [0.0; 1201], [0.0; 1201]);
                 let [kpa, by_0, by_1, by_2, by_3, by_4] = &mut columns;
                 let mut samples = run().every(1e-3);
                 // Parts of any length make one row.
@@ -281,7 +281,8 @@ fn samples_at_equal_intervals_are_those_asked_one_by_one() {
                     samples.fill(SensitiveColumns {
                         kpa: &mut kpa[place.clone()],
                         kpa_by: by.map(|column| &mut column[place.clone()]),
-                        flow_ml_rad: &mut flow[place],
+                        flow_ml_rad: Some(&mut flow[place.clone()]),
+                        rate_kpa_s: Some(&mut rate[place]),
                     });
                     done += part;
                 }
@@ -292,6 +293,15 @@ fn samples_at_equal_intervals_are_those_asked_one_by_one() {
                     let state = single.at(n as f64 * 1e-3);
                     let missed_ml_rad = (flow[n] - single.flow_ml_rad()).abs();
                     assert!(!(1e-11..=0.01).contains(&missed_ml_rad), "{n}: {missed_ml_rad}");
+                    // C dP/dt is what the rollers push, and the line does not take.
+                    let leg = legs.iter().rfind(|leg| leg.start_s <= n as f64 * 1e-3).unwrap();
+                    let speed_rad_s =
+                        if n as f64 * 1e-3 < leg.end_s() { leg.speed_at(n as f64 * 1e-3) } else { 0.0 };
+                    let pushed = single.flow_ml_rad() * speed_rad_s;
+                    let sign = if port == Port::Outlet { 1.0 } else { -1.0 };
+                    let expected = sign * (pushed - state.state.flow_ml_s) / line.compliance_ml_kpa;
+                    let missed = (rate[n] - expected).abs() * line.compliance_ml_kpa;
+                    assert!(missed < 1e-7 || missed_ml_rad > 0.01, "{n}: {} {expected}", rate[n]);
                     for (k, column) in columns.iter().enumerate() {
                         let value = |state: &SensitiveState| match k {
                             0 => state.state.above_reservoir_kpa,

@@ -109,7 +109,7 @@ class Hose(Record):
         ValueError
             If a value is outside its range.
         """
-        return core._hose_line(self._numbers(), fluid._numbers(), reservoir_kpa, flow_ml_s)
+        return core._hose_line(self._numbers(), _numbers_of(fluid), reservoir_kpa, flow_ml_s)
 
     @overload
     def pressure_drop_kpa(self, fluid: Fluid, *, flow_ml_s: Number) -> float: ...
@@ -143,7 +143,7 @@ class Hose(Record):
         ValueError
             If a flow is not finite or beyond 1e6 mL/s.
         """
-        return core._hose_drop(self._numbers(), fluid._numbers(), flow_ml_s)
+        return core._hose_drop(self._numbers(), _numbers_of(fluid), flow_ml_s)
 
     @overload
     def reynolds(self, fluid: Fluid, *, flow_ml_s: Number) -> float: ...
@@ -171,7 +171,7 @@ class Hose(Record):
         ValueError
             If a flow is not finite or beyond 1e6 mL/s.
         """
-        return core._hose_reynolds(self._numbers(), fluid._numbers(), flow_ml_s)
+        return core._hose_reynolds(self._numbers(), _numbers_of(fluid), flow_ml_s)
 
     def _numbers(self) -> tuple[float, float, float, float, float, float]:
         return (
@@ -182,3 +182,11 @@ class Hose(Record):
             self.poisson_ratio,
             self.minor_loss,
         )
+
+
+def _numbers_of(fluid: object) -> tuple[float, float, float, float | None]:
+    if not isinstance(fluid, Fluid):
+        told = f"the class {fluid.__name__} itself" if isinstance(fluid, type) else type(fluid).__name__
+        message = f"fluid must be a Fluid, not {told}; pm.Fluid.water(temperature_degc=20) makes one"
+        raise TypeError(message)
+    return fluid._numbers()

@@ -6,9 +6,10 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
 use super::number::{in_unit, number};
+use super::object::told_of;
 use crate::python::errors::value;
 use crate::python::spare::refill;
 use crate::python::{SignalCheck, collected, reserve};
@@ -70,11 +71,7 @@ impl Floats {
             if argument.is_instance_of::<PyInt>() && !argument.is_instance_of::<PyBool>() {
                 return number(name, argument).map(Self::One);
             }
-            return Err(PyTypeError::new_err(format!(
-                "{name} must be a number or an array of numbers{}, not {}",
-                in_unit(name),
-                argument.get_type().name()?
-            )));
+            return Err(no_numbers(name, argument, &array)?);
         }
         // In C order, and no copy of what is such an array already.
         let keywords = PyDict::new(py);
@@ -205,6 +202,42 @@ impl Floats {
         }
         Ok(object.unbind())
     }
+}
+
+/// Returns the error of an array that is none of numbers: with its first text, or what else it is.
+fn no_numbers(name: &str, argument: &Bound<'_, PyAny>, array: &Bound<'_, PyAny>) -> PyResult<PyErr> {
+    let py = argument.py();
+    let must = format!("{name} must be a number or an array of numbers{}", in_unit(name));
+    let told = told_of(argument)?;
+    if array.getattr(intern!(py, "ndim"))?.extract::<usize>()? == 0 {
+        return Ok(PyTypeError::new_err(format!("{must}, not {told}")));
+    }
+    let mut are_texts = false;
+    for (n, item) in array.getattr(intern!(py, "flat"))?.try_iter()?.enumerate() {
+        let item = item?;
+        let Ok(text) = item.cast::<PyString>() else {
+            if item.extract::<f64>().is_ok() {
+                continue;
+            }
+            let place = format!("{told} with {} at place {n}", told_of(&item)?);
+            return Ok(PyTypeError::new_err(format!("{must}, not {place}")));
+        };
+        if text.to_str()?.trim().parse::<f64>().is_ok() {
+            are_texts = true;
+            continue;
+        }
+        let place = format!("{told} with {} at place {n}, which is no number", told_of(&item)?);
+        return Ok(PyTypeError::new_err(format!(
+            "{must}, not {place}; correct or leave out what is no number"
+        )));
+    }
+    let kind = array.getattr(intern!(py, "dtype"))?;
+    Ok(PyTypeError::new_err(match are_texts {
+        true => format!(
+            "{must}, not {told} of texts; turn them into numbers, as by numpy.asarray({name}, dtype=float)"
+        ),
+        false => format!("{must}, not {told} of the dtype {kind}"),
+    }))
 }
 
 /// Refuses an array of `numpy.ma` with masked numbers, which NumPy would read as if they were not masked.

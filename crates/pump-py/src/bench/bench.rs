@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pump_bench::calibration::Weighing;
 use pump_bench::config::Config;
-use pump_bench::pump_file::DriverName;
+use pump_bench::pump_file::{DriverName, Pace};
 use pump_bench::record::Purpose;
 use pump_bench::report::Status;
 use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Session, units};
@@ -49,13 +49,14 @@ impl Bench {
     #[new]
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
-        pump, *, driver, port, state_dir, configure, accept_settings, confirm_pump, tube_limit, fluid, temperature
+        pump, *, driver, port, pace, state_dir, configure, accept_settings, confirm_pump, tube_limit, fluid, temperature
     ))]
     fn new(
         py: Python<'_>,
         pump: &Pump,
         driver: Option<&str>,
         port: Option<PathBuf>,
+        pace: Option<&str>,
         state_dir: Option<PathBuf>,
         configure: bool,
         accept_settings: bool,
@@ -87,10 +88,16 @@ impl Bench {
                      driver=\"grbl\""
                 )));
             }
+        } else if pace.is_some() {
+            return Err(value(
+                "pace is given, but a real motor takes its time; allowed: none, or the simulated motor of driver=\"sim\"",
+            ));
         }
+        let pace = pace.map(|pace| word("pace", pace, Pace::ALL)).transpose()?;
         let state_dir = self::state_dir(state_dir)?;
         let bench = DoseBench::new(file, driver, &state_dir).map_err(|error| errors::dose(py, error))?;
-        let bench = bench.at_port(port).configuring(configure).accepting_settings(accept_settings);
+        let bench =
+            bench.at_port(port).paced(pace).configuring(configure).accepting_settings(accept_settings);
         let bench = bench.confirming_pump(confirm_pump);
         spare::room_for_threads(1)?;
         let (worker, bench) = Worker::new(bench).map_err(|error| {
@@ -291,7 +298,18 @@ pub(super) fn deliver(
 ) -> Result<Delivered, DoseError> {
     signal.plans(prepared.plan.steps().unsigned_abs());
     call_off(session, signal);
-    session.run(prepared, |made| signal.made(made))
+    let planned = prepared.plan.steps().unsigned_abs();
+    let mut dosed = 0;
+    let delivered = session.run(prepared, |made| {
+        // A retraction counts steps of its own once those of the dose are made.
+        if made < dosed {
+            dosed = planned;
+        }
+        dosed = dosed.max(made.min(planned));
+        signal.made(dosed)
+    })?;
+    signal.ends(delivered.made);
+    Ok(delivered)
 }
 
 /// Has the next motion of `session` called off if the caller wants no more by then. Nothing is unfinished after that.

@@ -74,6 +74,7 @@ impl Bench {
                 call_off(session, signal);
                 signal.plans(prepared.motion().steps().unsigned_abs());
                 let delivered = session.run_profile(&prepared, |made| signal.made(made))?;
+                signal.ends(delivered.made);
                 let report = DoseReport::by_profile(bench, &prepared, Some(&delivered)).worded(advice::words);
                 Ok(Ran { json: report.json(), note: note(&delivered), early: None })
             },

@@ -142,6 +142,7 @@ impl Bench {
                     last = made;
                     signal.made(before + made)
                 })?;
+                signal.ends(delivered.made);
                 let difference_g = delivered.difference_standard_g(scale, bench.file());
                 let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
                 Ok((report.worded(advice::words).json(), delivered))

@@ -12,7 +12,7 @@ use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
 
 use super::weighed::{expected_of, fit_named, runs_of};
-use crate::argument::{Argument, Floats, speed};
+use crate::argument::{Argument, Floats, pump_given, speed};
 use crate::pump::Pump;
 use crate::python::SignalCheck;
 use crate::python::errors::{self, value};
@@ -61,12 +61,12 @@ impl Calibration {
     #[staticmethod]
     #[pyo3(signature = (pump, runs, *, scale=None, fit="best"))]
     fn from_runs(
-        pump: &Pump,
+        #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
         runs: &Bound<'_, PyAny>,
         scale: Option<&Bound<'_, PyAny>>,
         fit: &str,
     ) -> PyResult<Self> {
-        Self::of(&pump.file, runs_of(runs)?, fit, scale)
+        Self::of(&pump.get().file, runs_of(runs)?, fit, scale)
     }
 
     /// Calibrate a pump by a table of weighed runs, as `dose calibrate run --from` reads it.
@@ -93,11 +93,16 @@ impl Calibration {
     ///     If the file is no such table, or a run is impossible.
     #[staticmethod]
     #[pyo3(signature = (pump, path, *, scale=None, fit="best"))]
-    fn from_csv(pump: &Pump, path: PathBuf, scale: Option<&Bound<'_, PyAny>>, fit: &str) -> PyResult<Self> {
+    fn from_csv(
+        #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
+        path: PathBuf,
+        scale: Option<&Bound<'_, PyAny>>,
+        fit: &str,
+    ) -> PyResult<Self> {
         let text = read_text(&path, MOST_TABLE_BYTES).map_err(|error| errors::file(&path, &error))?;
-        let runs = runs_of_csv(&text, pump.file.limits().motor.steps_per_rev);
+        let runs = runs_of_csv(&text, pump.get().file.limits().motor.steps_per_rev);
         let runs = runs.map_err(|error| value(format_args!("{}: {error}", path.display())))?;
-        Self::of(&pump.file, runs, fit, scale)
+        Self::of(&pump.get().file, runs, fit, scale)
     }
 
     /// Return measured over model volume at a cruise speed.

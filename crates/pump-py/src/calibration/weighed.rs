@@ -6,8 +6,9 @@ use pump_bench::units;
 use pump_bench::units::Amount;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
-use crate::argument::{quantity, word};
+use crate::argument::{quantity, told_of, word};
 use crate::python::errors::value;
 
 /// Reads the standard uncertainty of a reading.
@@ -55,10 +56,11 @@ pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<CalibrationRun>> 
     runs.try_iter()?
         .map(|run| {
             let run = run?;
-            let Ok(json) = run.getattr("_json") else {
+            let json = run.getattr("_json").ok().filter(|_| !run.is_instance_of::<PyType>());
+            let Some(json) = json else {
                 return Err(PyTypeError::new_err(format!(
                     "runs must be WeighedRuns, not {}",
-                    run.get_type().name()?
+                    told_of(&run)?
                 )));
             };
             let json: String = json.call0()?.extract()?;

@@ -4,6 +4,7 @@ use pump_ctl::plan::Limits as CtlLimits;
 use pyo3::prelude::*;
 
 use super::limits::Limits;
+use crate::argument::pump_given;
 use crate::calibration::Calibration;
 use crate::pump::Pump;
 use crate::python::errors;
@@ -45,7 +46,7 @@ impl Doser {
     #[new]
     #[pyo3(signature = (pump, limits=None, calibration=None))]
     fn new(
-        pump: Py<Pump>,
+        #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
         limits: Option<Py<Limits>>,
         calibration: Option<Py<Calibration>>,
     ) -> PyResult<Self> {

@@ -2,8 +2,9 @@
 
 use numpy::PyArray1;
 use pump_bench::Prepared;
-use pump_bench::simulation::{Method, Waveform, times};
+use pump_bench::simulation::{Course, Method, Waveform, times};
 use pump_ctl::plan::Step;
+use pump_model::LineState;
 use pyo3::prelude::*;
 
 use super::plan::Plan;
@@ -71,6 +72,12 @@ impl Plan {
     ///     If the solver fails on the way.
     /// MemoryError
     ///     If there is no room for the samples.
+    ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning, also
+    ///     between two samples. `Plan.warnings` says it too, beside all else that is doubtful.
     #[pyo3(signature = (*, dt_s=None), text_signature = "($self, *, dt_s=0.001)")]
     fn trace(&self, py: Python<'_>, dt_s: Argument<'_, '_>) -> PyResult<Run> {
         let dt_s = optional("dt_s", dt_s)?.unwrap_or(1e-3);
@@ -85,7 +92,10 @@ impl Plan {
         let waveform =
             Waveform::new(model, self.prepared.legs(), Method::Exact, times(dt_s, motion_s, end_s));
         // Rows of the grid, the last step and the end.
-        Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::model)?)
+        let run = Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::model)?)?;
+        let course = Course { pump: model, method: Method::Exact, states: [LineState::AT_REST; 2], end_s };
+        run.warn_of_cavitation(py, course, &self.prepared.legs())?;
+        Ok(run)
     }
 
     /// Return every step, as `dose --steps` writes them. Needs pandas.

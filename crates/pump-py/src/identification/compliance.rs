@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use crate::argument::{Argument, optional, port_named};
+use crate::argument::{Argument, optional, port_named, pump_given};
 use crate::pump::Pump;
 use crate::python::collected;
 use crate::python::errors::value;
@@ -15,12 +15,13 @@ use crate::python::errors::value;
 #[pyfunction]
 pub(crate) fn _identify_compliance<'py>(
     py: Python<'py>,
-    pump: &Pump,
+    #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
     port: &str,
     volume_ml: &Bound<'py, PyAny>,
     pressure_kpa: &Bound<'py, PyAny>,
     total_ml: Argument<'_, 'py>,
 ) -> PyResult<IdentificationAnswer<'py>> {
+    let pump = pump.get();
     let port = port_named(port)?;
     let total_ml = optional("total_ml", total_ml)?;
     if let Some(total_ml) = total_ml.filter(|ml| !(ml.is_finite() && *ml > 0.0)) {

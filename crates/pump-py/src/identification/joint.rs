@@ -14,7 +14,7 @@ use super::answer::refused;
 use super::column::column;
 use super::waveform::{sought_of, turning};
 use crate::argument::speed::speed_rad_s;
-use crate::argument::{Items, optional, port_named};
+use crate::argument::{Items, optional, port_named, pump_given};
 use crate::line::Line;
 use crate::pump::Pump;
 use crate::python::errors::value;
@@ -47,11 +47,12 @@ type Answer<'py> = ([Told; 4], Vec<Recorded<'py>>, Bound<'py, PyArray2<f64>>, Ve
 #[pyfunction]
 pub(crate) fn _identify_line_jointly<'py>(
     py: Python<'py>,
-    pump: &Pump,
+    #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
     port: &str,
     recordings: Items<Given<'py>>,
     fit: Vec<String>,
 ) -> PyResult<Answer<'py>> {
+    let pump = pump.get();
     let port = port_named(port)?;
     let sought = sought_of(&fit)?;
     let mut records = Vec::new();

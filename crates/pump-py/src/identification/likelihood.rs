@@ -11,7 +11,7 @@ use super::answer;
 use super::column::column;
 use super::points::{ARGUMENTS, NAMES, Points, positive};
 use super::waveform::{BEGINS, turning};
-use crate::argument::{Argument, number, optional, port_named, speed};
+use crate::argument::{Argument, number, optional, port_named, pump_given, speed};
 use crate::line::{Line, named};
 use crate::pump::Pump;
 use crate::python::errors::value;
@@ -82,7 +82,7 @@ impl LineLikelihood {
         start_s=None, start_angle_rad=None
     ))]
     fn new<'py>(
-        pump: Py<Pump>,
+        #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
         time_s: &Bound<'py, PyAny>,
         pressure_kpa: &Bound<'py, PyAny>,
         standard_kpa: &Bound<'py, PyAny>,

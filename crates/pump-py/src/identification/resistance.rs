@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use crate::argument::{Argument, flag, port_named};
+use crate::argument::{Argument, flag, port_named, pump_given};
 use crate::pump::Pump;
 use crate::python::collected;
 use crate::python::errors::value;
@@ -17,7 +17,7 @@ use crate::python::errors::value;
 #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
 pub(crate) fn _identify_resistance<'py>(
     py: Python<'py>,
-    pump: &Pump,
+    #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
     port: &str,
     flow_ml_s: &Bound<'py, PyAny>,
     pressure_kpa: Argument<'_, 'py>,
@@ -25,6 +25,7 @@ pub(crate) fn _identify_resistance<'py>(
     standard_kpa: Argument<'_, 'py>,
     offset: &Bound<'py, PyAny>,
 ) -> PyResult<IdentificationAnswer<'py>> {
+    let pump = pump.get();
     let port = port_named(port)?;
     let offset = flag("offset", Some(offset))?;
     let line = pump.model().line(port);

@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use crate::argument::port_named;
 use crate::argument::speed::speed_rad_s;
 use crate::argument::{Argument, choice, optional};
+use crate::argument::{port_named, pump_given};
 use crate::pump::Pump;
 use crate::python::errors::value;
 use crate::python::{SignalCheck, collected};
@@ -24,7 +24,7 @@ pub(crate) const PARAMETERS: [&str; 5] = ["R", "C", "L", "reservoir", "start"];
 #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
 pub(crate) fn _identify_line<'py>(
     py: Python<'py>,
-    pump: &Pump,
+    #[pyo3(from_py_with = pump_given)] pump: Py<Pump>,
     port: &str,
     time_s: &Bound<'py, PyAny>,
     pressure_kpa: &Bound<'py, PyAny>,
@@ -35,6 +35,7 @@ pub(crate) fn _identify_line<'py>(
     start_s: Argument<'_, 'py>,
     start_angle_rad: Argument<'_, 'py>,
 ) -> PyResult<IdentificationAnswer<'py>> {
+    let pump = pump.get();
     let port = port_named(port)?;
     let start_s = optional("start_s", start_s)?;
     let start_angle_rad = optional("start_angle_rad", start_angle_rad)?;

@@ -10,12 +10,11 @@ use pump_model::Geometry;
 use pump_model::units::radians;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyString, PyType};
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
-use crate::argument::{Argument, Items, number, optional, whole};
-use crate::line::Line;
+use crate::argument::{Argument, Items, number, optional, optional_line, told_of, whole};
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
 use crate::python::plain;
@@ -165,11 +164,12 @@ impl Pump {
         ml_per_rev: &Bound<'_, PyAny>,
         rollers: &Bound<'_, PyAny>,
         tube_bore_mm: Argument<'_, '_>,
-        inlet: Option<Py<Line>>,
-        outlet: Option<Py<Line>>,
+        inlet: Argument<'_, '_>,
+        outlet: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let mut head = HeadTable::new(number("ml_per_rev", ml_per_rev)?);
         head.tube_bore_mm = optional("tube_bore_mm", tube_bore_mm)?;
+        let (inlet, outlet) = (optional_line("inlet", inlet)?, optional_line("outlet", outlet)?);
         let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
         file.inlet = inlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
         file.outlet.line = outlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
@@ -208,8 +208,8 @@ impl Pump {
         id: Option<String>,
         name: Option<String>,
         rollers: Option<&Bound<'_, PyAny>>,
-        inlet: Option<Py<Line>>,
-        outlet: Option<Py<Line>>,
+        inlet: Argument<'_, '_>,
+        outlet: Argument<'_, '_>,
         roller_volume: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let mut file = self.file.clone();
@@ -218,10 +218,10 @@ impl Pump {
         }
         file.pump.id = id.unwrap_or(file.pump.id);
         file.pump.name = name.unwrap_or(file.pump.name);
-        if let Some(line) = inlet {
+        if let Some(line) = optional_line("inlet", inlet)? {
             file.inlet = LineTable::from(line.get().0);
         }
-        if let Some(line) = outlet {
+        if let Some(line) = optional_line("outlet", outlet)? {
             file.outlet.line = LineTable::from(line.get().0);
         }
         if let Some(volume) = roller_volume {
@@ -359,15 +359,20 @@ fn roller_volume_of(volume: &Bound<'_, PyAny>) -> PyResult<RollerVolumeTable> {
             ))),
         };
     }
+    let refused = || -> PyResult<PyErr> {
+        let given = told_of(volume)?;
+        let allowed = "roller_volume must be a VolumeFit, a VolumePolynomial or \"drawing\"";
+        Ok(PyTypeError::new_err(format!("{allowed}, not {given}")))
+    };
+    if volume.is_instance_of::<PyType>() {
+        return Err(refused()?);
+    }
     if let Ok(polynomial) = volume.getattr("_polynomial") {
         let (polynomial_ml_deg, engagement_angle_deg): ([f64; 6], f64) = polynomial.extract()?;
         return Ok(RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml: None });
     }
     let Ok(fit) = volume.getattr("_fit") else {
-        return Err(PyTypeError::new_err(format!(
-            "roller_volume must be a VolumeFit, a VolumePolynomial or \"drawing\", not {}",
-            volume.get_type().name()?
-        )));
+        return Err(refused()?);
     };
     let (method, points): (String, Items<(f64, f64)>) = fit.extract()?;
     Ok(RollerVolumeTable::Measured { fit: fit_named(&method)?, points: points_of(points)? })

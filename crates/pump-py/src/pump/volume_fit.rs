@@ -6,7 +6,7 @@ use pump_bench::catalogue::RollerRuns;
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::pump_file::CurveFit;
 use pump_model::units::degrees;
-use pump_model::{RollerVolume, VolumePoint};
+use pump_model::{ModelError, RollerVolume, VolumePoint};
 use pyo3::prelude::*;
 
 use crate::argument::{Floats, Items, word};
@@ -23,7 +23,13 @@ type FitNumbers = (f64, f64, Vec<f64>, f64, Option<Vec<FallNumbers>>, Vec<(f64, 
 #[pyfunction]
 pub(crate) fn _volume_fit(method: &str, points: Items<(f64, f64)>) -> PyResult<FitNumbers> {
     let points = points_of(points)?;
-    let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
+    let fit = fit_named(method)?.of(&points).map_err(|error| match error {
+        ModelError::TooFewPoints { angles, needed } => value(format_args!(
+            "angle_deg has {angles} different angles; allowed: {needed} or more for the method '{method}'; measure at \
+             more angles, or describe the curve by VolumeFit.from_function or VolumePolynomial"
+        )),
+        error => errors::model(error),
+    })?;
     let curve = fit.curve();
     Ok((
         curve.engagement_deg(),

@@ -7,7 +7,7 @@ pub(crate) mod first;
 mod interrupt;
 mod memory;
 pub(crate) mod plain;
-mod readable;
+pub(crate) mod readable;
 mod renamed;
 pub(crate) mod spare;
 pub(crate) mod warnings;

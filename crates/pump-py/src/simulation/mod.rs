@@ -1,6 +1,7 @@
 //! Pumps over time, in the steady state, and the steady states of many pumps.
 
 mod cavitation;
+mod checked;
 mod followed;
 mod motion;
 mod run;

@@ -107,6 +107,14 @@ impl Motion {
         }
     }
 
+    /// Returns the time of the last sample, s.
+    pub(super) fn last_s(&self) -> f64 {
+        match &self.times {
+            Times::Every { dt_s, intervals } => *dt_s * *intervals as f64,
+            Times::At(times_s) => times_s.last().copied().unwrap_or_default(),
+        }
+    }
+
     /// Returns the speed at the start, rad/s.
     pub(super) fn first_rad_s(&self) -> f64 {
         self.legs.first().map_or(0.0, |leg| leg.speed_rad_s)

@@ -1,16 +1,17 @@
 //! Flows and pressures over time, as columns.
 
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
-use pump_bench::simulation::{COLUMNS, Waveform};
+use numpy::{PyArray1, PyArrayMethods};
+use pump_bench::simulation::{COLUMNS, Course, Waveform};
 use pump_model::Leg;
 use pyo3::exceptions::{PyAttributeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::cavitation::Pressures;
+use super::checked::check_columns;
 use crate::argument::Floats;
 use crate::python::errors::{self, value};
-use crate::python::{SignalCheck, collected, frozen, renamed, reserve};
+use crate::python::{SignalCheck, frozen, renamed, reserve};
 
 /// Number of samples between two looks at the clock.
 const BLOCK: usize = 64;
@@ -130,7 +131,8 @@ impl Run {
     /// TypeError
     ///     If `data` has no columns by name.
     /// ValueError
-    ///     If a column is missing, unknown or given by both names, or its length differs.
+    ///     If a column is missing, unknown or given by both names, if its length differs, if a number is not finite, or
+    ///     if the times do not rise.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
         let py = data.py();
@@ -163,9 +165,7 @@ impl Run {
             };
             *column = Floats::extract(name, &numbers)?.into_values()?;
         }
-        if columns.iter().any(|column| column.len() != columns[0].len()) {
-            return Err(value("the columns differ in length; a run needs columns of equal length"));
-        }
+        check_columns(NAMES, &columns)?;
         let run = Self::new(py, columns, py.None(), py.None())?;
         let derivatives = sensitivity.call_method1("from_columns", (data, run.time_s.bind(py)))?;
         Ok(run.with_sensitivity(derivatives.unbind()))
@@ -268,10 +268,8 @@ impl Run {
         let mut part = |most: usize| if parts.len() > most { parts.pop() } else { None };
         let [sensitivity, end_state] =
             [part(COLUMNS + 1), part(COLUMNS)].map(|part| part.map_or_else(|| py.None(), Bound::unbind));
-        let columns: Vec<PyReadonlyArray1<'_, f64>> =
-            parts.iter().map(|column| column.extract()).collect::<PyResult<_>>()?;
-        let copied = |column: &PyReadonlyArray1<'_, f64>| collected(column.as_slice()?.iter().copied());
-        let columns = columns.iter().map(copied).collect::<PyResult<Vec<_>>>()?;
+        let copied = |column| Floats::extract("a column of a run", column)?.into_values();
+        let columns = parts.iter().map(copied).collect::<PyResult<Vec<_>>>()?;
         match <[Vec<f64>; COLUMNS]>::try_from(columns) {
             Ok(columns) if columns.iter().all(|column| column.len() == columns[0].len()) => {
                 Self::new(py, columns, end_state, sensitivity)
@@ -349,12 +347,23 @@ impl Run {
         Self { sensitivity, ..self }
     }
 
-    /// Warns once if a pressure is below 0 kPa absolute.
-    pub(super) fn warn_of_cavitation(&self, py: Python<'_>) -> PyResult<()> {
+    /// Warns once if a pressure is below 0 kPa absolute, at a sample or between two. `course` is the motion from its
+    /// start to the last sample, over these legs.
+    pub(crate) fn warn_of_cavitation(
+        &self,
+        py: Python<'_>,
+        course: Course<'_>,
+        legs: &(impl Iterator<Item = Leg> + Clone + Sync),
+    ) -> PyResult<()> {
         let (inlet, outlet) =
             (self.inlet_kpa.bind(py).try_readonly()?, self.outlet_kpa.bind(py).try_readonly()?);
-        let pressures = Pressures { inlet_kpa: inlet.as_slice()?, outlet_kpa: outlet.as_slice()? };
-        pressures.warn(py, |_| String::new())
+        let (inlet_kpa, outlet_kpa) = (inlet.as_slice()?, outlet.as_slice()?);
+        let exact = SignalCheck::during(py, |goes_on| course.extremes(legs, goes_on))?;
+        match exact.map_err(errors::integration)? {
+            Some([inlet, outlet]) => Pressures { inlet_kpa: &[inlet.min_kpa], outlet_kpa: &[outlet.min_kpa] }
+                .warn(py, |_| String::new()),
+            None => Pressures { inlet_kpa, outlet_kpa }.warn(py, |_| String::new()),
+        }
     }
 
     /// Returns the times, s.
@@ -365,6 +374,11 @@ impl Run {
     /// Returns the angles of the pump head, rad.
     pub(super) fn angle_rad<'a, 'py>(&'a self, py: Python<'py>) -> &'a Bound<'py, PyArray1<f64>> {
         self.angle_rad.bind(py)
+    }
+
+    /// Returns the delivered volumes, mL.
+    pub(super) fn delivered_ml<'a, 'py>(&'a self, py: Python<'py>) -> &'a Bound<'py, PyArray1<f64>> {
+        self.delivered_ml.bind(py)
     }
 
     /// Computes the samples, about `count` of them, while other Python threads run.

@@ -44,7 +44,8 @@ pub(super) fn sensitivity<'py>(
     };
     let times = run.time_s(py).try_readonly()?;
     let angles = run.angle_rad(py).try_readonly()?;
-    let (times, angles) = (times.as_slice()?, angles.as_slice()?);
+    let delivered = run.delivered_ml(py).try_readonly()?;
+    let (times, angles, delivered) = (times.as_slice()?, angles.as_slice()?, delivered.as_slice()?);
     let count = times.len();
     let quantities = py.detach(|| -> PyResult<_> {
         let mut quantities: [Vec<f64>; 3] = Default::default();
@@ -56,11 +57,13 @@ pub(super) fn sensitivity<'py>(
         let mut waveform = SensitiveWaveform::new(model, legs, starts, every_s);
         let mut interrupt = SignalCheck::new();
         let mut left = quantities.each_mut().map(|rows| rows_of(rows, count));
-        for (times, angles) in times.chunks(BLOCK).zip(angles.chunks(BLOCK)) {
+        let blocks = times.chunks(BLOCK).zip(angles.chunks(BLOCK)).zip(delivered.chunks(BLOCK));
+        for ((times, angles), delivered) in blocks {
             interrupt.check()?;
             let [inlet_kpa_by, outlet_kpa_by, delivered_ml_by] =
                 left.each_mut().map(|rows| rows.each_mut().map(|row| first_of(row, times.len())));
-            waveform.fill(times, angles, Derivatives { inlet_kpa_by, outlet_kpa_by, delivered_ml_by });
+            let to = Derivatives { inlet_kpa_by, outlet_kpa_by, delivered_ml_by };
+            waveform.fill([times, angles, delivered], to);
         }
         Ok(quantities)
     })?;

@@ -1,6 +1,6 @@
 //! A pump over time: at constant speed, at speeds between knots, or at a speed that is a function of time.
 
-use pump_bench::simulation::{AskedMethod, Method, ModelName, Waveform, choose_method, interval_s};
+use pump_bench::simulation::{AskedMethod, Course, Method, ModelName, Waveform, choose_method, interval_s};
 use pump_model::{LineState, Pump as Model, RollerCentric};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -91,7 +91,9 @@ impl Pump {
     /// Warns
     /// -----
     /// UserWarning
-    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning.
+    ///     If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning: anywhere
+    ///     from the start to the last sample, also between two samples. The roller-centric model is judged by its
+    ///     samples.
     ///
     /// Examples
     /// --------
@@ -186,7 +188,6 @@ impl Pump {
         };
         let states = states(py, initial, &method, &model, (motion.first_rad_s(), start_angle_rad))?;
         let run = computed(py, &model, method, &motion, states)?;
-        run.warn_of_cavitation(py)?;
         if !sensitivity {
             return Ok(run);
         }
@@ -203,7 +204,7 @@ fn is_steady(initial: Argument<'_, '_>) -> bool {
     initial.is_some_and(|initial| initial.extract().is_ok_and(|word: &str| word == steady))
 }
 
-/// Computes the samples of a motion.
+/// Computes the samples of a motion, and warns of pressures below 0.
 fn computed(
     py: Python<'_>,
     model: &Model,
@@ -212,21 +213,24 @@ fn computed(
     states: [LineState; 2],
 ) -> PyResult<Run> {
     let legs = motion.legs.iter().copied();
-    match &motion.times {
+    let run = match &motion.times {
         Times::Every { dt_s, intervals } => {
-            let samples = Waveform::every(model, legs, method, (*dt_s, *intervals), states);
-            Run::collect(py, intervals + 1, samples.map_err(errors::model)?)
+            let samples = Waveform::every(model, legs.clone(), method, (*dt_s, *intervals), states);
+            Run::collect(py, intervals + 1, samples.map_err(errors::model)?)?
         }
         Times::At(times_s) => {
-            let samples = Waveform::starting(model, legs, method, times_s.iter().copied(), states);
+            let samples = Waveform::starting(model, legs.clone(), method, times_s.iter().copied(), states);
             let samples = samples.map_err(errors::model)?;
             let samples = match interval_s(times_s) {
                 Some(dt_s) => samples.at_equal_intervals(dt_s),
                 None => samples,
             };
-            Run::collect(py, times_s.len() as u64, samples)
+            Run::collect(py, times_s.len() as u64, samples)?
         }
-    }
+    };
+    let course = Course { pump: model, method, states, end_s: motion.last_s() };
+    run.warn_of_cavitation(py, course, &legs)?;
+    Ok(run)
 }
 
 /// Reads the states of the lines of inlet and outlet at the start, where the rotor has a speed and an angle.

@@ -34,7 +34,7 @@ def make(n):
         "reynolds": lambda: hose.reynolds(water, flow_ml_s=x),
         "rmse": lambda: pm.rmse(x, x),
         "nrmse": lambda: pm.nrmse(x, x),
-        "from_dict": lambda: pm.Run.from_dict({name: x for name in NAMES}),
+        "from_dict": lambda: pm.Run.from_dict({**dict.fromkeys(NAMES, x), "time_s": rising}),
         "simulate": lambda: pump.simulate(speed_rpm=100, duration_s=n * 1e-3, dt_s=1e-3),
         "identify_resistance": lambda: pm.identify_resistance(rising + 1, drop_kpa=rising + 1.1),
         "identify_compliance": lambda: pm.identify_compliance(rising + 1, rising + 1.1),

@@ -4,9 +4,11 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -172,10 +174,46 @@ def test_another_thread_can_stop_a_dose(bench: pm.Bench) -> None:
 
 def test_progress_ends_at_the_last_step(bench: pm.Bench) -> None:
     told: list[tuple[int, int]] = []
-    dose = bench.dose("25mL", progress=lambda made, planned: told.append((made, planned)))
-    assert told[-1][1] == dose.steps
-    assert told == sorted(told)
-    assert dose.steps - told[-1][0] <= 256
+    cases: list[dict[str, Any]] = [{}, {"retract": "0.2mL"}, {"speed": "170rpm"}]
+    for keywords in cases:
+        told.clear()
+        dose = bench.dose("25mL", progress=lambda made, planned: told.append((made, planned)), **keywords)
+        assert told == sorted(told)
+        assert told[-1] == (dose.steps, dose.steps) == (dose.steps_made, dose.steps)
+    told.clear()
+    bench.calibration_run(speed_rpm=60, pitches=2, progress=lambda *stand: told.append(stand))
+    assert told[-1][0] == told[-1][1] > 0
+    told.clear()
+    dose = bench.run(profile=[[0, 0], [1, 3], [2, 0]], progress=lambda *stand: told.append(stand))
+    assert told[-1] == (dose.steps_made, dose.steps)
+
+
+def test_a_dose_at_real_pace_can_be_stopped_and_resumed(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path, pace="real") as bench:
+        told: list[tuple[int, int]] = []
+        begun = time.monotonic()
+        threading.Timer(0.4, bench.stop).start()
+        dose = bench.dose("25mL", rate="10 mL/s", progress=lambda made, planned: told.append((made, planned)))
+        assert 0.4 <= time.monotonic() - begun < 2
+        assert not dose.completed
+        assert told[-1] == (dose.steps_made, dose.steps)
+        rest = bench.resume(rate="max")
+        assert rest.completed
+        begun = time.monotonic()
+        motion_s = bench.dose("5mL", rate="10 mL/s").measured_motion_s
+        assert motion_s is not None
+        assert time.monotonic() - begun >= 0.9 * motion_s
+    with pm.Bench.open("three-roller", state_dir=tmp_path, pace="fast") as bench:
+        begun = time.monotonic()
+        bench.dose("100mL", rate="10 mL/s")
+        assert time.monotonic() - begun < 5
+
+
+def test_a_pace_that_is_none_or_of_a_real_motor_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="pace is 'slow'; allowed: 'real', 'fast'"):
+        pm.Bench.open("three-roller", state_dir=tmp_path, pace="slow")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="pace is given, but a real motor takes its time"):
+        pm.Bench.open("three-roller", state_dir=tmp_path, pace="real", driver="grbl", port="/dev/null")
 
 
 def test_a_process_that_is_killed_leaves_bounds_on_record(tmp_path: Path) -> None:

@@ -10,6 +10,9 @@ import pytest
 import pumpmodel as pm
 
 THREE = pm.Pump.three_roller()
+# Classes where objects are needed.
+CLASSES: Any = pm
+HOSE = pm.Hose(bore_radius_mm=4, outer_radius_mm=6, length_mm=500, modulus_mpa=3.5)
 DOSER = pm.Doser(THREE)
 TIMES = np.arange(300) * 2e-3
 
@@ -248,7 +251,62 @@ def ranked(**keywords: Any) -> Any:
         (
             lambda: pm.VolumeFit([0, 1], ["a", "b"]),
             TypeError,
-            "volume_ml must be a number or an array of numbers in mL",
+            "volume_ml must be a number or an array of numbers in mL, not list with the text 'a' at",
+        ),
+        (
+            lambda: pm.rmse(np.array(["1", "2,5"]), [1, 2]),
+            TypeError,
+            "model must be a number or an array of numbers, not ndarray with the text '2,5' at place 1,",
+        ),
+        (
+            lambda: THREE.outlet_volume_ml(["1", "2"]),
+            TypeError,
+            "angle_rad must be a number or an array of numbers in rad, not list of texts; turn them into",
+        ),
+        (
+            lambda: THREE.outlet_volume_ml([1, None]),
+            TypeError,
+            "angle_rad must be a number or an array of numbers in rad, not list with NoneType at place 1",
+        ),
+        (
+            lambda: THREE.outlet_volume_ml([1j]),
+            TypeError,
+            "angle_rad must be a number or an array of numbers in rad, not list with complex128 at place 0",
+        ),
+        (
+            lambda: pm.VolumeFit([0, 50], [0, 2]),
+            ValueError,
+            "angle_deg has 2 different angles; allowed: 3 or more for the method 'spline'; measure at more",
+        ),
+        (
+            lambda: THREE.replace(inlet=CLASSES.Hose),
+            TypeError,
+            "inlet must be a Line, not the class Hose itself; hose",
+        ),
+        (
+            lambda: THREE.replace(outlet=TEXT),
+            TypeError,
+            "outlet must be a Line, not the text '50'; hose.line(fluid",
+        ),
+        (
+            lambda: THREE.replace(roller_volume=CLASSES.VolumeFit),
+            TypeError,
+            'roller_volume must be a VolumeFit, a VolumePolynomial or "drawing", not the class VolumeFit',
+        ),
+        (
+            lambda: pm.Doser(CLASSES.Pump),
+            TypeError,
+            "pump must be a Pump, not the class Pump itself; pm.Pump.three_r",
+        ),
+        (
+            lambda: pm.identify_line(TEXT, time_s=[0], pressure_kpa=[1], speed_rpm=1),
+            TypeError,
+            "pump must be a Pump, not the text '50'; pm.Pump.three_roller() makes one",
+        ),
+        (
+            lambda: HOSE.line(CLASSES.Fluid, reservoir_kpa=100, flow_ml_s=1),
+            TypeError,
+            "fluid must be a Fluid, not the class Fluid itself; pm.Fluid.water(temperature_degc=20) makes",
         ),
     ],
 )

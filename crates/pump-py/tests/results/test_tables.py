@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import pumpmodel as pm
 
@@ -55,6 +56,13 @@ def test_without_them_the_extra_is_named(module: str, extra: str, monkeypatch: p
             convert()
 
 
+def replaced(name: str, place: int, number: float) -> NDArray[np.float64]:
+    """Return a column of the run with another number at a place."""
+    column: NDArray[np.float64] = RUN.to_dict()[name].copy()
+    column[place] = number
+    return column
+
+
 def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
     data = RUN.to_dict()
     assert data["inlet_kpa"] is RUN.inlet_kpa
@@ -62,7 +70,20 @@ def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({**data, "colour": [1]}, "colour is not a column"),
         ({name: data[name] for name in list(data)[1:]}, "time_s is missing"),
-        ({**data, "time_s": [0.0]}, "differ in length"),
+        ({**data, "time_s": [0.0]}, "angle_rad has 101 numbers, but time_s has 1; allowed: columns of equal"),
+        (
+            {**data, "outlet_kpa": replaced("outlet_kpa", 7, np.nan)},
+            r"outlet_kpa\[7\] is NaN; allowed: a finite",
+        ),
+        (
+            {**data, "angle_rad": replaced("angle_rad", 0, -np.inf)},
+            r"angle_rad\[0\] is -inf; allowed: a finite",
+        ),
+        ({**data, "time_s": replaced("time_s", 3, 0.0015)}, r"time_s\[3\] is 0.0015; allowed: more than the"),
+        (
+            {**data, "time_s": replaced("time_s", 3, 0.002)},
+            r"time_s\[3\] is 0.002; allowed: more than the time",
+        ),
     ]
     for changed, message in wrong:
         with pytest.raises(ValueError, match=message):

@@ -144,6 +144,7 @@ class _Bench:
         *,
         driver: Driver | None,
         port: str | os.PathLike[str] | None,
+        pace: Pace | None,
         state_dir: str | os.PathLike[str] | None,
         configure: bool,
         accept_settings: bool,

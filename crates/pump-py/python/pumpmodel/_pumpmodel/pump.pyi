@@ -1032,7 +1032,9 @@ class Pump:
         Warns
         -----
         UserWarning
-            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning.
+            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning: anywhere
+            from the start to the last sample, also between two samples. The roller-centric model is judged by its
+            samples.
 
         Examples
         --------

@@ -95,7 +95,8 @@ class Run:
         TypeError
             If `data` has no columns by name.
         ValueError
-            If a column is missing, unknown or given by both names, or its length differs.
+            If a column is missing, unknown or given by both names, if its length differs, if a number is not finite, or
+            if the times do not rise.
         """
     def to_dict(self) -> dict[str, _Array]:
         """Return the columns by their names.
@@ -431,6 +432,12 @@ class Plan:
             If the solver fails on the way.
         MemoryError
             If there is no room for the samples.
+
+        Warns
+        -----
+        UserWarning
+            If a pressure is below 0 kPa absolute, where every liquid cavitates and the model has no meaning, also
+            between two samples. `Plan.warnings` says it too, beside all else that is doubtful.
         """
     def to_dict(self) -> dict[str, Any]:
         """Return the plan as the command reports a dry run: the object `dose/1` of its JSON.

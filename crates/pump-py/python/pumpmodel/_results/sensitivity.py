@@ -109,7 +109,7 @@ def from_columns(columns: dict[str, Any], time_s: NDArray[np.float64]) -> Sensit
     Raises
     ------
     ValueError
-        If some are missing, or their lengths differ from that of the run.
+        If some are missing, their lengths differ from that of the run, or a number is not finite.
     """
     given = [name for name in COLUMNS if name in columns]
     if not given:
@@ -128,6 +128,10 @@ def from_columns(columns: dict[str, Any], time_s: NDArray[np.float64]) -> Sensit
             numbers = np.asarray(_numbers(name, columns[name]))
             if numbers.shape != row.shape:
                 message = f"{name} has the shape {numbers.shape}; allowed: {row.shape}, as the other columns"
+                raise ValueError(message)
+            if not np.isfinite(numbers).all():
+                n = int(np.flatnonzero(~np.isfinite(numbers))[0])
+                message = f"{name}[{n}] is {numbers[n]}; allowed: a finite number, in every sample"
                 raise ValueError(message)
             row[:] = numbers
         rows.setflags(write=False)

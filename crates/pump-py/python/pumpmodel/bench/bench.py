@@ -8,7 +8,7 @@ from pumpmodel._pumpmodel import Pump, _Bench
 from pumpmodel.bench.calibration import BenchCalibration
 from pumpmodel.bench.record import BenchRecord
 from pumpmodel.bench.runs import BenchRuns
-from pumpmodel.choices import Driver
+from pumpmodel.choices import Driver, Pace
 
 
 class Bench(BenchRuns, BenchRecord, BenchCalibration):
@@ -43,6 +43,7 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
         *,
         driver: Driver | None = None,
         port: str | os.PathLike[str] | None = None,
+        pace: Pace | None = None,
         state_dir: str | os.PathLike[str] | None = None,
         configure: bool = False,
         accept_settings: bool = False,
@@ -61,6 +62,10 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
             Driver of the motor; by default the pump file's `[drive]`, otherwise "sim".
         port : str or os.PathLike, optional
             Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
+        pace : {"real", "fast"}, optional
+            Pace of a simulated motor: "real" takes the time of the plans, so that `stop`, Ctrl-C and
+            `progress` can be tried; "fast" takes no time. The default is `pace` in the pump file's
+            `[drive]`, otherwise "fast"; a run until it is stopped keeps real time.
         state_dir : str or os.PathLike, optional
             Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the configuration's
             `state_dir`, otherwise the command's folder.
@@ -94,6 +99,7 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
                 named,
                 driver=driver,
                 port=port,
+                pace=pace,
                 state_dir=state_dir,
                 configure=configure,
                 accept_settings=accept_settings,

@@ -43,7 +43,7 @@ class BenchRuns(BenchRepeats):
 
         Without `duration`, `volume` and `profile` the run goes on until `stop` is called in another thread,
         which completes it. It keeps real time on a simulated motor too. Any other simulated run takes no
-        time.
+        time, unless the bench was opened with `pace="real"`.
 
         Parameters
         ----------

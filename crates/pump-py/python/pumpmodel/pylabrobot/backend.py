@@ -5,7 +5,7 @@ import os
 from typing import Any, NoReturn
 
 from pumpmodel.bench import AsyncBench, Bench
-from pumpmodel.choices import Driver
+from pumpmodel.choices import Driver, Pace
 from pumpmodel.pylabrobot import bases
 
 
@@ -23,6 +23,8 @@ class BenchBackend(bases.PumpBackend):
         Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
     state_dir : str or os.PathLike, optional
         Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the command's folder.
+    pace : {"real", "fast"}, optional
+        Pace of a simulated motor, as `Bench.open` takes it: "real" takes the time of the plans.
     confirm_pump : bool
         Say that the pump's values are those of the pump at the motor, as `Bench.open` asks for.
     """
@@ -34,9 +36,11 @@ class BenchBackend(bases.PumpBackend):
         port: str | None = None,
         state_dir: str | os.PathLike[str] | None = None,
         *,
+        pace: Pace | None = None,
         confirm_pump: bool = False,
     ) -> None:
         super().__init__()
+        self._pace = pace
         self._confirm_pump = confirm_pump
         self._pump = os.fspath(pump)
         self._driver = driver
@@ -68,6 +72,7 @@ class BenchBackend(bases.PumpBackend):
             driver=self._driver,
             port=self._port,
             state_dir=self._state_dir,
+            pace=self._pace,
             confirm_pump=self._confirm_pump,
         )
 
@@ -84,6 +89,7 @@ class BenchBackend(bases.PumpBackend):
             "driver": self._driver,
             "port": self._port,
             "state_dir": self._state_dir,
+            "pace": self._pace,
             "confirm_pump": self._confirm_pump,
         }
 

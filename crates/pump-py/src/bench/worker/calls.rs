@@ -85,6 +85,11 @@ impl Signal {
         self.flow()
     }
 
+    /// Notes the number of steps that a motion has made in all.
+    pub(in crate::bench) fn ends(&self, steps: u64) {
+        self.made.store(steps, Ordering::Relaxed);
+    }
+
     /// Breaks once the caller wants no more.
     pub(in crate::bench) fn flow(&self) -> ControlFlow<()> {
         if self.stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -1,0 +1,146 @@
+//! The smallest and largest pressures of a motion, those between its samples included.
+
+use pump_model::circuit::Loss;
+use pump_model::integrator::IntegrationError;
+use pump_model::{ExactRun, Extremes, Leg, LineState, Port, PortRun, Pump};
+
+use super::reached::started_s;
+use super::waveform::{Integration, Method};
+
+/// Longest time, in s, and most legs that are followed between two questions whether to go on.
+const SLICE: (f64, usize) = (100.0, 4096);
+
+/// A motion of which the smallest and largest pressures are sought. It starts with the first of its legs, and ends before
+/// they do.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// Pump that makes the motion.
+    pub pump: &'a Pump,
+    /// Method that computes the pressures.
+    pub method: Method,
+    /// States of the lines of inlet and outlet at the start.
+    pub states: [LineState; 2],
+    /// End of the motion, in s.
+    pub end_s: f64,
+}
+
+impl Course<'_> {
+    /// Returns the smallest and largest pressures of inlet and outlet, kPa absolute. The roller-centric model has none:
+    /// it is known at its samples alone. `goes_on` is asked now and then, and its no ends the search early.
+    ///
+    /// # Errors
+    /// Returns the [`IntegrationError`] of a step that fails.
+    pub fn extremes<M: Iterator<Item = Leg> + Clone>(
+        &self,
+        legs: &M,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<[Extremes; 2]>, IntegrationError> {
+        let (integration, is_radau) = match self.method {
+            Method::Exact => {
+                let range = |port, state| {
+                    let mut run = ExactRun::new(self.pump, port, legs.clone(), state);
+                    self.followed(port, legs.clone(), goes_on, |span| {
+                        Ok(match span {
+                            Span::Sought(end_s) => Some(run.extremes(end_s)),
+                            Span::Periodic(end_s) => {
+                                run.at(end_s);
+                                None
+                            }
+                        })
+                    })
+                };
+                return self.of_both(range).map(Some);
+            }
+            Method::Rodas5p(integration) if integration.roller_centric.is_some() => return Ok(None),
+            Method::Rodas5p(integration) => (integration, false),
+            Method::Radau { tolerance } => (Integration::new(tolerance), true),
+        };
+        let [inlet, outlet] = integration.losses(self.pump);
+        let range = |port, state| {
+            let loss = if port == Port::Inlet { inlet } else { outlet };
+            let tolerance = integration.tolerance;
+            let run = PortRun::<_, 2, Loss>::resisted(self.pump, loss, port, legs.clone(), state, tolerance)?;
+            let mut run = if is_radau { run.with_radau()? } else { run };
+            self.followed(port, legs.clone(), goes_on, |span| {
+                Ok(match span {
+                    Span::Sought(end_s) => Some(run.extremes(end_s)?),
+                    Span::Periodic(end_s) => {
+                        run.run_to(end_s)?;
+                        None
+                    }
+                })
+            })
+        };
+        self.of_both(range).map(Some)
+    }
+
+    /// Returns the ranges of both ports.
+    fn of_both(
+        &self,
+        range: impl Fn(Port, LineState) -> Result<Extremes, IntegrationError>,
+    ) -> Result<[Extremes; 2], IntegrationError> {
+        let [at_inlet, at_outlet] = self.states;
+        Ok([range(Port::Inlet, at_inlet)?, range(Port::Outlet, at_outlet)?])
+    }
+
+    /// Returns the range of a port over all spans of the motion.
+    fn followed(
+        &self,
+        port: Port,
+        legs: impl Iterator<Item = Leg> + Clone,
+        goes_on: &dyn Fn() -> bool,
+        mut follow: impl FnMut(Span) -> Result<Option<Extremes>, IntegrationError>,
+    ) -> Result<Extremes, IntegrationError> {
+        let start = self.states[usize::from(port == Port::Outlet)].pressure_kpa(self.pump.line(port));
+        let mut range = Extremes::at(start);
+        let mut go = |span| follow(span).map(|new| range = new.map_or(range, |new| range.and(new)));
+        let (mut reached_s, mut count) = (f64::NEG_INFINITY, 0);
+        let mut ahead = legs.peekable();
+        while let Some(leg) = ahead.next().filter(|leg| leg.start_s < self.end_s) {
+            reached_s = reached_s.max(leg.start_s);
+            let end_s = leg.end_s().min(self.end_s);
+            let fresh_s = leg.start_s + self.fresh_s(port, &leg);
+            let last_s = end_s.min(fresh_s);
+            while last_s - reached_s > SLICE.0 && goes_on() {
+                reached_s += SLICE.0;
+                go(Span::Sought(reached_s))?;
+            }
+            if fresh_s < end_s {
+                go(Span::Sought(fresh_s))?;
+                if ahead.peek().is_none() || end_s >= self.end_s {
+                    return Ok(range);
+                }
+                go(Span::Periodic(end_s))?;
+                reached_s = end_s;
+            }
+            count += 1;
+            if count % SLICE.1 == 0 {
+                go(Span::Sought(end_s))?;
+                reached_s = end_s;
+                if !goes_on() {
+                    return Ok(range);
+                }
+            }
+        }
+        go(Span::Sought(self.end_s))?;
+        Ok(range)
+    }
+
+    /// Returns the time after which a leg reaches nothing new, in s: at constant speed all repeats itself by then.
+    fn fresh_s(&self, port: Port, leg: &Leg) -> f64 {
+        if leg.acceleration_rad_s2 != 0.0 {
+            return f64::INFINITY;
+        }
+        let period_s =
+            if leg.speed_rad_s == 0.0 { 0.0 } else { self.pump.pitch_rad() / leg.speed_rad_s.abs() };
+        started_s(self.pump, port, period_s)
+    }
+}
+
+/// Part of a motion, up to a time in s.
+enum Span {
+    /// Part whose extremes are sought.
+    Sought(f64),
+    /// Part that repeats what was before.
+    Periodic(f64),
+}
