@@ -103,7 +103,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     pub(crate) fn extremes_by(&mut self, steps: &mut FineSteps, end_s: f64) -> Extremes {
         let mut extremes = Extremes::at(self.state[0]);
         while self.time_s() < end_s {
-            self.cover_fine_steps(steps, end_s, &mut extremes);
+            self.follow_fine_steps(steps, end_s, &mut extremes);
             let (before, flow) = (self.state, self.flow.shifted(self.reached_s));
             let (length_s, is_last) = self.fine_step(end_s);
             extremes.cover(self.state[0]);

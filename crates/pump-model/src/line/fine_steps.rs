@@ -32,6 +32,33 @@ impl FineSteps {
     }
 }
 
+/// What follows a line over fine steps.
+pub(super) trait Follower {
+    /// Follows the line from the first lane to lane `count`, which stand `step_s` apart. `flow` counts time from the
+    /// first.
+    fn follow(
+        &mut self,
+        oscillator: &Oscillator,
+        step_s: f64,
+        count: usize,
+        states: &[[f64; LANES]; 2],
+        flow: &Flow,
+    );
+}
+
+impl Follower for Extremes {
+    fn follow(
+        &mut self,
+        oscillator: &Oscillator,
+        step_s: f64,
+        count: usize,
+        states: &[[f64; LANES]; 2],
+        flow: &Flow,
+    ) {
+        oscillator.cover(step_s, count, states, flow, self);
+    }
+}
+
 impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
     /// Goes on to `end_s`, by fine steps where they are few.
     pub(crate) fn go_by(&mut self, steps: &FineSteps, end_s: f64) {
@@ -58,9 +85,14 @@ impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
         }
     }
 
-    /// Goes on inside the stretch by as many fine steps as fit before `end_s`, and covers the pressures on the way.
-    /// Goes on by none where a step need not be fine.
-    pub(super) fn cover_fine_steps(&mut self, steps: &mut FineSteps, end_s: f64, extremes: &mut Extremes) {
+    /// Goes on inside the stretch by as many fine steps as fit before `end_s`, and follows the line on the way. Goes on
+    /// by none where a step need not be fine.
+    pub(super) fn follow_fine_steps(
+        &mut self,
+        steps: &mut FineSteps,
+        end_s: f64,
+        follower: &mut impl Follower,
+    ) {
         let Some(reach) = &steps.reach else {
             return;
         };
@@ -73,25 +105,25 @@ impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
             }
             let flow = self.flow.shifted(self.reached_s);
             if flow.degree <= 4 {
-                self.cover_lanes(reach, &reach.causes(self.state, &flow, 0.0), &flow, count, extremes);
+                self.follow_lanes(reach, &reach.causes(self.state, &flow, 0.0), &flow, count, follower);
             } else {
                 let ramp = steps.ramp.get_or_insert_with(|| Reach::new(&self.oscillator, steps.step_s));
-                self.cover_lanes(ramp, &ramp.all_causes(self.state, &flow), &flow, count, extremes);
+                self.follow_lanes(ramp, &ramp.all_causes(self.state, &flow), &flow, count, follower);
             }
         }
     }
 
-    /// Covers the pressures of `count` steps, and goes on over them.
-    fn cover_lanes<const C: usize>(
+    /// Follows the line over `count` steps, and goes on over them.
+    fn follow_lanes<const C: usize>(
         &mut self,
         reach: &Reach<1, C>,
         causes: &Causes<C>,
         flow: &Flow,
         count: usize,
-        extremes: &mut Extremes,
+        follower: &mut impl Follower,
     ) {
         for states in reach.states(*causes) {
-            self.oscillator.cover(reach.interval_s(), count, &states, flow, extremes);
+            follower.follow(&self.oscillator, reach.interval_s(), count, &states, flow);
         }
         self.state = reach.state(count, causes);
         self.reached_s += count as f64 * reach.interval_s();
