@@ -28,6 +28,7 @@ SPEED_RAD_S = 100 * math.tau / 60
 SAMPLES = 10_000
 DT_S = 1e-3
 END_S = SAMPLES * DT_S
+SHORTEST_S = 1e-9
 GOAL_KPA = 1e-6
 TARGET = 500
 LIKELIHOOD_SAMPLES = 1_000
@@ -134,7 +135,8 @@ def solve(
     for segment in pieces:
         start, end, _, _ = segment
         end = min(end, samples * DT_S)
-        if end <= start:
+        # An end that stands on an edge leaves a piece of rounding, which LSODA refuses.
+        if end - start < SHORTEST_S:
             break
         # A sample on an edge is the first of the next segment; the last edge is the last sample.
         last = math.ceil(end / DT_S - 1e-9) - 1

@@ -4,8 +4,13 @@ use pump_model::circuit::Loss;
 use pump_model::integrator::IntegrationError;
 use pump_model::{ExactRun, Extremes, Leg, LineState, Port, PortRun, Pump};
 
-use super::reached::started_s;
 use super::waveform::{Integration, Method};
+
+/// Decays of the slowest mode after which a constant speed reaches nothing new: e^-16 is left of start-up, below 1e-5 kPa.
+const DECAYS: f64 = 16.0;
+
+/// Longest time that is followed where next to nothing damps, in s.
+const MOST_S: f64 = 600.0;
 
 /// Longest time, in s, and most legs that are followed between two questions whether to go on.
 const SLICE: (f64, usize) = (100.0, 4096);
@@ -133,7 +138,7 @@ impl Course<'_> {
         }
         let period_s =
             if leg.speed_rad_s == 0.0 { 0.0 } else { self.pump.pitch_rad() / leg.speed_rad_s.abs() };
-        started_s(self.pump, port, period_s)
+        (DECAYS / self.pump.line(port).slowest_decay_per_s() + period_s).min(MOST_S.max(period_s))
     }
 }
 

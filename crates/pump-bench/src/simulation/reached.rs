@@ -1,4 +1,4 @@
-//! The pressures that a run reaches, start-up included.
+//! The pressures that a run at constant speed reaches, start-up included.
 
 use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
@@ -23,15 +23,11 @@ impl Reached {
     pub(crate) fn of(pump: &Pump, speed_rad_s: f64, duration_s: f64) -> Self {
         let period_s = pump.pitch_rad() / speed_rad_s.abs();
         let range = |port| {
+            let started_s = DECAYS / pump.line(port).slowest_decay_per_s() + period_s;
             let legs = [Leg::constant_speed(0.0, speed_rad_s)];
-            ExactRun::from_rest(pump, port, legs).extremes(duration_s.min(started_s(pump, port, period_s)))
+            let end_s = duration_s.min(started_s).min(MOST_S.max(period_s));
+            ExactRun::from_rest(pump, port, legs).extremes(end_s)
         };
         Self { inlet: range(Port::Inlet), outlet: range(Port::Outlet) }
     }
-}
-
-/// Returns the time after which a run at constant speed reaches nothing new, in s.
-pub(super) fn started_s(pump: &Pump, port: Port, period_s: f64) -> f64 {
-    let started_s = DECAYS / pump.line(port).slowest_decay_per_s() + period_s;
-    started_s.min(MOST_S.max(period_s))
 }
