@@ -8,7 +8,7 @@ use pump_bench::pump_file::{Axis, DriveTable, PinsTable};
 use pump_bench::{Bench, DoseError, DoseRequest, PumpFile, Session, built_in};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 
-use crate::rig::{Rig, go, node_error, run, worst};
+use crate::rig::{Rig, dose, go, node_error, run, worst};
 use crate::world::SharedWorld;
 
 /// Most steps a second of a plan that the board makes with one axis: 10 ticks of 1 us, and a quarter.
@@ -160,4 +160,22 @@ fn a_dry_run_refuses_what_the_pulses_of_the_pump_file_do_not_allow() {
     assert!((most_steps_s - 5_000.0).abs() < 1e-6, "{most_steps_s}");
     assert!(refused.to_string().contains("[drive.pins]"), "{refused}");
     planned(4_990.0).unwrap();
+}
+
+#[test]
+fn a_long_smooth_plan_is_checked_by_a_few_of_its_turns() {
+    let drive = Rig::new().open();
+    let share = |volume_ml: f64| {
+        let plan = dose(volume_ml, 4.0, true);
+        drive.board_share((&plan).into()).unwrap().unwrap()
+    };
+    // The first is walked through whole.
+    let (short, long) = (share(40.0), share(1_000.0));
+    assert!(long.steps_s.abs_diff(short.steps_s) <= short.steps_s / 10, "{short:?} {long:?}");
+    assert!(long.bytes_s >= short.bytes_s, "{short:?} {long:?}");
+    assert!(long.bytes_s - short.bytes_s <= short.all_bytes_s / 16, "{short:?} {long:?}");
+    // A walk through all of its million parts took 15 s, and heard nobody.
+    let began = std::time::Instant::now();
+    share(90_000.0);
+    assert!(began.elapsed().as_secs_f64() < 5.0, "{:?}", began.elapsed());
 }

@@ -118,6 +118,13 @@ impl Plan {
         self.step_rad
     }
 
+    /// Returns the steps that are made along the speed limit, between the two ramps. They are counted from the start.
+    /// The range is empty if the motion does not reach the limit.
+    pub fn cruise_steps(&self) -> core::ops::Range<u64> {
+        let [reached, left] = self.profile.corners_rad.map(|angle_rad| (angle_rad / self.step_rad) as u64);
+        if self.profile.reaches_limit() { reached..left } else { 0..0 }
+    }
+
     /// Returns the speed of the pump head over time.
     pub fn profile(&self) -> &Profile {
         &self.profile

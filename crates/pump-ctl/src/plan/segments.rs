@@ -67,6 +67,36 @@ impl Segments {
         self.tick_rate
     }
 
+    /// Returns the segments of the steps after the first `made`, or those that are left if more are made.
+    ///
+    /// They begin at the time at which the plan makes step `made`, and are cut anew from there.
+    ///
+    /// ```
+    /// use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request};
+    /// use pump_ctl::step::{Segment, TickRate};
+    ///
+    /// let pump = pump_model::Pump::three_roller();
+    /// let limits = Limits::new(Motor::new(12_800.0, 17.8, 500.0));
+    /// let request = Request::new(20.0, Cruise::Flow { ml_s: 4.0 }).with_smooth(true);
+    /// let plan = Doser::new(&pump, limits)?.plan(Phase::known(0.3), &request)?;
+    /// let segments = plan.segments(TickRate::from_hz(1_000_000).ok_or("no rate")?);
+    /// let steps = |segments: pump_ctl::plan::Segments| -> u64 { segments.map(|part| part.steps() as u64).sum() };
+    /// assert_eq!(steps(segments.clone().after(5_000)), steps(segments) - 5_000);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn after(mut self, made: u64) -> Self {
+        let made = made.min(self.steps);
+        if made > self.made {
+            self.along = None;
+            let due_s = self.profile.time_of(made as f64 * self.step_rad);
+            self.at = (due_s * self.tick_hz * FRACTIONS) as i128;
+            // The next segment enters the leg of its first step.
+            (self.made, self.leg_steps) = (made, made);
+        }
+        self
+    }
+
     /// Returns the segments as a feed for the executor, which keeps their tick rate.
     ///
     /// The feed knows how many steps are to come, so the executor never goes beyond the plan.

@@ -1,7 +1,7 @@
 //! The times of steps.
 
 use proptest::prelude::*;
-use pump_ctl::plan::Motor;
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request};
 use pump_ctl::step::{Action, TickRate};
 
 use super::{Case, TURN_RAD, any_case, run};
@@ -72,4 +72,27 @@ fn a_dose_at_the_default_rate_needs_few_segments() {
     // The slow steps at the end of line-aware ramps take a segment each.
     assert!(count(1_000_000) <= 110, "{}", count(1_000_000));
     assert!(count(168_000_000) <= 400, "{}", count(168_000_000));
+}
+
+#[test]
+fn segments_from_the_middle_of_a_smooth_cruise_keep_to_the_times_of_the_plan() {
+    let pump = pump_model::Pump::three_roller();
+    let limits = Limits::new(Motor::new(12_800.0, 17.8, 500.0));
+    let request = Request::new(60.0, Cruise::Flow { ml_s: 4.0 }).with_smooth(true);
+    let plan = Doser::new(&pump, limits).unwrap().plan(Phase::known(0.3), &request).unwrap();
+    let cruise = plan.cruise_steps();
+    assert!(cruise.start > 0 && cruise.end < plan.steps().unsigned_abs());
+    let tick_hz = 1_000_000;
+    let due = |step: u64| plan.profile().time_of(step as f64 * plan.step_rad()) * f64::from(tick_hz);
+    let first = cruise.start.midpoint(cruise.end);
+    let (mut made, mut at) = (first, due(first));
+    for segment in plan.segments(TickRate::from_hz(tick_hz).unwrap()).after(first) {
+        for step in 1..=segment.steps() {
+            let ticks = segment.interval_before(step);
+            at += ticks.whole as f64 + f64::from(ticks.frac) / 4_294_967_296.0;
+            made += 1;
+            assert!((at - due(made)).abs() <= 0.3, "step {made}: {at} {}", due(made));
+        }
+    }
+    assert_eq!(made, plan.steps().unsigned_abs());
 }

@@ -8,6 +8,7 @@ mod outcome;
 mod search;
 mod steps;
 mod task;
+mod walk;
 
 pub(super) use convoy::run;
 pub(super) use lead::SentLead;

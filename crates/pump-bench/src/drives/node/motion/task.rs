@@ -7,6 +7,7 @@ use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
 use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
 use pump_link::timing::rate_hz;
 
+use super::walk::{LeftOut, Walk};
 use crate::drives::BoardShare;
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::Lane;
@@ -25,6 +26,9 @@ const SHORTER: u128 = 1 << 30;
 /// Most by which a segment of a plan is faster than the plan's speed, 2^-32 tick: an eighth of a tick. Its parabola
 /// keeps the steps to their times, and the intervals at its ends may be some shorter. 0.06 tick were seen.
 const CUT: u128 = 1 << 29;
+
+/// Part of the rate that a long cruise needs beyond its mean, for turns that need more than those that were looked at.
+const SPARE: u64 = 32;
 
 /// Number of halvings by which the rate is found that a plan takes of the line.
 const HALVINGS: u32 = 6;
@@ -130,7 +134,13 @@ impl Task {
 fn shortest_interval(plan: PlannedMotion<'_>, tick_rate: TickRate) -> u32 {
     let fractions = |Ticks { whole, frac }: Ticks| (u128::from(whole) << 32) | u128::from(frac);
     let ends = |segment: Segment| [1, segment.steps()].map(|step| fractions(segment.interval_before(step)));
-    let shortest = plan.segments(tick_rate).flat_map(ends).min().unwrap_or(0);
+    let walked = Walk::new(plan, tick_rate).flat_map(|(_, segment)| ends(segment)).min().unwrap_or(0);
+    // Segments that the walk leaves out are no faster than the plan is anywhere.
+    let at_peak = LeftOut::of(plan).map_or(u128::MAX, |_| {
+        let ticks = f64::from(tick_rate.hz()) * plan.step_rad() / plan.peak_rad_s();
+        ((ticks * 2_f64.powi(32)) as u128).saturating_sub(CUT)
+    });
+    let shortest = walked.min(at_peak);
     u32::try_from(shortest.saturating_sub(SHORTER) >> 32).unwrap_or(u32::MAX).max(1)
 }
 
@@ -220,7 +230,9 @@ fn demand<const Q: usize>(
 ) -> Result<(), NodeError> {
     let mut demand = Demand::<Q>::new(tick_rate.hz(), bytes_s);
     let (mut rounder, mut codec) = (Rounder::default(), Codec::new(Grain::Fine));
-    for segment in plan.segments(tick_rate) {
+    let left_out = LeftOut::of(plan);
+    let (mut told_bytes, mut told_ticks) = (0, 0);
+    for (made, segment) in Walk::new(plan, tick_rate) {
         let segment = rounder.round(segment).map_err(StreamError::Pack)?;
         let mut bytes = [0; MAX_PACKED_SEGMENT];
         let mut room = &mut bytes[..];
@@ -229,6 +241,17 @@ fn demand<const Q: usize>(
         // Each segment takes its share of the frame around it.
         let bytes = used + (used * FRAME_OVERHEAD).div_ceil(PROMPT_PACKED);
         demand.segment(&segment, bytes as u32).map_err(|error: TooFast| NodeError::from(error))?;
+        if left_out.as_ref().is_some_and(|left_out| left_out.told.contains(&made)) {
+            told_bytes += bytes as u64;
+            told_ticks += segment.duration().whole;
+        }
+    }
+    // A cruise that needs a little more than the line carries comes too late only after many turns.
+    let mean_bytes_s = (told_bytes * u64::from(tick_rate.hz())).div_ceil(told_ticks.max(1));
+    let needed_bytes_s = mean_bytes_s + mean_bytes_s / SPARE;
+    let allowed_bytes_s = u64::from(bytes_s);
+    if needed_bytes_s > allowed_bytes_s {
+        return Err(TooFast::Link { needed_bytes_s, allowed_bytes_s }.into());
     }
     Ok(())
 }
