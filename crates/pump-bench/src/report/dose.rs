@@ -24,7 +24,7 @@ use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
 use crate::calibration::{Applied, Weighing};
 use crate::dosing::{
     Prepared, PulseErrors, RippleAt, RippleReport, Share, SureRipples, pressure_uncertainty_kpa,
-    sure_ripples, weighed_shares,
+    sure_ripples, unsure_smooth, weighed_shares,
 };
 use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
@@ -222,8 +222,8 @@ impl DoseReport {
         let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered);
         let budget = prepared.budget(file, &part, backflow_ml.unwrap_or(prepared.back_flow.backflow_ml));
         let motion_s = plan.profile().duration_s();
-        let ripples = sure_ripples(plan, model, &PulseErrors::of(file, applied));
-        let SureRipples { rollers, line_end } = ripples;
+        let SureRipples { rollers, line_end } = sure_ripples(plan, model, &PulseErrors::of(file, applied));
+        let line_end = line_end.filter(|_| !file.outlet.line.is_unknown());
         let lowest = prepared.limits.lowest_where_it_sucks();
         let is_known = [!file.inlet.is_unknown(), !file.outlet.line.is_unknown()];
         let [of_inlet, of_outlet] = is_known.map(|is_known| move |value: f64| is_known.then_some(value));
@@ -284,12 +284,15 @@ impl DoseReport {
             ripple_before: rollers.constant_speed,
             ripple_after: rollers.planned,
             ripple_at_rollers: rollers,
-            ripple_at_line_end: line_end.filter(|_| is_known[1]),
+            ripple_at_line_end: line_end,
             limited_by: plan.limited_by(),
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),
             limits_not_checked: file.not_checked(&prepared.limits),
-            warnings: warnings(prepared, delivered),
+            warnings: warnings(prepared, delivered)
+                .into_iter()
+                .chain(unsure_smooth(plan, &SureRipples { rollers, line_end }))
+                .collect(),
             completed: delivered.is_some_and(|end| end.completed || is_ended_run(prepared, end)),
             by_weight: None,
             run: RunReport::of(prepared, delivered),

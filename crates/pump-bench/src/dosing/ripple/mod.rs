@@ -3,7 +3,9 @@
 mod errors;
 mod pulse_errors;
 mod ripple;
+mod unsure;
 
 pub(crate) use pulse_errors::PulseErrors;
 pub use ripple::{RippleAt, RippleReport};
 pub(crate) use ripple::{SureRipples, sure_ripples};
+pub(crate) use unsure::unsure_smooth;
