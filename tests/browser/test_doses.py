@@ -118,6 +118,41 @@ def test_a_refusal_of_a_pump_in_use_goes_with_the_motion(service, open_page):
     expect(card.get_by_role("alert")).to_have_count(0)
 
 
+def test_a_refusal_goes_once_the_dose_that_it_names_is_resumed(service, open_page):
+    page = open_page(service.url)
+    service.dose("acid", "20mL", rate="4mL/s")
+    service.stop()
+    card = panel(page, "acid")
+    expect(state(page, "acid")).to_have_text("A dose is unfinished")
+    card.get_by_label("Volume").fill("1mL")
+    card.get_by_role("button", name="Dose").click()
+    expect(card.locator(".said").get_by_role("alert")).to_contain_text("unfinished")
+    card.locator(".notices").get_by_role("button", name="Resume").click()
+    expect(state(page, "acid")).to_have_text("Delivering the rest of a dose")
+    expect(card.get_by_role("alert")).to_have_count(0)
+    expect(state(page, "acid")).to_have_text("Ready")
+    expect(card.get_by_role("alert")).to_have_count(0)
+    # A refusal of another kind goes too, once the pump moves for anybody.
+    card.get_by_label("Volume").fill("1 furlong")
+    card.get_by_role("button", name="Dose").click()
+    expect(card.get_by_role("alert")).to_have_count(1)
+    service.dose("acid", "2mL")
+    expect(card.get_by_role("alert")).to_have_count(0)
+
+
+def test_the_limits_count_while_the_pump_moves(make_laboratory, open_page):
+    laboratory = make_laboratory(lines={"acid": LIMIT})
+    service = laboratory.serve()
+    page = open_page(service.url, size={"width": 360, "height": 740})
+    service.dose("acid", "20mL", rate="2mL/s")
+    facts = panel(page, "acid").locator("dl.facts")
+    expect(facts).to_contain_text(re.compile(r"Last 24 h[1-9][\d.]* mL pumped, [\d.]+ mL left of 45 mL"))
+    expect(facts).to_contain_text(re.compile(r"Under wayup to 1[\d.]+ mL more"))
+    assert ", up to 1" in laboratory.run("safety", "--pump", "acid"), "the command tells the same"
+    service.stop()
+    expect(facts).not_to_contain_text("Under way")
+
+
 def test_a_card_asks_before_a_dose_in_reverse(laboratory, service, open_page):
     page = open_page(service.url)
     card = panel(page, "acid")
@@ -254,6 +289,25 @@ def test_a_head_stands_for_who_wants_no_motion(service, open_page):
     assert figure.inner_text() != number
 
 
+def test_the_log_has_all_pumps_together_and_who_accepted_a_dose(make_laboratory, open_page):
+    service = make_laboratory(pumps=("acid", "base")).serve()
+    page = open_page(service.url + "/#/log")
+    service.dose("base", "20mL", rate="4mL/s")
+    service.stop()
+    service.post("/api/v1/pumps/base/accept")
+    service.ended("base")
+    service.ended(service.dose("acid", "2mL") and "acid")
+    rows = page.get_by_role("table").first.get_by_role("row")
+    expect(rows).to_have_count(3)
+    expect(rows.nth(1).get_by_role("cell").first).to_have_text("acid")
+    expect(rows.nth(2)).to_contain_text("; accepted by HTTP")
+    expect(page.locator("main")).to_contain_text("the interrupted dose of base was accepted, by http")
+    expect(page.get_by_role("link", name="Export CSV")).to_have_count(0)
+    page.get_by_label("Pump").select_option("base")
+    expect(rows).to_have_count(2)
+    expect(page.get_by_role("link", name="Export CSV")).to_be_visible()
+
+
 def test_the_log_has_the_doses_and_their_export(laboratory, service, open_page):
     page = open_page(service.url)
     panel(page, "acid").get_by_label("Volume").fill("2mL")
@@ -267,7 +321,7 @@ def test_the_log_has_the_doses_and_their_export(laboratory, service, open_page):
             page.get_by_role("link", name=name).click()
         text = download.value.path().read_text()
         assert text.startswith(begins), text[:200]
-    assert json.loads(text) == laboratory.log("acid")[0] | {"origin": "http", "weighed": False, "accepted": None}
+    assert json.loads(text) == laboratory.log("acid")[0] | {"origin": "page", "weighed": False, "accepted": None}
     # A dose that ends elsewhere is there without a reload.
     service.ended(service.dose("acid", "3mL") and "acid")
     expect(page.get_by_role("table").first.get_by_role("row")).to_have_count(3)

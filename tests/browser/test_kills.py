@@ -1,5 +1,7 @@
 """A service that is killed, and one that begins again."""
 
+import re
+
 from playwright.sync_api import expect
 
 from watching import live, panel, state, wait_for_dose
@@ -20,7 +22,9 @@ def test_a_page_comes_back_after_a_kill_and_resumes_the_dose(laboratory, service
     expect(state(page, "acid")).to_have_text("Ready")
     first, rest = laboratory.log("acid")[-2:]
     assert rest["resumed"]
-    expect(panel(page, "acid").locator(".read .what")).to_contain_text("the rest of 40 mL")
+    read = panel(page, "acid").locator(".read")
+    expect(read.locator(".what")).to_contain_text(re.compile(r"^last dose: 40 mL asked, .* mL before and [\d.]+ mL now"))
+    assert abs(float(read.locator(".big span").inner_text()) - 40) < 0.5, "the whole dose"
     assert abs(first["delivered_ml"] + rest["delivered_ml"] - 40) < 0.5
     assert again.view("acid")["status"]["unfinished"] is None
 

@@ -6,7 +6,7 @@ import re
 import pytest
 from playwright.sync_api import expect
 
-from watching import inspect
+from watching import SMALL, inspect
 
 HEAD = """# Anna's doses.
 schema = "schedule/1"
@@ -95,6 +95,22 @@ def test_the_keyboard_adds_an_entry_sees_its_next_runs_and_removes_it(page, plan
     expect(page.get_by_role("heading", name="Schedule")).to_be_focused()
     assert plan.read_text() == HEAD + FEED
     assert not found, "\n".join(found)
+
+
+def test_the_form_is_saved_without_a_scroll_on_a_small_phone(page, plan):
+    page.set_viewport_size(SMALL)
+    page.get_by_role("button", name="Edit… feed").click()
+    box = page.get_by_role("dialog", name="Edit feed")
+    box.get_by_label("Volume").fill("2mL")
+    box.get_by_role("button", name="Show the next runs").click(position={"x": 5, "y": 5})
+    expect(box.get_by_role("heading", name="Next runs")).to_be_in_viewport()
+    save = box.get_by_role("button", name="Save")
+    expect(save).to_be_in_viewport(ratio=1)
+    box.evaluate("(box) => box.scrollTo(0, 0)")
+    expect(save).to_be_in_viewport(ratio=1)
+    save.click()
+    expect(box).to_have_count(0)
+    assert 'dose = "2mL"' in plan.read_text()
 
 
 def test_the_form_names_the_clock_of_its_times_and_asks_for_a_name(laboratory, plan, open_page):

@@ -66,9 +66,15 @@ def test_a_stop_leads_to_the_rest_of_the_dose(service, open_page):
     expect(form.locator(".said")).to_have_text(re.compile(r"^Stopped: dose 60mL; [\d.]+ mL delivered\.$"))
     resume = page.locator(".notices").get_by_role("button", name="Resume")
     expect(resume).to_be_in_viewport()
+    named = page.locator(".notices p").first.inner_text()
+    page.wait_for_timeout(1000)
     resume.click()
     expect(state(page, "acid")).to_have_text("Delivering the rest of a dose")
     expect(form.locator(".said")).to_have_text("")
+    expect(page.locator(".read .what")).to_contain_text(re.compile(r"^of 60 mL asked.* at the end; [\d.]+ mL before$"))
+    page.locator("#stop").click()
+    # The dose has the time of its order, not that of its rest.
+    expect(page.locator(".notices p").first).to_have_text(named)
 
 
 def test_all_pumps_stop_at_a_tap(service, open_page):

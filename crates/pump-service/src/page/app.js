@@ -39,6 +39,8 @@ const danger = (...kids) => div('notice bad', kids);
 const inPath = encodeURIComponent;
 const block = (...kids) => h('section', { class: 'panel' }, kids);
 
+/** Replaces the children of a node. */
+const place = (node, ...kids) => node.replaceChildren(...kids);
 function say(node, text) {
 	if (node.textContent !== text) node.textContent = text;
 }
@@ -50,7 +52,7 @@ function remake(node, key, make) {
 	key = JSON.stringify(key);
 	if (node.made === key) return;
 	node.made = key;
-	node.replaceChildren(...[make()].flat().filter(Boolean));
+	place(node, ...[make()].flat().filter(Boolean));
 }
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 let ids = 0;
@@ -66,9 +68,9 @@ const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digit
 const ml = (value, u) => (value == null ? '–' : u > 0 ? fixed(value, decimalsOf(u)) : short(value));
 const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
-const pad = (n) => String(n).padStart(2, '0');
-const clock = (t) => `${pad(t.getHours())}:${pad(t.getMinutes())}:${pad(t.getSeconds())}`;
-const date = (t) => `${t.getFullYear()}-${pad(t.getMonth() + 1)}-${pad(t.getDate())} ${clock(t)}`;
+const local = new Intl.DateTimeFormat('sv', { dateStyle: 'short', timeStyle: 'medium' });
+/** The local time of a date, of its text, or of ms since 1970, as 2026-11-27 06:30:00. */
+const date = (at) => local.format(new Date(at));
 function span(seconds) {
 	const n = Math.max(0, Math.round(seconds));
 	if (n < 60) return `${n} s`;
@@ -83,8 +85,9 @@ const withUnit = (text, unit) => (/^\s*[-+−]?(\d+\.?\d*|\.\d+)\s*$/.test(text)
 
 const ANYWAY = 'Use it although it is far from what was expected';
 
-/** A message without its clauses that name commands: the page has buttons for what they do. */
+/** A message in local times, without its clauses that name commands: the page has buttons for what they do. */
 function plain(text) {
+	text = text.replace(/\d{4}-\d\d-\d\dT[\d:]+(Z|[+-]\d\d:\d\d)/g, date);
 	const kept = text.split('; ').filter((part) => !/`dose (safety|resume|accept|status|vessel|calibrate)/.test(part));
 	return kept.length ? kept.join('; ') : text;
 }
@@ -95,44 +98,39 @@ class Refused extends Error {
 	}
 }
 
+const unknownOf = ({ status }) => ({ code: 1, kind: 'service', message: `the service answered with status ${status}` });
+
 async function call(method, path, { body, key, match, timeout = 8000 } = {}) {
-	const abort = new AbortController();
-	const timer = setTimeout(() => abort.abort(), timeout);
 	const headers = method === 'GET' ? {} : { 'Content-Type': 'application/json' };
 	if (key) headers['Idempotency-Key'] = key;
 	if (match) headers['If-Match'] = `"${match}"`;
-	try {
-		const answer = await fetch(path, { method, headers, body, signal: abort.signal, cache: 'no-store' });
-		const text = await answer.text();
-		let data = null;
-		try { data = JSON.parse(text); } catch { /* An answer of a proxy. */ }
-		if (answer.ok) return data;
-		if (answer.status === 401 && path !== '/login') showLogin();
-		const unknown = { code: 1, kind: 'service', message: `the service answered with status ${answer.status}` };
-		throw new Refused(data && typeof data.message === 'string' ? data : unknown, answer.status);
-	} finally {
-		clearTimeout(timer);
-	}
+	const answer = await fetch(path, { method, headers, body, signal: AbortSignal.timeout(timeout), cache: 'no-store' });
+	const text = await answer.text();
+	let data = null;
+	try { data = JSON.parse(text); } catch { /* An answer of a proxy. */ }
+	if (answer.ok) return data;
+	if (answer.status === 401 && path !== '/login') showLogin();
+	throw new Refused(data?.message ? data : unknownOf(answer), answer.status);
 }
 
 const get = (path) => call('GET', `/api/v1/${path}`);
 
-function newKey() {
-	return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
-}
-
+/** Keys of the orders whose answer is not known, by their words. */
+const keys = new Map();
 /** Gives an order. A lost answer is asked for again with the same key, so that nothing is done twice. */
-async function give(slot, path, body) {
-	const text = JSON.stringify(body || {});
-	if (slot.words !== path + text) Object.assign(slot, { words: path + text, key: newKey() });
+async function give(path, body) {
+	const text = JSON.stringify(body);
+	const words = path + text;
+	const key = keys.get(words) || crypto.getRandomValues(new BigUint64Array(2)).join('-');
+	keys.set(words, key);
 	for (let tries = 0; ; tries += 1) {
 		try {
-			const order = await call('POST', path, { body: text, key: slot.key, timeout: 40000 });
-			slot.words = null;
+			const order = await call('POST', path, { body: text, key, timeout: 40000 });
+			keys.delete(words);
 			return order;
 		} catch (error) {
 			const isAnswer = error instanceof Refused && ![408, 502, 503, 504].includes(error.status);
-			if (isAnswer) slot.words = null;
+			if (isAnswer) keys.delete(words);
 			if (isAnswer || tries === 3) throw error;
 		}
 		await sleep(400 * 2 ** tries);
@@ -180,7 +178,7 @@ const dosesOf = (order) => (order.reports || []).flatMap((report) => {
 });
 
 function take(view) {
-	const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), stale: [], last: null, fault: null, motion: null };
+	const pump = pumps.get(view.name) || { name: view.name, panels: new Set(), refused: new Map(), last: null, fault: null, motion: null };
 	pumps.set(view.name, pump);
 	const stoodBefore = pump.view?.status?.safety.stand;
 	pump.view = view;
@@ -209,7 +207,7 @@ function takeProgress(told) {
 	const motion = pump.motion;
 	if (told.state === 'begun') {
 		Object.assign(motion, { plan: told.plan, progress: null, wait: null });
-		pump.fault = null;
+		forget(pump);
 	} else if (told.state === 'waiting') {
 		motion.wait = { until: Date.now() + told.next_s * 1000, number: told.number, count: told.count };
 		motion.progress = null;
@@ -251,16 +249,12 @@ function showNext() {
 function takeOrder(order) {
 	const own = pumps.get(order.pump);
 	const isOver = order.state !== 'running';
-	if (own && !isOver) Object.assign(own.view, { order: order.id, task: order.task });
-	if (own && !isOver && own.motion?.order !== order.id) {
-		own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
-		own.fault = null;
-		own.stale.splice(0).forEach((line) => line.remove());
-	}
 	takeReports(order);
 	if (!isOver) {
-		if (own) refresh(own);
-		return;
+		if (!own) return;
+		Object.assign(own.view, { order: order.id, task: order.task });
+		if (own.motion?.order !== order.id) own.motion = { order: order.id, task: order.task, isPlan: isDry(order) };
+		return refresh(own);
 	}
 	tellEnd(order);
 	const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion?.order === order.id);
@@ -272,6 +266,7 @@ function takeOrder(order) {
 			pump.fault = { time: order.ended, message: plain(error.message) };
 			alertOf(`${pump.name} failed: ${pump.fault.message}`);
 		} else if (!isDry(order)) {
+			if (order.state === 'done') forget(pump);
 			const stopped = error?.kind === 'stopped';
 			const dose = pump.last?.order === order.id ? `, ${volumeWords(pump.last.report)}` : '';
 			politely(`${pump.name}: ${order.task} ${stopped ? 'stopped' : order.state}${dose}`, true);
@@ -279,15 +274,22 @@ function takeOrder(order) {
 		refresh(pump);
 	}
 }
+/** Takes away what was said of a pump before it moved, or before another order was carried out. */
+function forget(pump) {
+	pump.fault = null;
+	for (const said of pump.refused.keys()) place(said);
+	pump.refused.clear();
+}
 const isDry = (order) => Boolean(order.options && order.options['dry-run']);
 
 /** Forms that were told that their order was taken, by the order: its end is told there too. */
 const taken = new Map();
 function tellTaken(said, order, words) {
+	if (order.state === 'failed') throw orderError(order);
 	const isDone = order.state === 'done';
 	const line = para(isDone ? `Done: ${words}.` : `The service has the order: ${words}.`);
-	said.replaceChildren(line);
-	if (!isDone) taken.set(order.id, { line, words });
+	place(said, line);
+	if (!isDone) taken.set(order.id, { said, line, words });
 }
 function tellEnd(order) {
 	const form = taken.get(order.id);
@@ -300,9 +302,9 @@ function tellEnd(order) {
 	const volume = order.state !== 'done' && last?.order === order.id ? `; ${volumeWords(last.report)}` : '';
 	say(form.line, `${how}: ${form.words}${volume}.`);
 	if (!pump || order.state === 'done') return;
-	// The rest is offered above the form, where a phone does not show it, and the line goes once the pump moves on.
+	// The rest is offered above the form, where a phone does not show it.
 	pump.leads = isStopped;
-	pump.stale.push(form.line);
+	pump.refused.set(form.said, {});
 }
 async function askTaken() {
 	for (const id of [...taken.keys()]) {
@@ -344,7 +346,7 @@ function politely(text, isNews) {
 	say($('polite'), text);
 }
 function alertOf(text) {
-	$('alert').replaceChildren(h('p', { text }));
+	place($('alert'), para(text));
 }
 function tellProgress() {
 	if (Date.now() - politeAt < 10000) return;
@@ -356,7 +358,7 @@ function tellProgress() {
 
 function connect() {
 	clearTimeout(retryTimer);
-	if (source) source.close();
+	source?.close();
 	source = new EventSource('/events');
 	const on = (name, take) => source.addEventListener(name, (event) => {
 		heard = Date.now();
@@ -365,12 +367,12 @@ function connect() {
 	on('hello', hello);
 	on('pump', (view) => {
 		refresh(take(view));
-		if (onLog) onLog();
+		onLog?.();
 	});
 	on('progress', takeProgress);
 	on('order', takeOrder);
 	on('note', takeNote);
-	on('input', () => { if (onInputs) onInputs(); });
+	on('input', () => { onInputs?.(); });
 	on('alive', () => {});
 	source.onerror = () => {
 		lose();
@@ -395,27 +397,27 @@ async function begin() {
 	}
 }
 function lose(isExpected) {
-	if (isExpected !== true && !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
+	if (!isExpected && !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
 	isLive = false;
 	document.body.classList.add('lost');
 	showLink();
 }
 function showLink() {
 	const text = isLive ? 'Live' : pumps.size
-		? `Reconnecting… Values as of ${clock(new Date(heard))}` : 'Reconnecting…';
+		? `Reconnecting… Values as of ${date(heard).slice(11)}` : 'Reconnecting…';
 	say($('link').firstElementChild, text);
 }
 function hello(told) {
 	if (document.body.classList.contains('lost')) {
 		politely('Connected again.', true);
-		$('alert').replaceChildren();
+		place($('alert'));
 	}
 	isLive = true;
 	retryMs = 500;
 	document.body.classList.remove('lost');
 	const names = told.pumps.map((pump) => pump.name);
 	const isSame = names.join('\n') === [...pumps.keys()].join('\n') && racks.join('\n') === told.racks.join('\n');
-	for (const name of [...pumps.keys()]) if (!names.includes(name)) pumps.delete(name);
+	for (const name of pumps.keys()) if (!names.includes(name)) pumps.delete(name);
 	for (const pump of pumps.values()) pump.motion = null;
 	for (const view of told.pumps) take(view);
 	const isOlder = version && version !== told.version;
@@ -423,8 +425,8 @@ function hello(told) {
 	$('about').textContent = `pump-dose ${version}${isOlder ? '; this page is older: reload it' : ''}`;
 	readLast();
 	askTaken();
-	if (onInputs) onInputs();
-	if (onLog) onLog();
+	onInputs?.();
+	onLog?.();
 	if (onNotes) watchNotes(100, onNotes);
 	if (isSame && $('main').dataset.view) pumps.forEach(refresh);
 	else show();
@@ -435,11 +437,12 @@ function takeNote(note) {
 	const text = noteWords(note);
 	if (note.kind === 'guard') alertOf(text);
 	else politely(text, true);
-	if (onNotes) onNotes();
+	onNotes?.();
 }
 let onNotes = null;
 let onInputs = null;
 let onLog = null;
+let onPump = null;
 const noteWords = (note) => `${note.pump ? `${note.pump}: ` : ''}${plain(note.text)}`;
 /** Reads the last events, and shows them now and when another comes. `fail` tells that they cannot be read. */
 function watchNotes(most, showNotes, fail = () => {}) {
@@ -470,7 +473,7 @@ let hiddenTimer = 0;
 document.addEventListener('visibilitychange', () => {
 	clearTimeout(hiddenTimer);
 	if (document.hidden) {
-		hiddenTimer = setTimeout(() => { if (source) source.close(); source = null; }, 20000);
+		hiddenTimer = setTimeout(() => { source?.close(); source = null; }, 20000);
 	} else if (!source || source.readyState === EventSource.CLOSED) {
 		lose(true);
 		begin();
@@ -483,7 +486,7 @@ let stopRun = 0;
 async function stopAll() {
 	const run = ++stopRun;
 	const tell = (text, isBad) => {
-		if (run === stopRun) $('stop-said').replaceChildren(h('p', { text, class: isBad ? 'bad' : null }));
+		if (run === stopRun) place($('stop-said'), h('p', { text, class: isBad ? 'bad' : null }));
 	};
 	tell('Stopping…');
 	for (let tries = 1; run === stopRun; tries += 1) {
@@ -496,14 +499,12 @@ async function stopAll() {
 			const told = count ? `The service is stopping ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
 			tell(told + also, others.length > 0);
 			await sleep(others.length ? 30000 : 6000);
-			if (run === stopRun) $('stop-said').replaceChildren();
+			if (run === stopRun) place($('stop-said'));
 			return;
 		} catch (error) {
 			if (error instanceof Refused && error.status === 401) return tell('Not stopped: log in first.', true);
-			tell(tries < 20
-				? `The service cannot be reached: NOT stopped (${tries} ${tries === 1 ? 'try' : 'tries'}, trying again). ` +
-					'If a pump must stop now, switch it off.'
-				: 'NOT stopped: the service cannot be reached. Switch the pumps off by hand. The button tries again.', true);
+			tell('NOT stopped: the service cannot be reached. If a pump must stop now, switch it off by hand. ' +
+				(tries < 20 ? `Trying again (${tries} of 20).` : 'The button tries again.'), true);
 			if (tries === 20) return;
 			// The stream may hold the last free connection.
 			if (tries === 2 && source) { source.close(); lose(); retry(); }
@@ -580,7 +581,7 @@ class Head {
 		this.known = known;
 		this.unsure.setAttribute('visibility', known ? 'hidden' : 'visible');
 		if (!known) {
-			this.wheel.replaceChildren(s('circle', { class: 'hatched', r: 27 }));
+			place(this.wheel, s('circle', { class: 'hatched', r: 27 }));
 			return;
 		}
 		const parts = [];
@@ -590,7 +591,7 @@ class Head {
 				s('circle', { class: 'roller', r: 7.5, cx: 34 * x, cy: 34 * y }),
 				s('circle', { class: 'pin', r: 1.8, cx: 34 * x, cy: 34 * y }));
 		}
-		this.wheel.replaceChildren(...parts, s('circle', { class: 'hub', r: 9 }));
+		place(this.wheel, ...parts, s('circle', { class: 'hub', r: 9 }));
 	}
 
 	/** The angle nearest to `near` at which the picture is that of `angle`. */
@@ -641,7 +642,7 @@ class Head {
 		Object.assign(this, { to, begun: now, lasts });
 		const at = (angle) => ({ transform: `rotate(${angle.toFixed(2)}deg)` });
 		const motion = this.rotor.animate([at(this.from), at(to)], { duration: lasts, fill: 'forwards' });
-		if (this.motion) this.motion.cancel();
+		this.motion?.cancel();
 		this.motion = motion;
 		motion.onfinish = () => this.put(to);
 	}
@@ -650,7 +651,7 @@ class Head {
 		this.from = this.to = angle;
 		this.lasts = 0;
 		this.rotor.style.transform = `rotate(${(angle % 360).toFixed(2)}deg)`;
-		if (this.motion) this.motion.cancel();
+		this.motion?.cancel();
 		this.motion = null;
 	}
 }
@@ -659,7 +660,7 @@ class Head {
 
 function standWords(pump) {
 	const stand = pump.view.status.safety.stand;
-	const since = date(new Date(stand.since));
+	const since = date(stand.since);
 	if (stand.limit === 'ordered') return `${pump.name} was put to stand, ${since}: ${stand.reason}`;
 	const limit = stand.limit === 'vessel' ? 'limit of the vessel' : 'limit of 24 h';
 	return `${pump.name} stands at its ${limit} since ${since}: ${short(stand.used_ml)} mL were ` +
@@ -695,8 +696,8 @@ function stateOf(pump) {
 const plusMinus = ({ expanded_uncertainty_ml: u }) => `±\u00a0${spread(u)}\u00a0mL (k\u00a0=\u00a02)`;
 const volumeWords = (report) => `${ml(report.delivered_ml, report.expanded_uncertainty_ml)} mL delivered`;
 /** Giver of a dose: an order's origin, `schedule NAME`; null for a program beside the service. */
-const giver = ({ origin }) => ({ http: 'page or HTTP', mqtt: 'MQTT' }[origin] || origin || '');
-const loggedWords = (dose) => `${volumeWords(dose)}${dose.resumed ? ' (the rest)' : ''}, ${date(new Date(dose.time))}, ${dose.end}, by ${giver(dose) || 'a program'}`;
+const giver = ({ origin }) => ({ http: 'HTTP', mqtt: 'MQTT' }[origin] || origin || '');
+const loggedWords = (dose) => `${volumeWords(dose)}${dose.resumed ? ' (the rest)' : ''}, ${date(dose.time)}, ${dose.end}, by ${giver(dose) || 'a program'}`;
 /** A share of a rack's step is told as `24mL, 2 of 3`, so its own volume comes first. */
 const isEndless = ({ asked }) => asked === 'until stopped';
 const askedWords = ({ asked, requested_ml: own }) => (asked && !asked.includes(' of ') ? asked
@@ -705,7 +706,7 @@ const purposeWord = (purpose) => (purpose === 'calibrate' ? 'calibration run' : 
 
 /** The volume in large numerals: figure, words below it, and the bar. */
 const ENDS = { weighed: ', weighed', stopped: ', stopped', fault: ', failed', 'cut-off': ', cut off' };
-/** The later of the log's last dose and the last report of an order, as the log tells it: the log is read a moment later. */
+/** The later of the log's last dose and the last report of an order: the log is read a moment later. */
 function newest(logged, last) {
 	if (!last || (logged && new Date(logged.time) >= new Date(last.report.time))) return logged;
 	const { report, stopped, resumed } = last;
@@ -719,8 +720,8 @@ function endWords({ motion: { plan, progress } }) {
 }
 /** The time of day so many seconds from now, with its date if that is another one. */
 function endOf(seconds) {
-	const text = date(new Date(Date.now() + 1000 * seconds));
-	return text.slice(0, 10) === date(new Date()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
+	const text = date(Date.now() + 1000 * seconds);
+	return text.slice(0, 10) === date(Date.now()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
 }
 function readOf(pump) {
 	const { view, motion, last } = pump;
@@ -729,42 +730,46 @@ function readOf(pump) {
 		const { plan } = motion;
 		const { delivered_ml: delivered, of_ml: of } = motion.progress;
 		const u = plan ? plan.expanded_uncertainty_ml : 0;
-		const isRest = motion.task === 'resume';
-		const asked = of == null ? 'so far' : isRest || !plan ? `of ${ml(of, u)} mL` : `of ${askedWords(plan)} asked`;
+		// The record still has the dose as it was before its rest.
+		const rest = motion.task === 'resume' && of != null && unfinished;
+		const before = rest ? 0.5 * (rest.delivered_least_ml + rest.delivered_most_ml) : 0;
+		const whole = rest || plan;
+		const asked = of == null ? 'so far' : !whole ? `of ${ml(of, u)} mL` : `of ${askedWords(whole)} asked`;
 		const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
-		const rest = isRest ? ' (the rest of a dose)' : '';
-		const figure = fixed(delivered, of == null ? 2 : decimalsOf(u));
+		const figure = fixed(before + delivered, of == null ? 2 : decimalsOf(u));
 		const time = endWords(pump);
-		return { figure, below: `${asked}${sure}${rest}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
-			bar: of == null ? null : { at: delivered, asked: plan && !isRest ? plan.requested_ml : of, of, u } };
+		return { figure, below: `${asked}${sure}${rest ? `; ${ml(before, u)} mL before` : ''}`, time, words: `${figure} mL ${asked}${time && `, ${time}`}`,
+			bar: of == null ? null : { at: before + delivered, asked: whole ? whole.requested_ml : of, of: before + of, u } };
 	}
 	if (motion?.plan && !motion.wait) {
 		const { plan } = motion;
-		return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} asked`, words: 'beginning',
-			bar: null };
+		return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} asked` };
 	}
 	if (unfinished && !motion) {
 		const { delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked } = unfinished;
 		const isSure = Math.abs(most - least) < 0.0005 * Math.max(1, Math.abs(most));
 		const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL asked`;
 		return { figure: isSure ? fixed(most, 2) : `${fixed(least, 2)} to ${fixed(most, 2)}`, below: `${what}; unfinished`,
-			words: '', bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
+			bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
 	}
 	const done = newest(view.last, last);
 	if (done) {
-		const u = done.expanded_uncertainty_ml || 0;
-		const { delivered_least_ml: least, delivered_most_ml: most } = done;
-		const what = done.resumed ? `the rest of ${askedWords(done)}` : `last ${purposeWord(done.purpose)}: ${askedWords(done)}${isEndless(done) ? '' : ' asked'}`;
-		return { figure: least == null ? ml(done.delivered_ml, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`, words: '',
-			below: `${what}${least == null && u ? `, ${plusMinus(done)}` : ''}${ENDS[done.end] || ''}; began ${date(new Date(done.time))}`,
-			bar: done.resumed || done.purpose === 'run' ? null
-				: { at: done.delivered_ml, asked: done.requested_ml, of: done.requested_ml, u } };
+		const whole = done === view.last && view.whole;
+		const { delivered_ml: at, delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked, expanded_uncertainty_ml: u, time } = whole || done;
+		const isRest = done.resumed && !whole;
+		const what = `${isRest ? 'the rest of' : `last ${purposeWord(done.purpose)}:`} ${askedWords({ ...done, requested_ml: asked })}${isRest || isEndless(done) ? '' : ' asked'}`;
+		const parts = whole ? `; ${ml(whole.before_ml, u)} mL before and ${ml(done.delivered_ml, u)} mL now` : '';
+		return { figure: least == null ? ml(at, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`,
+			below: `${what}${least == null && u ? `, ${plusMinus(whole || done)}` : ''}${ENDS[done.end] || ''}${parts}; began ${date(time)}`,
+			bar: isRest || done.purpose === 'run' ? null : { at, asked, of: asked, u: u || 0 } };
 	}
-	return { figure: '–', below: 'no dose is on record', words: '', bar: null };
+	return { figure: '–', below: 'no dose is on record' };
 }
 
 const between = (least, most, u) => (least == null ? 'unknown: the pump file does not describe this line'
 	: `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`);
+const pressuresOf = (plan, when) => ['inlet', 'outlet'].map((port) => [`${port === 'inlet' ? 'Inlet' : 'Outlet'}${when}`,
+	between(plan[`${port}_min_kpa`], plan[`${port}_max_kpa`], plan[`${port}_pressure_uncertainty_kpa`])]);
 
 function angleWords({ view, motion }) {
 	const { status } = view;
@@ -780,26 +785,18 @@ function factsOf(pump, isWide) {
 	const { status } = view;
 	if (!status) return [];
 	const plan = motion?.plan || last?.report;
-	const facts = [];
-	facts.push(['Angle', angleWords(pump)]);
 	const within = status.carry_half_width_ml > 0 ? ` ± ${small(status.carry_half_width_ml)}` : '';
-	facts.push(['Carry', `${small(status.carry_ml)}${within}`]);
-	if (plan) {
-		const when = motion?.plan ? '' : ', last';
-		facts.push([`Inlet${when}`, between(plan.inlet_min_kpa, plan.inlet_max_kpa, plan.inlet_pressure_uncertainty_kpa)],
-			[`Outlet${when}`, between(plan.outlet_min_kpa, plan.outlet_max_kpa, plan.outlet_pressure_uncertainty_kpa)]);
-	} else {
-		facts.push(['Pressures', 'predicted with the next plan']);
-	}
+	const facts = [['Angle', angleWords(pump)], ['Carry', `${small(status.carry_ml)}${within}`],
+		...(plan ? pressuresOf(plan, motion?.plan ? '' : ', last') : [['Pressures', 'predicted with the next plan']])];
 	const { wear, safety } = status;
 	const life = [[status.tube_life_ml, wear.volume_ml, 'mL'], [status.tube_life_h, wear.motion_s / 3600, 'h'],
 		[status.tube_life_revolutions, wear.revolutions, 'rev']].filter(([of]) => of != null);
 	facts.push(['Tube', life.length ? life.map(([of, used, unit]) => `${short(used)} of ${short(of)} ${unit}`).join(', ')
 		: `${short(wear.volume_ml)} mL pumped, ${short(wear.revolutions)} rev; no life stated`]);
-	facts.push(['24 h limit', safety.max_ml_per_day == null ? `none; ${short(safety.day_ml)} mL pumped`
-		: `${short(safety.day_left_ml)} mL left of ${short(safety.max_ml_per_day)} mL`]);
-	facts.push(['Vessel', safety.vessel_ml == null ? `no limit; ${short(safety.received_ml)} mL received`
-		: `${short(safety.vessel_left_ml)} mL left of ${short(safety.vessel_ml)} mL`]);
+	const limit = (used, left, of) => `${used}${of == null ? '; no limit' : `, ${short(left)} mL left of ${short(of)} mL`}`;
+	facts.push(['Last 24 h', limit(`${short(safety.day_ml)} mL pumped`, safety.day_left_ml, safety.max_ml_per_day)],
+		['Vessel', limit(`${short(safety.received_ml)} mL received`, safety.vessel_left_ml, safety.vessel_ml)]);
+	if (safety.under_way_ml) facts.push(['Under way', `up to ${short(safety.under_way_ml)} mL more`]);
 	if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record: no volume becomes free`]);
 	if (!isWide) return facts;
 	if (plan) facts.push(['Flow', `${short(plan.cruise_flow_ml_s)} mL/s at ${short(plan.cruise_speed_rpm)} r/min`]);
@@ -808,7 +805,6 @@ function factsOf(pump, isWide) {
 	if (status.unfinished_calibration) facts.push(['Also', 'a guided calibration by the command is unfinished']);
 	facts.push(['Rollers', `${view.rollers}, ${short(view.pitch_deg)}° apart; 0° is where one begins to leave the outlet`],
 		['Motor', view.simulated ? `simulated (${view.driver})` : `${view.driver}${view.port ? ` at ${view.port}` : ''}`],
-		['Usual flow', `${short(view.default_flow_ml_s)} mL/s`],
 		['Record', status.folder]);
 	return facts;
 }
@@ -817,7 +813,7 @@ function showFacts(list, facts) {
 	const names = facts.map(([name]) => name).join('\n');
 	if (list.names !== names) {
 		list.names = names;
-		list.replaceChildren(...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', {}, h('span', { class: name === 'Angle' ? 'line' : null }))]));
+		place(list, ...facts.flatMap(([name]) => [h('dt', { text: name }), h('dd', {}, h('span', { class: name === 'Angle' ? 'line' : null }))]));
 	}
 	facts.forEach(([, value], i) => say(list.children[2 * i + 1].firstChild, value));
 }
@@ -834,10 +830,12 @@ function showError(said, error, name) {
 		kids.push(bad(lead + error.message));
 		if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
 		if (pump && error.code === 5) kids.push(...standActions(pump));
-		// The message goes once its reason, which the pump's record may tell later than the answer, has gone.
-		if (pump && [3, 4, 5].includes(error.code)) pump.refused.set(said, { code: error.code });
+		if (error.kind === 'changed') kids.push(inRow(firstly('Dose again', () => { closeAll(); calibrate(pump); })));
 	}
-	said.replaceChildren(h('div', { class: 'notice bad', role: 'alert' }, kids));
+	place(said, h('div', { class: 'notice bad', role: 'alert' }, kids));
+	if (!pump) return;
+	pump.refused.set(said, { code: error.code });
+	refresh(pump);
 }
 
 /** Acts unless the button is at it already. */
@@ -848,16 +846,13 @@ async function once(button, act, fail) {
 	attr(button, 'aria-disabled', 'false');
 }
 /** Sends an order from a form or button, and shows its answer in `said`. */
-const send = (button, said, slot, name, path, body, done) => once(button, async () => {
+const send = (button, said, name, path, body, done) => once(button, async () => {
 	pumps.get(name)?.refused.delete(said);
-	said.replaceChildren(para('Sent…'));
-	await done(await give(slot, path, body));
+	place(said, para('Sent…'));
+	await done(await give(path, body));
 	// A pump does not stand for a plan that is refused, so there is nothing to clear.
 }, (error) => showError(said, error, body.options?.['dry-run'] && error.code === 5 ? null : name));
 const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
-function sound(order) {
-	if (order.state === 'failed') throw orderError(order);
-}
 async function completed(order) {
 	order = await ended(order);
 	if (order.state !== 'done') throw orderError(order);
@@ -893,8 +888,7 @@ function planList(report) {
 		['Volume', `${ml(report.planned_ml, report.expanded_uncertainty_ml)} mL ${plusMinus(report)}`],
 		['Time', `${short(report.motion_s)} s${report.settle_s ? `, then ${short(report.settle_s, 2)} s to settle` : ''}`],
 		['Flow', `${short(report.cruise_flow_ml_s)} mL/s at ${short(report.cruise_speed_rpm)} r/min`],
-		['Inlet', between(report.inlet_min_kpa, report.inlet_max_kpa, report.inlet_pressure_uncertainty_kpa)],
-		['Outlet', between(report.outlet_min_kpa, report.outlet_max_kpa, report.outlet_pressure_uncertainty_kpa)],
+		...pressuresOf(report, ''),
 		['Carry after it', small(report.carry_ml)],
 	];
 	if (report.limited_by !== 'none') facts.push(['Limited by', report.limited_by.replaceAll('_', ' ')]);
@@ -912,15 +906,15 @@ function showPlans(said, order) {
 	const doses = dosesOf(order);
 	const parts = doses.map(({ name, report }) => [
 		doses.length > 1 ? line('what', `${name}: ${askedWords(report)}`) : null, planList(report)]);
-	said.replaceChildren(div('plan', heading, parts.flat(2)));
+	place(said, div('plan', heading, parts.flat(2)));
 	heading.focus();
 }
 
 const text = (box, unit) => (unit ? withUnit(box.input.value, unit) : box.input.value.trim());
 
-const ML = { nl: 1e-6, ul: 1e-3, µl: 1e-3, μl: 1e-3, mm3: 1e-3, ml: 1, cm3: 1, cc: 1, cl: 10, dl: 100, l: 1000, mg: 1e-3, g: 1, kg: 1000 };
-const SECONDS = { us: 1e-6, ms: 1e-3, s: 1, min: 60, h: 3600, d: 86400 };
-/** A number with its unit; NaN for what only the command can read. */
+const ML = { ul: 1e-3, ml: 1, l: 1000, g: 1 };
+const SECONDS = { s: 1, min: 60, h: 3600, d: 86400 };
+/** A number with a usual unit; NaN for what only the command can read. */
 function quantity(text, units) {
 	const [, number, unit] = /^[-+−]?([\d.]+)\s*(\S+)$/.exec((text || '').trim()) || [];
 	return Number(number) * units[(unit || '').toLowerCase()];
@@ -933,27 +927,24 @@ function roughly(pump, { volume, options }) {
 	return quantity(volume, ML) / (options.rate ? quantity(flow, ML) / SECONDS[per?.trim()] : pump.view.default_flow_ml_s);
 }
 /** Doses, but plans one that may be long first, and asks once more before one that takes over an hour: it may be a slip. */
-function sendDose(button, said, slot, pump, body, done) {
-	const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'dose'), body, done);
+function sendDose(button, said, pump, body, done) {
+	const go = (by) => send(by, said, pump.name, ofPump(pump.name, 'dose'), body, done);
 	if (roughly(pump, body) < 1200) return go(button);
 	const { repeat, every, ...options } = body.options;
 	const path = ofPump(pump.name, 'dose');
-	return send(button, said, {}, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
+	return send(button, said, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
 		const [{ report }] = dosesOf(await completed(order));
 		const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
 		const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
 		if (lasts <= 3600) return setTimeout(() => go(button), 0);
 		const sure = firstly(`Dose for ${span(lasts)}`, () => go(sure));
-		said.replaceChildren(div('notice',
-			para(`This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`), inRow(sure)));
-		sure.focus();
+		askFirst(said, `This takes ${span(lasts)}, until ${endOf(lasts)}. Nothing moves yet.`, sure);
 	});
 }
 
 function doseForm(pump, isWide) {
 	const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
 	const said = saidBox();
-	const [slot, planSlot] = [{}, {}];
 	const button = submit('Dose');
 	const parts = { rate: null };
 	let more = null;
@@ -975,7 +966,7 @@ function doseForm(pump, isWide) {
 			fields(Object.values(others).map((part) => part.el)));
 		plan = press('Plan', () => {
 			if (isEmpty()) return;
-			send(plan, said, planSlot, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
+			send(plan, said, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
 				showPlans(said, await completed(order));
 			});
 		});
@@ -991,33 +982,34 @@ function doseForm(pump, isWide) {
 		return { volume: text(volume, 'mL'), options };
 	};
 	const isEmpty = () => !text(volume) && (needs(volume, said, 'Enter a volume, such as 25mL.'), true);
-	const start = (by) => sendDose(by, said, slot, pump, body(false), (order) => {
-		sound(order);
+	const start = (by) => sendDose(by, said, pump, body(false), (order) => {
 		tellTaken(said, order, `dose ${order.volume}`);
 	});
 	return formOf(() => {
 		if (isEmpty()) return;
 		if (isWide || !/^[-−]/.test(text(volume))) return start(button);
 		const sure = firstly('Dose in reverse', () => start(sure));
-		said.replaceChildren(div('notice', para(`The minus sign has ${pump.name} run in reverse. Nothing moves yet.`), inRow(sure)));
-		sure.focus();
+		askFirst(said, `The minus sign has ${pump.name} run in reverse. Nothing moves yet.`, sure);
 	}, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
 	isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
 }
+/** Asks before `sure`, a button, does what may be a slip. */
+function askFirst(said, words, sure) {
+	place(said, div('notice', para(words), inRow(sure)));
+	sure.focus();
+}
 function needs(box, said, words) {
-	said.replaceChildren(alarm(words));
+	place(said, alarm(words));
 	box.input.focus();
 }
 
 function plainForm(pump, word, label, hint, boxes, bodyOf) {
 	const said = saidBox();
-	const slot = {};
 	const button = h('button', { type: 'submit', text: label });
 	return formOf(() => {
 		const missing = boxes.find((box) => box.input.required && !text(box));
 		if (missing) return needs(missing, said, 'Fill this in first.');
-		send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
-			sound(order);
+		send(button, said, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
 			tellTaken(said, order, word);
 		});
 	}, { 'aria-label': `${label}: ${pump.name}` }, h('h3', { text: label }), aside(hint),
@@ -1026,9 +1018,7 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
 
 function orderButton(pump, word, label, isFirst, bodyOf, done) {
 	const said = saidBox();
-	const slot = {};
-	const button = press(label, () => send(button, said, slot, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {}, (order) => {
-		sound(order);
+	const button = press(label, () => send(button, said, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {}, (order) => {
 		tellTaken(said, order, word);
 		if (done) done(order);
 	}), { class: isFirst && 'first' });
@@ -1054,10 +1044,10 @@ function standActions(pump) {
 
 /* Dialogs. Each has the stop, since it covers the page's. */
 
-function dialog(title, kids) {
+function dialog(title, kids, first) {
 	const id = newId();
 	const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
-		div('row stops', press('Close', () => box.close()), stopButton('Stop all', stopAll)));
+		div('row stops', first, press('Close', () => box.close()), stopButton('Stop all', stopAll)));
 	box.addEventListener('close', () => box.remove());
 	document.body.append(box);
 	box.showModal();
@@ -1089,14 +1079,13 @@ function askClear(pump) {
 	const reason = field('Reason', { required: true, placeholder: 'the tank was changed' });
 	const by = field('Your name', { required: true });
 	const said = saidBox();
-	const slot = {};
 	const button = submit('Clear the pump');
 	const box = dialog(`Clear ${pump.name}`, [para(pump.view.status?.safety.stand ? standWords(pump) : ''),
 		formOf(() => {
 			if (text(name) !== pump.name) return needs(name, said, `Type the name of this pump: ${pump.name}`);
 			const missing = [reason, by].find((box) => !text(box));
 			if (missing) return needs(missing, said, 'Fill this in first.');
-			send(button, said, slot, null, ofPump(pump.name, 'clear'), { reason: text(reason), by: text(by) }, async (order) => {
+			send(button, said, null, ofPump(pump.name, 'clear'), { reason: text(reason), by: text(by) }, async (order) => {
 				await completed(order);
 				box.close();
 				politely(`${pump.name} is cleared.`, true);
@@ -1124,21 +1113,21 @@ function calibrate(pump) {
 	const step = div('step');
 	const box = dialog(`Calibrate ${pump.name}`, [step]);
 	const steps = 3;
+	box.addEventListener('close', () => { onPump = null; });
 	const put = (number, title, ...kids) => {
 		const heading = h('h3', { text: `${number ? `Step ${number} of ${steps}: ` : ''}${title}`, tabindex: '-1' });
-		step.replaceChildren(heading, ...kids.flat().filter(Boolean));
+		place(step, heading, ...kids.flat().filter(Boolean));
 		heading.focus();
 	};
 	const first = () => {
 		const volume = field('Volume', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
 		const said = saidBox();
-		const slot = {};
 		const button = submit('Dose');
 		const logged = pump.view.last;
 		const isWhole = logged?.purpose === 'dose' && ['done', 'weighed'].includes(logged.end) && !pump.view.status?.unfinished;
 		put(1, 'dose', para('Put an empty vessel on the scale under the outlet, and tare the scale. The line must be full.'),
 			formOf(() => {
-				sendDose(button, said, slot, pump, { volume: text(volume, 'mL'), options: {} }, second);
+				sendDose(button, said, pump, { volume: text(volume, 'mL'), options: {} }, second);
 			}, {}, volume.el, inRow(button), said),
 			isWhole && [aside(`Last dose: ${loggedWords(logged)}.`), press('Weigh the last dose instead', () => third(logged, String(logged.number), loggedWords(logged)))]);
 	};
@@ -1147,7 +1136,7 @@ function calibrate(pump) {
 		put(2, 'wait', para('The pump doses. Leave the scale alone.'), figure);
 		const timer = setInterval(() => {
 			const read = readOf(pump);
-			figure.replaceChildren(read.figure, h('small', { text: ' mL' }));
+			place(figure, read.figure, h('small', { text: ' mL' }));
 		}, 200);
 		try {
 			order = await ended(order);
@@ -1164,23 +1153,29 @@ function calibrate(pump) {
 			return third(report, order.id, volumeWords(report));
 		}
 		const said = saidBox();
-		const resume = firstly('Resume', () => send(resume, said, {}, pump.name, ofPump(pump.name, 'resume'), {}, second));
+		const resume = firstly('Resume', () => send(resume, said, pump.name, ofPump(pump.name, 'resume'), {}, second));
 		put(2, 'the dose was not completed', bad(orderError(order).message),
 			order.state === 'failed' && inRow(resume, press('Accept…', () => { box.close(); askAccept(pump); })), said);
 	};
-	const third = ({ delivered_ml: dosed, expanded_uncertainty_ml: u }, dose, words) => {
+	const third = ({ delivered_ml: dosed, expanded_uncertainty_ml: u, time }, dose, words) => {
+		onPump = () => {
+			const { last: other } = pump.view;
+			if (!other || [other.order, String(other.number)].includes(dose) || Date.parse(other.time) < Date.parse(time)) return;
+			onPump = null;
+			put(0, 'Another dose was made since', bad(`${loggedWords(other)}. A reading would be of both.`),
+				para('Empty the vessel, and tare the scale.'), inRow(firstly('Dose again', first)));
+		};
 		const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
 		const anyway = check(ANYWAY);
 		const anew = check('Start a new calibration with it');
 		const said = saidBox();
-		const slot = {};
 		const button = submit('Calibrate');
 		put(3, 'weigh', para(`${words}. Wait until the last drop has fallen.`),
 			formOf(() => {
 				if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
 				const body = { reading: text(reading, 'g'), options: { dose, anyway: anyway.input.checked, anew: anew.input.checked, 'dry-run': true } };
 				const old = pump.view.status?.calibration?.version;
-				const go = (by) => send(by, said, slot, pump.name, ofPump(pump.name, 'calibrate'), body, async (order) => {
+				const go = (by) => send(by, said, pump.name, ofPump(pump.name, 'calibrate'), body, async (order) => {
 					const made = (await completed(order)).reports.find((one) => one?.schema === 'calibration/1');
 					if (!body.options['dry-run']) return last(made, old);
 					body.options['dry-run'] = false;
@@ -1188,15 +1183,16 @@ function calibrate(pump) {
 					const isPoor = body.reading.replace(/\D/g, '').length < 3 || (made?.used !== false && u && percent > 110 * u / Math.abs(dosed));
 					if (!isPoor) return setTimeout(() => go(by), 0);
 					const sure = firstly('Save it all the same', () => go(sure));
-					said.replaceChildren(div('notice', para(`Nothing is saved yet. By ${body.reading}${percent ? ` one dose would be ± ${short(percent, 2)} %` : ''}. ` +
-						'Type every digit that the scale shows.'), inRow(sure)));
-					sure.focus();
+					askFirst(said, `Nothing is saved yet. By ${body.reading}${percent ? ` one dose would be ± ${short(percent, 2)} %` : ''}. ` +
+						'Type every digit that the scale shows.', sure);
 				});
 				go(button);
 			}, {}, reading.el, moreOf(anyway.el, anew.el), inRow(button), said));
 		reading.input.focus();
+		onPump();
 	};
 	const last = (made, old) => {
+		onPump = null;
 		const facts = [];
 		if (made?.displacement) {
 			facts.push(['Factor', `${short(made.displacement.factor, 5)} ± ${short(2 * made.displacement.factor_standard, 2)} (k = 2)`],
@@ -1246,19 +1242,16 @@ class Panel {
 		const top = [div('titled', title, this.sim), line('what', view.title), this.state,
 			this.notice, div('face', this.head.el,
 				div('read', this.figure, this.bar, this.below, this.time))];
-		const stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
-		this.stop = stop;
+		const stop = this.stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
 		if (!isWide) {
 			this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false),
 				inRow(stop, h('a', { class: 'button', href: `#/pump/${inPath(pump.name)}`, text: 'Prime, run, calibrate, plan' })), this.facts);
 			return;
 		}
-		const volume = (label, hint) => field(label, { required: true, placeholder: '20mL', hint });
-		const [prime, purge] = [volume('Volume'), volume('Volume')];
+		const [prime, purge] = [1, 2].map(() => field('Volume', { required: true, placeholder: '20mL' }));
 		const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min', hint: 'With its unit: s, min or h.' })];
 		const log = h('div');
-		const logView = pumpLog(pump.name, log, '30d', 10);
-		this.log = logView;
+		this.log = pumpLog([pump.name], log, '30d', 10);
 		this.el = div('wide', h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
 			h('section', { class: 'panel', 'aria-label': pump.name }, top, this.warnings, stop),
 			div('two',
@@ -1290,6 +1283,8 @@ class Panel {
 		this.sim.hidden = !view.simulated;
 		this.stop.classList.toggle('calm', !motion);
 		const unfinished = !motion && status && !status.in_use_by && status.unfinished;
+		// A dose that was resumed and stopped again is named by its first part.
+		const begun = view.whole && view.last.end !== 'done' ? view.whole.time : unfinished && 1000 * unfinished.began_unix_s;
 		const stand = status?.safety.stand;
 		const busy = isBusy(pump);
 		remake(this.notice, [view.error, fault, stand, unfinished && [unfinished.began_unix_s, unfinished.delivered_most_ml], busy], () => [
@@ -1297,18 +1292,18 @@ class Panel {
 			fault && danger(bad(`The last order failed: ${fault.message}`)),
 			stand && !busy && danger(bad(standWords(pump)), standActions(pump)),
 			unfinished && div('notice',
-				para(`A ${unfinishedWord(view)} of ${date(new Date(unfinished.began_unix_s * 1000))} is unfinished.`),
+				para(`A ${unfinishedWord(view)} of ${date(begun)} is unfinished.`),
 				unfinishedActions(pump)),
 		]);
 		if (this.isWide && unfinished && pump.leads) {
 			pump.leads = false;
 			this.notice.scrollIntoView({ block: 'center' });
 		}
+		// A refusal goes once its reason, which the pump's record may tell later than the answer, has gone.
 		for (const [said, reason] of pump.refused) {
-			if (!status) continue;
-			const isSo = { 3: busy, 4: status.unfinished && !motion, 5: stand }[reason.code];
-			if (!isSo && reason.seen) {
-				said.replaceChildren();
+			const isSo = { 3: busy, 4: status?.unfinished && !motion, 5: stand }[reason.code];
+			if (status && !isSo && reason.seen) {
+				place(said);
 				pump.refused.delete(said);
 			}
 			reason.seen ||= isSo;
@@ -1322,10 +1317,8 @@ class Panel {
 			this.stoodAt = status.angle_deg;
 		}
 		this.wasTurning = Boolean(motion?.progress);
-		const turns = this.wasTurning ? 'turning' : 'standing';
-		attr(this.head.el, 'aria-label', angleKnown
-			? `Pump head with ${view.rollers} rollers, ${this.wasTurning ? turns : `${turns} at ${fixed(status.angle_deg, 1)}°`}`
-			: `Pump head with ${view.rollers} rollers, ${turns}; the angle is unknown`);
+		const where = !angleKnown ? '; the angle is unknown' : this.wasTurning ? '' : ` at ${fixed(status.angle_deg, 1)}°`;
+		attr(this.head.el, 'aria-label', `Pump head with ${view.rollers} rollers, ${this.wasTurning ? 'turning' : 'standing'}${where}`);
 		if (this.isWide) {
 			const report = pump.last && !motion ? pump.last.report : null;
 			remake(this.warnings, report?.warnings, () => report && warningsOf(report));
@@ -1349,8 +1342,8 @@ class Panel {
 		}
 		say(this.below, read.below);
 		say(this.time, read.time || '');
-		if (this.time.hidden === Boolean(read.time)) this.time.hidden = !read.time;
-		if (this.bar.hidden === Boolean(read.bar)) this.bar.hidden = !read.bar;
+		this.time.hidden = !read.time;
+		this.bar.hidden = !read.bar;
 		if (read.bar) this.drawBar(read.bar);
 		if (pump.view.status && this.facts.children[1]) say(this.facts.children[1].firstChild, angleWords(pump));
 	}
@@ -1371,9 +1364,12 @@ class Panel {
 
 function refresh(pump) {
 	for (const panel of pump.panels) panel.update();
+	onPump?.();
 }
 // What counts down by itself: a batch that waits.
 setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait) refresh(pump); }), 1000);
+
+const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);
 
 /* The log. */
 
@@ -1390,16 +1386,15 @@ async function readLog(path, most) {
 	const answer = await fetch(path, { cache: 'no-store' });
 	if (!answer.ok) {
 		if (answer.status === 401) showLogin();
-		const report = await answer.json().catch(() => ({ message: `the service answered with status ${answer.status}` }));
-		throw new Refused(report, answer.status);
+		throw new Refused(await answer.json().catch(() => unknownOf(answer)), answer.status);
 	}
-	const [reader, decoder] = [answer.body.getReader(), new TextDecoder()];
+	const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
 	const kept = [];
 	let count = 0;
 	let rest = '';
 	for (;;) {
 		const { done, value } = await reader.read();
-		rest += done ? '\n' : decoder.decode(value, { stream: true });
+		rest += done ? '\n' : value;
 		const lines = rest.split('\n');
 		rest = lines.pop();
 		for (const line of lines) {
@@ -1412,40 +1407,44 @@ async function readLog(path, most) {
 	}
 }
 
-function logRow(dose) {
+function logRow(dose, name) {
 	const u = dose.expanded_uncertainty_ml;
 	const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${spread(u)}`} mL`
 		: `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
 	const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
-	const what = [purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
-	return [String(dose.number), date(new Date(dose.time)) + (dose.clock_went_back ? ' (the clock had gone back)' : ''), what, asked, volume,
-		small(dose.carry_ml), dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, String(dose.tube), giver(dose)];
+	const what = [dose.weighed ? 'calibration' : purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
+	const end = [dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, dose.accepted && `accepted by ${giver({ origin: dose.accepted })}`];
+	return [...(name ? [name] : []), String(dose.number), date(dose.time) + (dose.clock_went_back ? ' (the clock had gone back)' : ''), what, asked, volume,
+		small(dose.carry_ml), end.filter(Boolean).join('; '), String(dose.tube), giver(dose)];
 }
 
-/** The last dose of a pump's log in a word that changes with it. */
-const lastOf = ({ view: { last } }) => last && last.number + last.end;
+/** The end of a pump's log in a word that changes with it, also when a dose is accepted or weighed. */
+const lastOf = ({ view: { last, status } }) => [last?.number, last?.end, !status?.unfinished, status?.calibration?.version].join();
 
-/** Fills `box` with the last doses of a pump. Returns the function that reads them anew. */
-function pumpLog(name, box, since, most) {
+/** Fills `box` with the last doses of these pumps. Returns the function that reads them anew. */
+function pumpLog(names, box, since, most) {
+	const [name, another] = names;
+	const path = (of, format) => `${ofPump(of, 'log')}?format=${format}${since ? `&since=${since}` : ''}`;
+	const link = (format, ending) => h('a', { class: 'button', href: path(name, format), download: `${name}.${ending}`, text: `Export ${format.toUpperCase()}` });
+	const links = another ? aside('Choose one pump to export its log.') : inRow(link('csv', 'csv'), link('json', 'jsonl'));
+	const heads = ['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube', 'By'];
 	let run = 0;
 	return async () => {
 		const mine = ++run;
-		const part = since ? `since=${since}` : '';
-		const path = (format) => `${ofPump(name, 'log')}?${[`format=${format}`, part].filter(Boolean).join('&')}`;
-		const links = h('p', { class: 'row' },
-			h('a', { class: 'button', href: path('csv'), download: `${name}.csv`, text: 'Export CSV' }),
-			h('a', { class: 'button', href: path('json'), download: `${name}.jsonl`, text: 'Export JSON' }));
 		try {
-			const { count, doses } = await readLog(path('json'), most);
+			const logs = await Promise.all(names.map((of) => readLog(path(of, 'json'), most)));
 			if (mine !== run) return;
-			const which = count > doses.length ? `The last ${doses.length} of ${count} doses of ${name}` : `Doses of ${name}`;
-			box.replaceChildren(doses.length ? table(`${which}, latest first; ± is k = 2`,
-				['No.', 'Time', 'Purpose', 'Asked', 'Delivered', 'Carry', 'End', 'Tube', 'By'], doses.map(logRow))
-				: para(`${name} has no dose on record in this time.`), links);
+			const count = logs.reduce((sum, log) => sum + log.count, 0);
+			const rows = logs.flatMap(({ doses }, i) => doses.map((dose) => ({ at: Date.parse(dose.time), cells: logRow(dose, another && names[i]) })));
+			// The log of one pump has its order, whatever its clock said.
+			if (another) rows.sort((a, b) => b.at - a.at).splice(most);
+			const which = `${count > rows.length ? `The last ${rows.length} of ${count} doses` : 'Doses'} of ${another ? 'all pumps' : name}`;
+			place(box, rows.length ? table(`${which}, latest first; ± is k = 2`, another ? ['Pump', ...heads] : heads, rows.map(({ cells }) => cells))
+				: para('No dose is on record in this time.'), links);
 		} catch (error) {
 			if (mine !== run) return;
 			const words = error instanceof Refused ? error.message : 'The log cannot be read: the service does not answer.';
-			box.replaceChildren(bad(words), links);
+			place(box, bad(words), links);
 		}
 	};
 }
@@ -1465,7 +1464,7 @@ function guardSection() {
 			row.isBad = state === 'bad' || state === 'silent';
 			return row;
 		});
-		box.replaceChildren(table('Inputs that must say that all is well', ['Input', 'State', 'Last word', 'Pumps'], rows));
+		place(box, table('Inputs that must say that all is well', ['Input', 'State', 'Last word', 'Pumps'], rows));
 	};
 	return section;
 }
@@ -1475,17 +1474,15 @@ function viewPumps() {
 	const cards = [...pumps.values()].map((pump) => panelOf(pump, false).el);
 	const rackCards = racks.map((name) => {
 		const said = saidBox();
-		const [slot, planSlot] = [{}, {}];
 		const path = `/api/v1/racks/${inPath(name)}/run`;
-		const plan = press('Plan', () => send(plan, said, planSlot, null, path, { options: { 'dry-run': true } }, async (order) => {
+		const plan = press('Plan', () => send(plan, said, null, path, { options: { 'dry-run': true } }, async (order) => {
 			showPlans(said, await completed(order));
 		}), { 'aria-label': `Plan rack ${name}` });
 		const run = press('Run…', () => {
 			const answer = saidBox();
-			const go = firstly('Run the rack', () => send(go, answer, slot, null, path, { options: {} }, (order) => {
-				sound(order);
-				box.close();
+			const go = firstly('Run the rack', () => send(go, answer, null, path, { options: {} }, (order) => {
 				tellTaken(said, order, `rack ${name}`);
+				box.close();
 			}));
 			const box = dialog(`Run rack ${name}?`, [para('Several pumps move by one timetable.'), inRow(go), answer]);
 		}, { 'aria-label': `Run rack ${name}` });
@@ -1495,10 +1492,10 @@ function viewPumps() {
 	const section = block(head2('Last events'), events, h('p', {}, h('a', { href: '#/log', text: 'All events' })));
 	watchNotes(5, () => {
 		section.hidden = notes.length === 0;
-		events.replaceChildren(...notes.slice(0, 5).map((note) => h('li', { text: `${date(new Date(note.time))} ${noteWords(note)}` })));
+		place(events, ...notes.slice(0, 5).map((note) => h('li', { text: `${date(note.time)} ${noteWords(note)}` })));
 	});
 	return ['Pumps', [head1('Pumps'), div('grid', cards),
-		racks.length ? head2('Racks') : null, racks.length ? div('grid', rackCards) : null, guardSection(), section]];
+		racks.length && [head2('Racks'), div('grid', rackCards)], guardSection(), section]];
 }
 
 function panelOf(pump, isWide) {
@@ -1520,33 +1517,34 @@ function viewPump(name) {
 }
 
 function viewLog() {
-	const which = choice('Pump', [...pumps.keys()].map((name) => [name, name]));
+	const which = choice('Pump', [...(pumps.size > 1 ? [['', 'all pumps']] : []), ...pairs(pumps.keys())]);
 	const since = choice('Since', [['1d', '1 day ago'], ['7d', '7 days ago'], ['30d', '30 days ago'], ['', 'the first dose']]);
 	since.input.value = '7d';
 	const box = h('div');
+	const names = () => [...pumps.keys()].filter((name) => [name, ''].includes(which.input.value));
+	const lasts = () => names().map((name) => lastOf(pumps.get(name))).join();
 	let shown;
 	let read = null;
 	const load = () => {
-		shown = lastOf(pumps.get(which.input.value));
-		read = pumpLog(which.input.value, box, since.input.value, 200);
+		shown = lasts();
+		read = pumpLog(names(), box, since.input.value, 200);
 		read();
 	};
 	onLog = () => {
-		const pump = pumps.get(which.input.value);
-		if (!pump || shown === lastOf(pump)) return;
-		shown = lastOf(pump);
+		if (shown === lasts()) return;
+		shown = lasts();
 		read();
 	};
 	which.input.addEventListener('change', load);
 	since.input.addEventListener('change', load);
 	const list = h('div');
 	const showNotes = () => {
-		list.replaceChildren(notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
-			notes.map((note) => [date(new Date(note.time)), note.kind, note.pump || '', plain(note.text)])) : para('There is no event on record.'));
+		place(list, notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
+			notes.map((note) => [date(note.time), note.kind, note.pump || '', plain(note.text)])) : para('There is no event on record.'));
 	};
 	watchNotes(100, showNotes,
-		() => list.replaceChildren(bad('The events cannot be read: the service does not answer.')));
-	if (pumps.size) load();
+		() => place(list, bad('The events cannot be read: the service does not answer.')));
+	load();
 	return ['Log', [head1('Log'),
 		block(head2('Doses'), fields(which.el, since.el), box),
 		block(head2('Events'), list)]];
@@ -1578,12 +1576,12 @@ function viewSchedule() {
 	const edit = (entry) => editEntry(told, entry, load);
 	const add = press('Add an entry…', () => edit(null), { hidden: true });
 	const turn = async (entry, enabled) => {
-		said.replaceChildren();
+		place(said);
 		try {
 			await call('PUT', ofEntry(entry.name), { body: JSON.stringify({ ...entry, enabled }), match: told.etag });
 			politely(`${entry.name} is switched ${enabled ? 'on' : 'off'}.`, true);
 		} catch (error) {
-			said.replaceChildren(alarm(wordsOf(error)));
+			place(said, alarm(wordsOf(error)));
 		}
 		load();
 	};
@@ -1602,18 +1600,18 @@ function viewSchedule() {
 		return row;
 	};
 	const put = () => {
-		if (!told.schedule) return box.replaceChildren(para('The service has no schedule. Start it with --schedule FILE.'));
+		if (!told.schedule) return place(box, para('The service has no schedule. Start it with --schedule FILE.'));
 		const next = new Map(told.next.map((one) => [one.entry, one]));
 		const at = ({ name }) => { const one = next.get(name); return one?.at ? new Date(one.at).getTime() : Infinity; };
-		const entries = [...told.schedule.entry].sort((a, b) => (at(a) < at(b) ? -1 : at(a) > at(b) ? 1 : 0));
+		const entries = [...told.schedule.entry].sort((a, b) => at(a) - at(b) || 0);
 		const active = box.contains(document.activeElement) && document.activeElement.dataset.of;
-		box.replaceChildren(told.error ? bad(told.error) : '',
+		place(box, told.error ? bad(told.error) : '',
 			entries.length ? table(`Next runs, by the clock of this device (${ownZone()})`, ['Entry', 'Next', 'What', 'Times', 'Policy', 'Change'],
 				entries.map((entry) => rowOf(entry, next.get(entry.name)))) : para('The schedule has no entry.'),
 			aside(`File: ${told.file}. Edits keep its comments.`));
 		// The last button of the same entry: the one that was pressed has another name now.
 		const again = [...box.querySelectorAll('button')].findLast((button) => button.dataset.of === active);
-		if (again) again.focus();
+		again?.focus();
 	};
 	const load = async () => {
 		try {
@@ -1621,7 +1619,7 @@ function viewSchedule() {
 			add.hidden = !told.schedule || told.error;
 			put();
 		} catch (error) {
-			box.replaceChildren(bad(wordsOf(error)));
+			place(box, bad(wordsOf(error)));
 		}
 	};
 	onNotes = load;
@@ -1630,7 +1628,6 @@ function viewSchedule() {
 }
 
 const WEEK = ['mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun'];
-const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);
 const split = (text) => text.split(/[\s,;]+/).filter(Boolean);
 
 /** Fields of the keys that are not named as their field. */
@@ -1707,7 +1704,8 @@ function editEntry(told, entry, done) {
 	};
 
 	const said = saidBox();
-	const button = h('button', { type: 'submit', class: 'first' });
+	const id = newId();
+	const button = h('button', { type: 'submit', class: 'first', form: id });
 	let checked = null;
 	const isChecked = (body) => {
 		checked = body;
@@ -1733,21 +1731,22 @@ function editEntry(told, entry, done) {
 			marked = { input: part.input, words };
 			if (part.el.closest('details')) part.el.closest('details').open = true;
 			part.input.focus();
-			said.replaceChildren();
+			place(said);
 		} else {
-			said.replaceChildren(words);
+			place(said, words);
 		}
 		if (error.status === 409) told = await get('schedule').catch(() => told);
 	};
 	const showRuns = ({ next, entry: made }) => {
 		const runs = next.map(({ at, words }) => {
 			// The words have the time by the clock of the entry, and how a change of the clock moved it.
-			const [[, there, moved], here] = [/ at (\S+ \S+) \S+(.*)/.exec(words), date(new Date(at))];
+			const [[, there, moved], here] = [/ at (\S+ \S+) \S+(.*)/.exec(words), date(at)];
 			return h('li', { text: `${there}${there === here ? '' : `, here ${here}`}${moved}` });
 		});
-		said.replaceChildren(div('plan',
+		place(said, div('plan',
 			h('h3', { text: made.enabled === false ? 'It is switched off, so nothing runs' : runs.length ? 'Next runs' : 'It has no further run' }),
 			h('ol', { class: 'plain' }, runs), aside(`By the clock of ${zone()}; here is ${ownZone()}. Nothing is saved yet.`)));
+		said.scrollIntoView({ block: 'nearest' });
 	};
 	const ask = (act) => once(button, () => {
 		unmark();
@@ -1778,26 +1777,24 @@ function editEntry(told, entry, done) {
 			close(`${old.name} is removed.`);
 			$('main').querySelector('h1').focus();
 		}));
-		said.replaceChildren(div('notice', para('The file loses the entry and the comment above it.'), inRow(sure)));
-		sure.focus();
+		askFirst(said, 'The file loses the entry and the comment above it.', sure);
 	};
 	const group = (...names) => fields(names.map((name) => parts[name].el));
-	const form = formOf(save, { oninput: () => {
+	const form = formOf(save, { id, oninput: () => {
 		isChecked(null);
 		fit();
 	} }, group('name', 'what', 'pump', 'rack', 'volume', 'when', 'at', 'every', 'between', 'anchor'), clockOf, parts.days.el,
 	moreOf(
 		group('dates', 'from', 'until', 'zone', 'repeat', 'apart', 'options', 'missed', 'missed_within', 'unfinished', 'busy')),
-	parts.enabled.el, said,
-	inRow(button, entry && press('Remove…', remove)));
+	parts.enabled.el, entry && inRow(press('Remove…', remove)), said);
 	fit();
-	const box = dialog(entry ? `Edit ${old.name}` : 'Add an entry', [form]);
+	const box = dialog(entry ? `Edit ${old.name}` : 'Add an entry', [form], button);
 }
 
 function showLogin() {
 	if ($('main').dataset.view === 'login') return;
 	closeAll();
-	if (source) source.close();
+	source?.close();
 	source = null;
 	clearTimeout(retryTimer);
 	isLive = false;
@@ -1816,7 +1813,7 @@ function showLogin() {
 			needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
 		}
 	}, {}, token.el, inRow(button), said);
-	$('main').replaceChildren(h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
+	place($('main'), h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
 	document.title = 'Log in · pump-dose';
 	token.input.focus();
 }
@@ -1830,8 +1827,8 @@ function show(isMoved) {
 	try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
 	const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
 	$('main').dataset.view = path;
-	$('main').replaceChildren(...kids.filter(Boolean));
-	if (onInputs) onInputs();
+	place($('main'), ...kids.flat().filter(Boolean));
+	onInputs?.();
 	document.title = `${title} · pump-dose`;
 	for (const link of document.querySelectorAll('nav a')) {
 		const here = link.getAttribute('href').slice(1) === (name != null ? '/' : path);
@@ -1842,7 +1839,7 @@ function show(isMoved) {
 	closeAll();
 	scrollTo(0, 0);
 	const heading = $('main').querySelector('h1');
-	if (heading) heading.focus({ preventScroll: true });
+	heading?.focus({ preventScroll: true });
 }
 // The address names the view, so the link to the content must not change it.
 document.querySelector('.skip').addEventListener('click', (event) => {
