@@ -215,6 +215,8 @@ bench: $(VENV)/installed
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 	$(BIN)/python crates/pump-py/benches/before_after.py
+	cargo build --locked --release --bin dose
+	$(BIN)/python crates/pump-py/benches/growth.py target/release/dose
 
 # Writes docs/validation.md and its pictures; fails where a deviation exceeds its bound. `cargo run --example validate -- PT1`
 # repeats one of the paper's tests.

@@ -6,25 +6,49 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::opening::Opening;
-use super::wire::port_name;
-use crate::files::{read_plain, replace_plain};
+use super::axis_record::RecordedPump;
+use crate::drives::opening::Opening;
+use crate::drives::wire::port_name;
+use crate::files::{create_folders, read_plain, replace_plain};
+use crate::notice::Notice;
+use crate::pump_file::Axis;
 
 /// Form of the record.
 const SCHEMA: &str = "pump-board/1";
 
 /// Name of the record's file, beside that of the board's settings.
-const RECORD: &str = "board.json";
+pub(in crate::drives) const RECORD: &str = "board.json";
 
 /// Marks of a board by which it is told from others, as far as it has any.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct KnownBoard {
+pub(in crate::drives) struct KnownBoard {
     /// Number that no other board has. `None` if the board tells none.
-    pub(super) number: Option<u64>,
+    pub(in crate::drives) number: Option<u64>,
     /// Name that the board's port keeps.
-    pub(super) port_name: Option<String>,
+    pub(in crate::drives) port_name: Option<String>,
     /// Text that somebody has given the board.
-    pub(super) text: Option<String>,
+    pub(in crate::drives) text: Option<String>,
+    /// Axis that turns the pump of the record. `None` in a record of an early version, and after another pump has taken
+    /// the place.
+    pub(in crate::drives) axis: Option<Axis>,
+}
+
+/// Board and pump that made place for those that are there now, because a person accepted it.
+#[derive(Debug, Default)]
+pub(in crate::drives) struct MadePlace {
+    /// Words for the board that was on record, if it is another one.
+    pub(in crate::drives) board: Option<String>,
+    /// Pumps that the axis turned by their records.
+    pumps: Vec<String>,
+}
+
+impl MadePlace {
+    /// Returns the notes of what was accepted.
+    pub(in crate::drives) fn notes(&self) -> impl Iterator<Item = Notice> {
+        let board = self.board.iter().map(|board| format!("another board was on record, {board}: accepted"));
+        let pumps = self.pumps.iter().map(|pump| format!("the axis turned pump `{pump}`: accepted"));
+        board.chain(pumps).map(Notice::from)
+    }
 }
 
 /// Board as a file holds it. Its number is hexadecimal: JSON holds no integers of 64 bits.
@@ -35,11 +59,13 @@ struct Recorded {
     number: Option<String>,
     port_name: Option<String>,
     text: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    axis: Option<Axis>,
 }
 
 /// Reason for which a board is not that of the pump. Each drive words it as its own error.
 #[derive(Debug)]
-pub(super) enum BoardError {
+pub(in crate::drives) enum BoardError {
     /// The board on record is another one.
     Other {
         /// Path of the port.
@@ -50,6 +76,19 @@ pub(super) enum BoardError {
         found: String,
         /// Words for the board on record.
         recorded: String,
+    },
+    /// The axis turns another pump by the record.
+    AxisTaken {
+        /// Path of the port.
+        port: PathBuf,
+        /// Axis of the board.
+        axis: Axis,
+        /// Words for the board.
+        board: String,
+        /// Id of the pump, as [`Opening::pump`].
+        pump: Option<String>,
+        /// Id of the pump on record.
+        other: String,
     },
     /// The record cannot be used.
     Record {
@@ -63,13 +102,13 @@ pub(super) enum BoardError {
 }
 
 /// Names the pump of a record.
-pub(super) fn pump_in_words(pump: Option<&str>) -> String {
+pub(in crate::drives) fn pump_in_words(pump: Option<&str>) -> String {
     pump.map_or_else(|| "the pump".to_owned(), |id| format!("pump `{id}`"))
 }
 
 impl KnownBoard {
     /// Returns the marks of the board at `port` that are known before it is asked.
-    pub(super) fn at_port(port: Option<&Path>, opening: &Opening) -> Self {
+    pub(in crate::drives) fn at_port(port: Option<&Path>, opening: &Opening) -> Self {
         let port_name =
             port.zip(opening.port_names.as_deref()).and_then(|(port, folder)| port_name(port, folder));
         Self { port_name, ..Self::default() }
@@ -84,15 +123,21 @@ impl KnownBoard {
         }
     }
 
+    /// Returns true if this board is the one on record for certain: they have a mark in common.
+    pub(in crate::drives) fn is_surely(&self, recorded: &Self) -> bool {
+        let has_mark = recorded.number.is_some() || recorded.port_name.is_some() || recorded.text.is_some();
+        has_mark && self.is_same(recorded)
+    }
+
     /// Compares this board at `port` with the one on record, and puts it on record unless `opening` leaves that for
-    /// later. Another board is refused unless it is accepted. Returns words for the board that was on record if another
-    /// was accepted.
-    pub(super) fn recognise(
+    /// later. Another board is refused unless it is accepted, and so is an axis that turns another pump. Returns what was
+    /// accepted.
+    pub(in crate::drives) fn recognise(
         &self,
         port: Option<&Path>,
         opening: &Opening,
-    ) -> Result<Option<String>, BoardError> {
-        let Some(path) = record_path(opening) else { return Ok(None) };
+    ) -> Result<MadePlace, BoardError> {
+        let Some(path) = record_path(opening) else { return Ok(MadePlace::default()) };
         let recorded = match read(&path) {
             Err(_) if opening.accept_settings => None,
             read => read?,
@@ -102,20 +147,48 @@ impl KnownBoard {
             let (port, found) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
             return Err(BoardError::Other { port, pump: opening.pump.clone(), found, recorded });
         }
+        let others = self.pumps_of_axis(&path);
+        if let (Some(other), Some(axis), false) = (others.first(), self.axis, opening.accept_settings) {
+            let (port, board) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
+            let (pump, other) = (opening.pump.clone(), other.pump.clone());
+            return Err(BoardError::AxisTaken { port, axis, board, pump, other });
+        }
+        others.iter().try_for_each(RecordedPump::displace)?;
         if recorded.as_ref() != Some(self) && !opening.records_later {
             self.write(&path)?;
         }
-        Ok(another)
+        Ok(MadePlace { board: another, pumps: others.into_iter().map(|other| other.pump).collect() })
+    }
+
+    /// Returns the other pumps that the axis turns by their records. `path` is the pump's own record.
+    fn pumps_of_axis(&self, path: &Path) -> Vec<RecordedPump> {
+        let mut others = RecordedPump::of_board(self, path);
+        others.retain(|other| Some(other.axis) == self.axis);
+        others
+    }
+
+    /// Puts this board on record for a pump that has not moved, and has the pumps make place that its axis turns by
+    /// their records. Returns their names.
+    #[cfg(feature = "node")]
+    pub(in crate::drives) fn expect(&self, opening: &Opening) -> Result<Vec<String>, BoardError> {
+        let Some(path) = record_path(opening) else { return Ok(Vec::new()) };
+        let others = self.pumps_of_axis(&path);
+        others.iter().try_for_each(RecordedPump::displace)?;
+        path.parent()
+            .map_or(Ok(()), create_folders)
+            .map_err(|error| failed("written", &path, error.to_string()))?;
+        self.write(&path)?;
+        Ok(others.into_iter().map(|other| other.pump).collect())
     }
 
     /// Puts this board on record in place of any other. [`Self::recognise`] has compared it before.
-    pub(super) fn put_on_record(&self, opening: &Opening) -> Result<(), BoardError> {
+    pub(in crate::drives) fn put_on_record(&self, opening: &Opening) -> Result<(), BoardError> {
         record_path(opening).map_or(Ok(()), |path| self.write(&path))
     }
 
     /// Refuses a port whose name shows that another board is there, before anything is said to it.
     #[cfg(feature = "grbl")]
-    pub(super) fn look_at_port(port: Option<&Path>, opening: &Opening) -> Result<(), BoardError> {
+    pub(in crate::drives) fn look_at_port(port: Option<&Path>, opening: &Opening) -> Result<(), BoardError> {
         let (Some(path), Some(port)) = (record_path(opening), port) else { return Ok(()) };
         if opening.accept_settings || !port.exists() {
             return Ok(());
@@ -131,12 +204,13 @@ impl KnownBoard {
         }
     }
 
-    fn write(&self, path: &Path) -> Result<(), BoardError> {
+    pub(in crate::drives) fn write(&self, path: &Path) -> Result<(), BoardError> {
         let recorded = Recorded {
             schema: SCHEMA.to_owned(),
             number: self.number.map(|number| format!("{number:016x}")),
             port_name: self.port_name.clone(),
             text: self.text.clone(),
+            axis: self.axis,
         };
         let written = replace_plain(path, |to| {
             serde_json::to_writer(&mut *to, &recorded)?;
@@ -167,7 +241,7 @@ fn record_path(opening: &Opening) -> Option<PathBuf> {
 }
 
 /// Returns the board on record. There is none before a board was first met.
-fn read(path: &Path) -> Result<Option<KnownBoard>, BoardError> {
+pub(in crate::drives) fn read(path: &Path) -> Result<Option<KnownBoard>, BoardError> {
     let unread = |reason| failed("read", path, reason);
     let bytes = match read_plain(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -179,7 +253,8 @@ fn read(path: &Path) -> Result<Option<KnownBoard>, BoardError> {
     }
     let number = recorded.number.map(|digits| u64::from_str_radix(&digits, 16)).transpose();
     let number = number.map_err(|error| unread(error.to_string()))?;
-    Ok(Some(KnownBoard { number, port_name: recorded.port_name, text: recorded.text }))
+    let Recorded { port_name, text, axis, .. } = recorded;
+    Ok(Some(KnownBoard { number, port_name, text, axis }))
 }
 
 fn failed(action: &'static str, path: &Path, reason: String) -> BoardError {

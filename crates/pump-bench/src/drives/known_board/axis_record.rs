@@ -1,0 +1,44 @@
+//! The pumps on record of one board: an axis turns one of them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::known_board::{BoardError, KnownBoard, RECORD, read};
+use crate::pump_file::Axis;
+
+/// Pump whose record names a board.
+#[derive(Debug, Clone)]
+pub(in crate::drives) struct RecordedPump {
+    /// Name of the pump's folder, which is its id.
+    pub(in crate::drives) pump: String,
+    /// Axis that turns it.
+    pub(in crate::drives) axis: Axis,
+    path: PathBuf,
+    board: KnownBoard,
+}
+
+impl RecordedPump {
+    /// Returns the other pumps whose records name `board` and an axis. `record` is the pump's own record, in
+    /// `PUMP/DRIVE` of the folder of all records. A record that cannot be read is that of no pump.
+    pub(in crate::drives) fn of_board(board: &KnownBoard, record: &Path) -> Vec<Self> {
+        let Some(drive) = record.parent() else { return Vec::new() };
+        let (Some(pump), Some(drive)) = (drive.parent(), drive.file_name()) else { return Vec::new() };
+        let folders = pump.parent().map(fs::read_dir).and_then(Result::ok);
+        let folders = folders.into_iter().flatten().flatten();
+        let others = folders.filter(|folder| Some(folder.file_name().as_os_str()) != pump.file_name());
+        let found = others.filter_map(|folder| {
+            let path = folder.path().join(drive).join(RECORD);
+            let recorded = read(&path).ok().flatten().filter(|recorded| board.is_surely(recorded))?;
+            let pump = folder.file_name().into_string().ok()?;
+            Some(Self { pump, axis: recorded.axis?, path, board: recorded })
+        });
+        let mut found: Vec<_> = found.collect();
+        found.sort_by(|one, other| one.pump.cmp(&other.pump));
+        found
+    }
+
+    /// Forgets the axis of this pump, because another one is in its place.
+    pub(in crate::drives) fn displace(&self) -> Result<(), BoardError> {
+        KnownBoard { axis: None, ..self.board.clone() }.write(&self.path)
+    }
+}
