@@ -14,6 +14,7 @@ use crate::pump::pump::Pump;
 use crate::sensitivity::parameter::SensitivityParameter;
 use crate::sensitivity::run::SensitiveRun;
 use crate::sensitivity::samples::SensitiveColumns;
+use crate::sensitivity::series::{LANES, SensitiveLanes};
 use crate::sensitivity::state::SensitiveState;
 use crate::units::wrap;
 
@@ -269,8 +270,6 @@ impl<'a> Recording<'a> {
         start_s: f64,
     ) -> Result<(f64, [f64; N]), IdentificationError> {
         self.validate()?;
-        let goes_on = || true;
-        let watch = Watch::new(&goes_on);
         let (mut squares, mut slopes) = (0.0, [0.0; N]);
         let mut add = |measured_kpa: f64, above_kpa: f64, by: [f64; SLOPES]| {
             let residual_kpa = measured_kpa - line.reservoir_kpa - above_kpa;
@@ -279,13 +278,6 @@ impl<'a> Recording<'a> {
             for (slope, by) in slopes.iter_mut().zip([by_r, by_c, by_l, by_angle, by_start, 1.0]) {
                 *slope -= 2.0 * residual_kpa * by;
             }
-        };
-        let Some(interval_s) = self.interval_s() else {
-            let model = self.slopes_kpa(pump, line, (angle_rad, start_s), &watch)?;
-            for (sample, (above_kpa, by)) in self.samples.iter().zip(model) {
-                add(sample.pressure_kpa, above_kpa, by);
-            }
-            return Ok((squares, slopes));
         };
         let mut run = self.sensitive_run(pump, line, (angle_rad, start_s))?;
         let begins_s = run.time_s();
@@ -298,6 +290,10 @@ impl<'a> Recording<'a> {
         }
         let Some(first) = moving.first() else { return Ok((squares, slopes)) };
         run.at(first.time_s);
+        let Some(interval_s) = self.interval_s() else {
+            add_in_series(run, moving, add);
+            return Ok((squares, slopes));
+        };
         let mut every = run.every(interval_s);
         let (mut kpa, mut rate_kpa_s) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut kpa_by = [[0.0; BLOCK]; SensitivityParameter::COUNT];
@@ -359,5 +355,27 @@ impl<'a> Recording<'a> {
         let line = pump.line(self.port);
         let above = self.model_kpa(pump.curve(self.port), line, 0.0, 0.0, None)?;
         Ok(above.map(|kpa| line.reservoir_kpa + kpa))
+    }
+}
+
+/// Adds the pressures above the reservoir of `run` at samples of any times, with their derivatives.
+fn add_in_series(
+    run: SensitiveRun<'_, impl Iterator<Item = Leg>>,
+    samples: &[PressureSample],
+    mut add: impl FnMut(f64, f64, [f64; SLOPES]),
+) {
+    let (mut series, mut left) = (run.in_series(), samples);
+    while !left.is_empty() {
+        let mut times_s = [0.0; LANES];
+        for (time_s, sample) in times_s.iter_mut().zip(left) {
+            *time_s = sample.time_s;
+        }
+        let (count, lanes) = series.next(times_s.get(..left.len().min(LANES)).unwrap_or_default());
+        let SensitiveLanes { kpa, kpa_by: [by_r, by_c, by_l, by_angle], rate_kpa_s } = lanes;
+        let (now, later) = left.split_at(count);
+        for (n, sample) in now.iter().enumerate() {
+            add(sample.pressure_kpa, kpa[n], [by_r[n], by_c[n], by_l[n], by_angle[n], -rate_kpa_s[n]]);
+        }
+        left = later;
     }
 }

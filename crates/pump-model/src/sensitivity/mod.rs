@@ -6,6 +6,8 @@ mod propagator;
 mod reach;
 pub(crate) mod run;
 pub(crate) mod samples;
+#[cfg(feature = "identification")]
+pub(crate) mod series;
 mod short_steps;
 pub(crate) mod state;
 mod steady;

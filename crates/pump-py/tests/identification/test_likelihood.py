@@ -249,14 +249,20 @@ def test_a_line_that_is_none_is_refused() -> None:
 
 
 @pytest.mark.parametrize("begin", ["ramp", "step", "steady"])
-def test_the_gradient_is_that_of_differences(begin: Begin) -> None:
+@pytest.mark.parametrize("times", ["equal", "uneven", "sparse"])
+@pytest.mark.parametrize("speed_rpm", [100, -60])
+def test_the_gradient_is_that_of_differences(begin: Begin, times: str, speed_rpm: float) -> None:
     pump, time_s, pressure_kpa = measured()
+    if times == "uneven":
+        time_s = time_s + np.random.default_rng(1).uniform(0, 4e-4, len(time_s))
+    if times == "sparse":
+        time_s, pressure_kpa = time_s**1.5 * 7, pressure_kpa
     likelihood = pm.LineLikelihood(
         pump,
         time_s=time_s + 1e-4,
         pressure_kpa=pressure_kpa,
         standard_kpa=NOISE_KPA,
-        speed_rpm=100,
+        speed_rpm=speed_rpm,
         begin=begin,
         start_angle_rad=0.3,
     )
