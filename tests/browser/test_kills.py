@@ -23,7 +23,9 @@ def test_a_page_comes_back_after_a_kill_and_resumes_the_dose(laboratory, service
     first, rest = laboratory.log("acid")[-2:]
     assert rest["resumed"]
     read = panel(page, "acid").locator(".read")
-    expect(read.locator(".what")).to_contain_text(re.compile(r"^last dose: 40 mL asked, .* mL before and [\d.]+ mL now"))
+    expect(read.locator(".what")).to_contain_text(
+        re.compile(r"^last dose: 40 mL asked, .* mL before and [\d.]+ mL now")
+    )
     assert abs(float(read.locator(".big span").inner_text()) - 40) < 0.5, "the whole dose"
     assert abs(first["delivered_ml"] + rest["delivered_ml"] - 40) < 0.5
     assert again.view("acid")["status"]["unfinished"] is None

@@ -177,7 +177,9 @@ def test_a_reading_is_refused_once_another_dose_came(laboratory, service, open_p
     laboratory.run("1.5mL", "--pump", "acid")
     expect(box.get_by_role("heading", name="another dose was made since")).to_be_focused()
     time = r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d"
-    expect(box).to_contain_text(re.compile(rf"1\.\d+ mL delivered, {time}, done, by command\. A reading would be of both"))
+    expect(box).to_contain_text(
+        re.compile(rf"1\.\d+ mL delivered, {time}, done, by command\. A reading would be of both")
+    )
     expect(box.get_by_label("Reading")).to_have_count(0)
     box.get_by_role("button", name="Dose again").click()
     expect(box.get_by_role("heading", name="Step 1 of 3: dose")).to_be_focused()

@@ -10,8 +10,8 @@ use serde_json::Value;
 use crate::history::{History, HistoryError, Marks};
 use crate::worker::LogFormat;
 
-/// Puts `origin`, `weighed` and `accepted` to each line of a log that passes in pieces: the service alone knows who gave
-/// an order.
+/// Puts `origin`, `weighed` and `accepted` to each line of a log that passes in pieces: the service alone knows who
+/// gave an order.
 #[derive(Debug)]
 pub(super) struct Origins {
     history: Arc<History>,
