@@ -106,7 +106,12 @@ fn exact(case: &Case, found: &mut Derivatives) {
         let mut samples =
             SensitiveRun::new(&case.pump, port, [case.leg], SensitiveState::AT_REST).every(DT_S);
         let kpa_by = found.each_mut().map(|samples| samples[side].as_mut_slice());
-        samples.fill(SensitiveColumns { kpa: &mut kpa, kpa_by, flow_ml_rad: Some(&mut flow_ml_rad), rate_kpa_s: None });
+        samples.fill(SensitiveColumns {
+            kpa: &mut kpa,
+            kpa_by,
+            flow_ml_rad: Some(&mut flow_ml_rad),
+            rate_kpa_s: None,
+        });
         for (samples, unit) in found.iter_mut().zip(units(case, port)) {
             samples[side].iter_mut().for_each(|by| *by *= unit);
         }

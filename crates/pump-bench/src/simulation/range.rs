@@ -79,6 +79,49 @@ impl Course<'_> {
         self.of_both(range).map(Some)
     }
 
+    /// Returns true if no pressure of the motion can be below `floor_kpa` between samples that are above it, by a bound
+    /// that takes less than [`Self::extremes`] where there are many legs. A false tells nothing. `samples_kpa` are the
+    /// pressures of inlet and outlet, kPa absolute, and no two of them, nor the start and the first, are more than
+    /// `longest_s` apart.
+    pub fn stays_above<M: Iterator<Item = Leg> + Clone>(
+        &self,
+        floor_kpa: f64,
+        legs: &M,
+        samples_kpa: [&[f64]; 2],
+        longest_s: f64,
+    ) -> bool {
+        if !matches!(self.method, Method::Exact | Method::Radau { .. }) {
+            return false;
+        }
+        let moving = legs.clone().take_while(|leg| leg.start_s < self.end_s);
+        let most_rad_s = moving.fold(0.0_f64, |most, leg| {
+            let end_s = leg.end_s().min(self.end_s);
+            most.max(leg.speed_rad_s.abs()).max(leg.speed_at(end_s).abs())
+        });
+        let ports = [Port::Inlet, Port::Outlet].into_iter().zip(self.states).zip(samples_kpa);
+        let half_s = 0.5 * longest_s;
+        ports.into_iter().all(|((port, start), samples_kpa)| {
+            let line = self.pump.line(port);
+            let (low, high) = self.pump.curve(port).flow_range_ml_rad();
+            let pushed_ml_s = most_rad_s * low.abs().max(high.abs());
+            let (mut lowest_kpa, mut most_kpa) = (start.pressure_kpa(line), start.above_reservoir_kpa.abs());
+            for kpa in samples_kpa {
+                lowest_kpa = lowest_kpa.min(*kpa);
+                most_kpa = most_kpa.max((kpa - line.reservoir_kpa).abs());
+            }
+            // L dQ/dt = P - R Q keeps the flow of the line below the largest |P|/R, or what it was at the start, and
+            // C dP/dt is what the rollers push and the line does not take. Half of the longest time is the way to the
+            // next sample.
+            let (resistance, per_volume) = (line.resistance_kpa_s_ml, half_s / line.compliance_ml_kpa);
+            let share = per_volume / resistance;
+            let start_ml_s = start.flow_ml_s.abs();
+            let bound_kpa = ((most_kpa + per_volume * pushed_ml_s) / (1.0 - share))
+                .max(most_kpa + per_volume * (pushed_ml_s + start_ml_s));
+            let line_ml_s = start_ml_s.max(bound_kpa / resistance);
+            share < 0.5 && lowest_kpa - per_volume * (pushed_ml_s + line_ml_s) > floor_kpa
+        })
+    }
+
     /// Returns the ranges of both ports.
     fn of_both(
         &self,

@@ -55,10 +55,13 @@ def test_what_falls_below_zero_between_two_samples_is_warned_of() -> None:
     calls: list[Callable[[], object]] = [
         lambda: narrow().simulate(speed_rpm=170, time_s=[0, 1e-6, 1]),
         lambda: narrow().simulate(speed_rpm=[170, 170], time_s=[0, 1], output_time_s=[0]),
+        lambda: narrow().simulate(speed_rpm=[170] * 500, time_s=np.linspace(0, 1, 500), output_time_s=[1]),
+        lambda: narrow().simulate(speed_rpm=[170] * 5000, time_s=np.linspace(0, 1, 5000)),
+        lambda: pm.Pump.three_roller().simulate(speed_rpm=[170] * 5000, time_s=np.linspace(0, 1, 5000)),
         lambda: narrow().simulate(speed_rpm=170, duration_s=1, dt_s=1, method="rodas5p"),
         lambda: narrow().simulate(speed_rpm=170, duration_s=1, dt_s=1, method="radau"),
     ]
-    for call, warns in zip(calls, (True, False, True, True), strict=True):
+    for call, warns in zip(calls, (True, False, True, True, False, True, True), strict=True):
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
             call()
