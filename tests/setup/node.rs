@@ -62,6 +62,37 @@ fn two_commands_that_use_one_board_get_one_clear_message() {
 }
 
 #[test]
+fn the_board_that_setup_saw_and_its_axis_are_on_record_before_anything_moves() {
+    let desk = Desk::new();
+    let (board, other) = (SimulatedNode::start(7).unwrap(), SimulatedNode::start(8).unwrap());
+    let [port, other_port] = [&board, &other].map(|board| board.path().display().to_string());
+    let set_up = |name: &str| {
+        let ended = desk.types(&[&["setup", name, "--port", &port][..], &OPTIONS].concat());
+        assert_eq!(ended.code, 0, "{}", ended.err);
+        ended
+    };
+    let acid = set_up("acid");
+    assert!(acid.err.contains("axis X, board 0000000000000007"), "{}", acid.err);
+    let refused = desk.types(&["0.2mL", "--pump", "acid", "--port", &other_port]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    let numbers = ["is number 0000000000000008", "is of number 0000000000000007"];
+    assert!(numbers.iter().all(|number| refused.err.contains(number)), "{}", refused.err);
+    // A pump whose file is no more has its record, and the next one is offered another axis.
+    assert_eq!(desk.types(&["pumps", "remove", "acid", "--anyway"]).code, 0);
+    let base = set_up("base");
+    assert!(base.err.contains("acid has the axis X of this board by its record"), "{}", base.err);
+    assert!(base.err.contains("axis Y, board"), "{}", base.err);
+    // Whoever names the axis has the pump in its place.
+    let ended = desk.types(&[&["setup", "new", "--port", &port, "--axis", "X"][..], &OPTIONS].concat());
+    assert!(
+        ended.err.contains("turned the pump `acid` by the record: `new` takes its place"),
+        "{}",
+        ended.err
+    );
+    assert_eq!((ended.code, board.truth().steps, other.truth().steps), (0, [0; 4], [0; 4]));
+}
+
+#[test]
 fn the_bounds_of_a_killed_dose_are_those_of_the_angle_once_the_board_has_told_its_count() {
     let desk = Desk::new();
     let board = SimulatedNode::start(7).unwrap();
@@ -81,6 +112,7 @@ fn the_bounds_of_a_killed_dose_are_those_of_the_angle_once_the_board_has_told_it
     let exact = "(the steps are exact: the bounds are those of the rollers' angle)";
     let before = desk.types(&status).out;
     assert!(before.contains("were delivered") && !before.contains(exact), "{before}");
+    assert!(before.contains("a board that was not reset since knows the exact steps"), "{before}");
     let refused = desk.types(&[&["0.2mL"], &on[..]].concat());
     assert_ne!(refused.code, 0, "{}", refused.out);
     let after = desk.types(&status).out;

@@ -119,7 +119,7 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
     let is_free = |usual: &Usual| {
         let port = Path::new(&usual.answer);
         let board = found.iter().find(|(at, _)| at == port).map(|(_, board)| board);
-        full != Some(port) && free_axis(course, port, axes(board, course.answers.driver)).is_some()
+        full != Some(port) && free_axis(course, board, port, axes(board, course.answers.driver)).is_some()
     };
     let free: Vec<_> =
         found.iter().filter(|(port, _)| is_free(&Usual::new(port.display().to_string()))).collect();
@@ -310,8 +310,14 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
     for other in &others {
         tell_person(&format!("  {} has the axis {} of this board", other.name, other.axis));
     }
+    for (pump, axis) in course.recorded_at(course.board.as_ref(), &port) {
+        tell_person(&format!(
+            "  {pump} has the axis {axis} of this board by its record; the new pump takes its place if you name that \
+             axis"
+        ));
+    }
     let axes = axes(course.board.as_ref(), course.answers.driver);
-    let free = free_axis(course, &port, axes);
+    let free = free_axis(course, course.board.as_ref(), &port, axes);
     if free.is_none() {
         let refused = format!("each axis of the board at {} turns another pump", port.display());
         if course.asker.is_silent() {
@@ -344,10 +350,19 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
     Ok(true)
 }
 
-/// The first of these axes of the board at a port that turns no other pump.
-fn free_axis<'a>(course: &Course, port: &Path, axes: &'a [Axis]) -> Option<&'a Axis> {
-    let others = course.others_at(port);
-    axes.iter().find(|axis| others.iter().all(|other| other.axis != **axis))
+/// The first of these axes of the board at a port that turns no other pump. If each of them does, a person is offered
+/// that of a pump that only its record knows, as it may be gone.
+fn free_axis<'a>(
+    course: &Course,
+    board: Option<&FoundBoard>,
+    port: &Path,
+    axes: &'a [Axis],
+) -> Option<&'a Axis> {
+    let (others, recorded) = (course.others_at(port), course.recorded_at(board, port));
+    let is_free = |axis: &&Axis| others.iter().all(|other| other.axis != **axis);
+    let is_new = |axis: &&Axis| recorded.iter().all(|(_, other)| other != *axis);
+    let free = axes.iter().filter(is_free).find(is_new);
+    free.or_else(|| axes.iter().find(is_free).filter(|_| !course.asker.is_silent()))
 }
 
 /// The axes of the board, as far as it tells. A node has four.

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use pump_bench::catalogue::unusual;
 use pump_bench::config::Config;
-use pump_bench::drives::FoundBoard;
+use pump_bench::drives::{FoundBoard, Opening};
 use pump_bench::notice::{Notice, Remedy};
-use pump_bench::pump_file::{DriverName, PumpFile};
+use pump_bench::pump_file::{Axis, DriverName, PumpFile};
 use pump_bench::report::Explain;
 use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupError, SetupFolder, Topic};
 use pump_bench::{Bench, Prepared, Session};
@@ -203,9 +203,36 @@ impl Course {
         if is_other { usual.map(Usual::new) } else { self.suggested(of, usual) }
     }
 
-    /// The other pumps of the board at a port.
+    /// The other pumps of the configuration at the board of a port.
     pub(super) fn others_at(&self, port: &Path) -> Vec<Neighbour> {
         self.neighbours.iter().filter(|other| other.is_at(port)).cloned().collect()
+    }
+
+    /// The other pumps of the board at a port that only their records know, as one that another pump file names.
+    pub(super) fn recorded_at(&self, board: Option<&FoundBoard>, port: &Path) -> Vec<(String, Axis)> {
+        let Some(board) = board else { return Vec::new() };
+        let opening = Opening::of_pump(&self.answers.name, board.driver(), &self.state_dir);
+        let mut recorded = board.pumps_on_record(port, &opening);
+        recorded.retain(|(pump, _)| self.neighbours.iter().all(|other| other.name != *pump));
+        recorded
+    }
+
+    /// Puts the board that answered on record, so that another one at its port is refused from now on. A pump whose
+    /// journal was begun keeps its board. A pump that had the axis by its record makes place, and is named.
+    pub(super) fn expect_board(&self) -> Result<(), Failure> {
+        let Answers { port: Some(port), axis: Some(axis), .. } = &self.answers else { return Ok(()) };
+        let Some(board) = self.board.as_ref().filter(|_| !self.is_simulated()) else { return Ok(()) };
+        let bench = self.bench()?;
+        if bench.story()?.state.is_some() {
+            return Ok(());
+        }
+        for pump in board.expect(port, *axis, bench.opening()).map_err(Failure::of)? {
+            let name = &self.answers.name;
+            warn(&[format!(
+                "the axis {axis} turned the pump `{pump}` by the record: `{name}` takes its place"
+            )]);
+        }
+        Ok(())
     }
 
     /// Refuses an axis that was said in this call and turns another pump.

@@ -209,6 +209,7 @@ impl SetupArgs {
             board::meet_said(course, self.no_motion)?;
         }
         written::write(course)?;
+        course.expect_board()?;
         if self.no_motion {
             say("Nothing was moved: this pump was not tried yet.\n");
             weigh::tell_calibration_of_another_head(course)?;

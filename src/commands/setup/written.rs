@@ -126,7 +126,9 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
         Some(drive) if drive.driver != DriverName::Sim => {
             let port =
                 drive.port.as_ref().map_or_else(|| "no port".to_owned(), |port| port.display().to_string());
-            format!("{} at {port}, axis {}", drive.driver, drive.axis)
+            let number = course.board.as_ref().and_then(|board| board.number());
+            let number = number.map_or_else(String::new, |number| format!(", board {number:016x}"));
+            format!("{} at {port}, axis {}{number}", drive.driver, drive.axis)
         }
         _ => "sim: no motor moves".to_owned(),
     };

@@ -23,16 +23,13 @@ use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::{DoseRequest, Prepared, RunEnd, Stands};
-use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
+use crate::drives::{Drive, DriveError, Identity, Opening, SETTINGS_RECORD, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, Pace, PumpFile};
-use crate::record::{BOARDS, Folder};
+use crate::record::Folder;
 use crate::record::{Clock, SystemClock};
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{PumpState, Story, Wear};
-
-/// File in the journal's folder that holds the device settings of the last time.
-const SETTINGS_RECORD: &str = "board-settings.json";
 
 /// Bench of one pump: its file, its model, its drive and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,11 +69,7 @@ impl Bench {
         let identity = registry::identity(driver);
         let file = if identity.is_simulated { file } else { as_a_copy(file) };
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
-        let settings_record = Some(folder.path().join(SETTINGS_RECORD));
-        let boards = Some(state_dir.join(BOARDS));
-        let port_names = Some(PathBuf::from(PORT_NAMES));
-        let pump = Some(file.pump.id.clone());
-        let opening = Opening { pump, settings_record, boards, port_names, ..Opening::default() };
+        let opening = Opening::of_pump(&file.pump.id, driver, state_dir);
         let (is_given, unfinished, confirms_pump, plans_afresh) = (false, false, false, false);
         let patience = Patience::default();
         Ok(Self {

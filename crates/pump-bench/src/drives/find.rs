@@ -7,6 +7,8 @@ use std::time::Duration;
 
 use super::error::DriveError;
 use super::grbl::{self, GrblError, ask_boards};
+use super::known_board::{KnownBoard, RecordedPump};
+use super::opening::Opening;
 use super::stop_request::StopRequest;
 use super::{NodeError, node};
 use crate::pump_file::{Axis, DriveTable, DriverName};
@@ -41,6 +43,40 @@ impl FoundBoard {
     pub fn axes(&self) -> &'static [Axis] {
         let (Self::Grbl { axes, .. } | Self::Node { axes, .. }) = self;
         Axis::ALL.get(..usize::from(*axes)).unwrap_or(Axis::ALL)
+    }
+
+    /// Returns the number of the board, if it tells one.
+    pub fn number(&self) -> Option<u64> {
+        match self {
+            Self::Node { board, .. } => Some(*board).filter(|board| *board != 0),
+            Self::Grbl { .. } => None,
+        }
+    }
+
+    /// Returns the other pumps on record that axes of this board turn, each with its axis. `opening` is that of a
+    /// bench. A grbl board is known by the name that its port keeps.
+    pub fn pumps_on_record(&self, port: &Path, opening: &Opening) -> Vec<(String, Axis)> {
+        let found = self.marks(port, None, opening);
+        let pumps = RecordedPump::of_board(&found, opening);
+        pumps.into_iter().map(|pump| (pump.pump, pump.axis)).collect()
+    }
+
+    /// Puts this board on record for a pump that has not moved, so that another board at the port is refused. The
+    /// pumps that `axis` turns by their records make place. Returns their names. A board without a number is on record
+    /// from the pump's first motion on.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError::Device`] if the record cannot be written.
+    pub fn expect(&self, port: &Path, axis: Axis, opening: &Opening) -> Result<Vec<String>, DriveError> {
+        if self.number().is_none() {
+            return Ok(Vec::new());
+        }
+        Ok(self.marks(port, Some(axis), opening).expect(opening).map_err(NodeError::from)?)
+    }
+
+    fn marks(&self, port: &Path, axis: Option<Axis>, opening: &Opening) -> KnownBoard {
+        KnownBoard { number: self.number(), axis, ..KnownBoard::at_port(Some(port), opening) }
     }
 
     /// Returns the name of the board's driver.

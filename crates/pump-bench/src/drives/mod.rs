@@ -43,7 +43,7 @@ pub(crate) use identity::Identity;
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 pub use opening::Opening;
-pub(crate) use opening::PORT_NAMES;
+pub(crate) use opening::SETTINGS_RECORD;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;

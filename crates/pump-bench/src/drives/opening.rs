@@ -1,11 +1,13 @@
 //! The terms on which a device is opened.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::stop_request::StopRequest;
+use crate::pump_file::DriverName;
+use crate::record::{BOARDS, Folder};
 
 /// Folder in which Linux keeps a name for each serial port on a USB cable.
-pub(crate) const PORT_NAMES: &str = "/dev/serial/by-id";
+const PORT_NAMES: &str = "/dev/serial/by-id";
 
 /// Terms on which a device is opened.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -32,4 +34,21 @@ pub struct Opening {
     pub records_later: bool,
     /// Request that ends every wait at rest.
     pub stop: StopRequest,
+}
+
+/// File in the journal's folder that holds the device settings of the last time.
+pub(crate) const SETTINGS_RECORD: &str = "board-settings.json";
+
+impl Opening {
+    /// Returns the terms of a pump whose device is turned by `driver`, and whose records are in `state_dir`.
+    pub fn of_pump(id: &str, driver: DriverName, state_dir: &Path) -> Self {
+        let folder = Folder::new(state_dir, id, driver.as_str());
+        Self {
+            pump: Some(id.to_owned()),
+            settings_record: Some(folder.path().join(SETTINGS_RECORD)),
+            boards: Some(state_dir.join(BOARDS)),
+            port_names: Some(PathBuf::from(PORT_NAMES)),
+            ..Self::default()
+        }
+    }
 }

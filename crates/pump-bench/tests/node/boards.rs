@@ -4,9 +4,10 @@ use std::fs::{self, File};
 use std::os::unix::fs::symlink;
 use std::path::PathBuf;
 
+use pump_bench::built_in;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Node, NodeError, Opening};
 use pump_bench::notice::Remedy;
-use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 use pump_bench::report::Explain;
 
 use crate::rig::{Rig, node_error};
@@ -94,4 +95,30 @@ fn a_board_that_gains_a_number_is_known_and_one_that_loses_it_is_not() {
     let computer = computer.plugged(0, "usb-left");
     let refused = computer.open(false).unwrap_err();
     assert!(matches!(node_error(&refused), NodeError::OtherBoard { .. }), "{refused}");
+}
+
+#[test]
+fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted() {
+    let (world, folder) = (SharedWorld::of_board(7), tempfile::tempdir().unwrap());
+    let open = |pump: &str, axis: Axis, accept_settings: bool| {
+        let opening = Opening { accept_settings, ..Opening::of_pump(pump, DriverName::Node, folder.path()) };
+        fs::create_dir_all(opening.settings_record.as_ref().unwrap().parent().unwrap()).unwrap();
+        let motor = built_in("three-roller").unwrap().motor;
+        Node::over(Box::new(world.clone()), &Rig::table().with_axis(axis), &motor, &opening)
+    };
+    drop(open("acid", Axis::X, false).unwrap());
+    drop(open("base", Axis::Y, false).unwrap());
+    let refused = open("other", Axis::X, false).unwrap_err();
+    let said = node_error(&refused).to_string();
+    assert!(said.contains("turns pump `acid` by the record; give pump `other` an axis of its own"), "{said}");
+    assert_eq!(refused.remedies(), [Remedy::WriteSettingsAnew]);
+    let notes = open("other", Axis::X, true).unwrap().notes();
+    assert!(notes.iter().any(|note| note.text().contains("turned pump `acid`: accepted")), "{notes:?}");
+    // The pump that made place is refused in its turn, and the others are not.
+    drop(open("other", Axis::X, false).unwrap());
+    drop(open("base", Axis::Y, false).unwrap());
+    let refused = open("acid", Axis::X, false).unwrap_err();
+    assert!(node_error(&refused).to_string().contains("turns pump `other`"), "{refused}");
+    drop(open("acid", Axis::Z, false).unwrap());
+    assert!(world.rises().is_empty());
 }

@@ -122,7 +122,8 @@ impl Grbl {
         connect::rest(&mut board, &mut reset)?;
         board.needs_axis()?;
         let SelfDescription { flavour, text } = settings::described(&mut board)?;
-        let found = KnownBoard { text, ..KnownBoard::at_port(table.port.as_deref(), opening) };
+        let axis = Some(table.axis);
+        let found = KnownBoard { text, axis, ..KnownBoard::at_port(table.port.as_deref(), opening) };
         let replaced = found.recognise(table.port.as_deref(), opening)?;
         let (settings, told) = settings::agreed(&mut board, flavour, table.axis, motor, opening)?;
         if settings.soft_limits() {
@@ -143,9 +144,8 @@ impl Grbl {
         connect::rest(&mut board, &mut reset)?;
         let place = board.rests_at()?;
         // The counter of another board says nothing about the rotor.
-        reset |= replaced.is_some();
-        let replaced = replaced.map(|board| format!("another board was on record, {board}: accepted"));
-        let told = replaced.into_iter().chain(told).map(Notice::from);
+        reset |= replaced.board.is_some();
+        let told = replaced.notes().chain(told.into_iter().map(Notice::from));
         let notes = told.chain(remarks(&settings, &scale)).collect();
         let resets = board.resets();
         drop(board);

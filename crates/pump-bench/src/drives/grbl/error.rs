@@ -9,6 +9,7 @@ use thiserror::Error;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
+use crate::pump_file::Axis;
 
 use super::axis_name::{axes_in_words, letter_at};
 use super::code::{alarm_text, error_text, stops_at_once};
@@ -211,6 +212,24 @@ pub enum GrblError {
         /// Board on record, as the message words it.
         recorded: String,
     },
+    /// The axis turns another pump by the record.
+    #[error(
+        "the axis {axis} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
+         if it has taken the place of `{other}`, or both files describe one pump, the record is to say so",
+        .port.display(), pump_in_words(pump.as_deref())
+    )]
+    AxisTaken {
+        /// Path of the port.
+        port: PathBuf,
+        /// Axis of the board.
+        axis: Axis,
+        /// Board, as the message words it.
+        board: String,
+        /// Id of the pump. `None` if the drive was opened for no pump of a bench.
+        pump: Option<String>,
+        /// Id of the pump on record.
+        other: String,
+    },
     /// The record of the pump's board cannot be used.
     #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
     BoardRecord {
@@ -377,6 +396,9 @@ impl From<BoardError> for GrblError {
         match error {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
+            }
+            BoardError::AxisTaken { port, axis, board, pump, other } => {
+                Self::AxisTaken { port, axis, board, pump, other }
             }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::known_board::{BoardError, KnownBoard, RECORD, read};
+use crate::drives::opening::Opening;
 use crate::pump_file::Axis;
 
 /// Pump whose record names a board.
@@ -18,12 +19,20 @@ pub(in crate::drives) struct RecordedPump {
 }
 
 impl RecordedPump {
-    /// Returns the other pumps whose records name `board` and an axis. `record` is the pump's own record, in
-    /// `PUMP/DRIVE` of the folder of all records. A record that cannot be read is that of no pump.
-    pub(in crate::drives) fn of_board(board: &KnownBoard, record: &Path) -> Vec<Self> {
-        let Some(drive) = record.parent() else { return Vec::new() };
-        let (Some(pump), Some(drive)) = (drive.parent(), drive.file_name()) else { return Vec::new() };
-        let folders = pump.parent().map(fs::read_dir).and_then(Result::ok);
+    /// Returns the other pumps whose records name `board` and an axis. The pump's own record is in `PUMP/DRIVE` of the
+    /// folder of all records, which has that of the boards too. A record that cannot be read is that of no pump.
+    pub(in crate::drives) fn of_board(board: &KnownBoard, opening: &Opening) -> Vec<Self> {
+        let drive = opening.settings_record.as_deref().and_then(Path::parent);
+        let all = opening.boards.as_deref().and_then(Path::parent);
+        let (Some(all), Some((pump, drive))) =
+            (all, drive.and_then(|drive| drive.parent().zip(drive.file_name())))
+        else {
+            return Vec::new();
+        };
+        if pump.parent() != Some(all) {
+            return Vec::new();
+        }
+        let folders = fs::read_dir(all);
         let folders = folders.into_iter().flatten().flatten();
         let others = folders.filter(|folder| Some(folder.file_name().as_os_str()) != pump.file_name());
         let found = others.filter_map(|folder| {

@@ -130,8 +130,8 @@ impl KnownBoard {
     }
 
     /// Compares this board at `port` with the one on record, and puts it on record unless `opening` leaves that for
-    /// later. Another board is refused unless it is accepted, and so is an axis that turns another pump. Returns what was
-    /// accepted.
+    /// later. Another board is refused unless it is accepted, and so is an axis that turns another pump. Returns what
+    /// was accepted.
     pub(in crate::drives) fn recognise(
         &self,
         port: Option<&Path>,
@@ -147,7 +147,7 @@ impl KnownBoard {
             let (port, found) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
             return Err(BoardError::Other { port, pump: opening.pump.clone(), found, recorded });
         }
-        let others = self.pumps_of_axis(&path);
+        let others = self.pumps_of_axis(opening);
         if let (Some(other), Some(axis), false) = (others.first(), self.axis, opening.accept_settings) {
             let (port, board) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
             let (pump, other) = (opening.pump.clone(), other.pump.clone());
@@ -160,9 +160,9 @@ impl KnownBoard {
         Ok(MadePlace { board: another, pumps: others.into_iter().map(|other| other.pump).collect() })
     }
 
-    /// Returns the other pumps that the axis turns by their records. `path` is the pump's own record.
-    fn pumps_of_axis(&self, path: &Path) -> Vec<RecordedPump> {
-        let mut others = RecordedPump::of_board(self, path);
+    /// Returns the other pumps that the axis turns by their records.
+    fn pumps_of_axis(&self, opening: &Opening) -> Vec<RecordedPump> {
+        let mut others = RecordedPump::of_board(self, opening);
         others.retain(|other| Some(other.axis) == self.axis);
         others
     }
@@ -172,7 +172,7 @@ impl KnownBoard {
     #[cfg(feature = "node")]
     pub(in crate::drives) fn expect(&self, opening: &Opening) -> Result<Vec<String>, BoardError> {
         let Some(path) = record_path(opening) else { return Ok(Vec::new()) };
-        let others = self.pumps_of_axis(&path);
+        let others = self.pumps_of_axis(opening);
         others.iter().try_for_each(RecordedPump::displace)?;
         path.parent()
             .map_or(Ok(()), create_folders)

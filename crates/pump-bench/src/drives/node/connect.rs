@@ -16,7 +16,7 @@ use super::error::NodeError;
 use super::line::Line;
 use super::link::Link;
 use super::session_record::SessionRecord;
-use crate::drives::known_board::KnownBoard;
+use crate::drives::known_board::{KnownBoard, MadePlace};
 use crate::drives::{Disturbance, Opening};
 use crate::pump_file::{Axis, DriveTable, Pins};
 
@@ -64,7 +64,10 @@ impl Terms {
             has_index: table.index_angle_deg.is_some(),
             hold_timeout_s: table.hold_timeout_s,
             record: opening.settings_record.clone(),
-            at_port: KnownBoard::at_port(table.port.as_deref(), opening),
+            at_port: KnownBoard {
+                axis: Some(table.axis),
+                ..KnownBoard::at_port(table.port.as_deref(), opening)
+            },
             opening: opening.clone(),
             pins: table.pins_or_usual(),
             dead_man_ms: table.dead_man_or_usual_ms(),
@@ -102,8 +105,8 @@ pub(super) struct Met {
     pub(super) disturbed: Option<Disturbance>,
     /// Faults that nobody had read.
     pub(super) unread: FaultCounts,
-    /// Words for the board that was on record, if this one was accepted in its place.
-    pub(super) replaced: Option<String>,
+    /// Board and pumps that were on record in the place of these, if that was accepted.
+    pub(super) replaced: MadePlace,
     /// True if the record says that the pump's journal counts by this axis.
     pub(super) is_axis_recorded: bool,
 }

@@ -83,6 +83,24 @@ pub enum NodeError {
         /// Board on record, as the message words it.
         recorded: String,
     },
+    /// The axis turns another pump by the record.
+    #[error(
+        "the axis {axis} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
+         if it has taken the place of `{other}`, or both files describe one pump, the record is to say so",
+        .port.display(), pump_in_words(pump.as_deref())
+    )]
+    AxisTaken {
+        /// Path of the port.
+        port: PathBuf,
+        /// Axis of the board.
+        axis: Axis,
+        /// Board, as the message words it.
+        board: String,
+        /// Id of the pump. `None` if the drive was opened for no pump of a bench.
+        pump: Option<String>,
+        /// Id of the pump on record.
+        other: String,
+    },
     /// The record of the pump's board cannot be used.
     #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
     BoardRecord {
@@ -346,6 +364,9 @@ impl From<BoardError> for NodeError {
         match error {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
+            }
+            BoardError::AxisTaken { port, axis, board, pump, other } => {
+                Self::AxisTaken { port, axis, board, pump, other }
             }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }

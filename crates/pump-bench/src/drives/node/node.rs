@@ -120,9 +120,7 @@ impl Node {
         match connect::meet(link, &self.terms, |tick_rate| Ok(motor.brake(tick_rate)?)) {
             Ok(Met { board, brake, position, disturbed, unread, replaced, is_axis_recorded }) => {
                 self.is_axis_recorded = is_axis_recorded;
-                self.notes.extend(
-                    replaced.map(|board| format!("another board was on record, {board}: accepted").into()),
-                );
+                self.notes.extend(replaced.notes());
                 self.at = At::Met { board: Box::new(board), brake: Box::new(brake) };
                 self.stands = Some(position);
                 self.disturbed = disturbed;

@@ -65,7 +65,9 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
         NodeError::Version { theirs, .. } if *theirs < VERSION => Some(Remedy::UpdateFirmware),
         NodeError::Version { .. } => Some(Remedy::UpdateProgram),
         NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
+        NodeError::AxisTaken { .. } | NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => {
+            Some(Remedy::WriteSettingsAnew)
+        }
         NodeError::Gone(_) => Some(Remedy::CheckCable),
         NodeError::Count { .. } => Some(Remedy::FindAngle),
         NodeError::Estop | NodeError::Driver => Some(Remedy::ThenFindAngle),
@@ -83,7 +85,9 @@ fn of_grbl(error: &GrblError) -> Option<Remedy> {
         GrblError::SoftLimits => Some(Remedy::Configure),
         GrblError::SettingsChanged { .. } => Some(Remedy::AcceptSettings),
         GrblError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
+        GrblError::AxisTaken { .. } | GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => {
+            Some(Remedy::WriteSettingsAnew)
+        }
         GrblError::Gone(_) => Some(Remedy::CheckCable),
         GrblError::Count { .. } => Some(Remedy::FindAngle),
         _ => None,
