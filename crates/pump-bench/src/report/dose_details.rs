@@ -104,8 +104,8 @@ impl DoseReport {
                 _ => String::new(),
             };
             format!(
-                "{} % ({} % at constant speed{off}); as well as the pump and its angle are known, median {} %, at most {} % \
-                 in 95 % of such pumps",
+                "{} % ({} % at constant speed{off}); as well as the pump and its angle are known, median {} %, at most \
+                 {} % in 95 % of such pumps",
                 percent(at.planned.peak_to_peak),
                 percent(at.constant_speed.peak_to_peak),
                 percent(at.peak_to_peak_median),

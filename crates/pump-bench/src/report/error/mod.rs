@@ -4,6 +4,7 @@ mod explain;
 mod kind;
 mod of_balance;
 mod of_bench;
+mod of_drives;
 mod of_files;
 mod of_model;
 mod of_sizing;

@@ -5,7 +5,6 @@ use pump_model::Shown;
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
 use crate::dosing::{DoseError, ScheduleError, WeightFault};
-use crate::drives::DriveError;
 use crate::notice::Remedy;
 use crate::record::{BackupError, FolderError, JournalError, LogError, MomentError};
 use crate::report::ending::Ending;
@@ -143,27 +142,6 @@ impl Explain for MomentError {
     fn facts(&self) -> ErrorFacts {
         let allowed = "a time ago as 90min, 12h, 2d or 1w, a date, or a time with its offset";
         ErrorFacts::of(ErrorKind::Quantity).value(&self.text).allowed(allowed)
-    }
-}
-
-impl Explain for DriveError {
-    fn facts(&self) -> ErrorFacts {
-        match self {
-            Self::Busy { holder, .. } => ErrorFacts::of(ErrorKind::Busy).value(holder),
-            Self::Interrupted => ErrorFacts::of(ErrorKind::Stopped),
-            Self::Unable { .. }
-            | Self::Device(_)
-            | Self::Name { .. }
-            | Self::Other { .. }
-            | Self::NotGiven { .. }
-            | Self::OtherDriver { .. }
-            | Self::NoBoard { .. }
-            | Self::NotBuilt { .. } => ErrorFacts::of(ErrorKind::Drive),
-        }
-    }
-
-    fn remedies(&self) -> Vec<Remedy> {
-        self.known_remedies()
     }
 }
 
