@@ -103,7 +103,7 @@ pub use motion::stretches::{Stretch, Stretches};
 pub use port::Port;
 pub use pump::presets::Variant;
 pub use pump::pump::Pump;
-pub use pump::steady_state::SteadyState;
+pub use pump::steady_state::{SteadyState, SteadyStates};
 #[cfg(feature = "sensitivity")]
 pub use sensitivity::parameter::SensitivityParameter;
 #[cfg(feature = "sensitivity")]

@@ -65,18 +65,18 @@ impl Pump {
     /// that swings more than a hundred thousand times a pitch, as one without resistance does near
     /// standstill.
     pub fn steady_state(&self, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
-        moving(speed_rad_s)?;
-        let flow = self.average_flow_ml_s(speed_rad_s);
-        let inlet = self.inlet();
-        let outlet = self.outlet();
-        Ok(SteadyState {
-            inlet: self.periodic_extremes(Port::Inlet, speed_rad_s)?,
-            inlet_mean_kpa: inlet.reservoir_kpa - inlet.resistance_kpa_s_ml * flow,
-            outlet: self.periodic_extremes(Port::Outlet, speed_rad_s)?,
-            outlet_mean_kpa: outlet.reservoir_kpa + outlet.resistance_kpa_s_ml * flow,
-            mean_flow_ml_s: flow,
+        self.steady_states().at(speed_rad_s)
+    }
+
+    /// Prepares what the steady states of all speeds share.
+    pub fn steady_states(&self) -> SteadyStates<'_> {
+        let steps = |port| FineSteps::new(&Oscillator::new(self.line(port), port));
+        SteadyStates {
+            pump: self,
+            inlet: steps(Port::Inlet),
+            outlet: steps(Port::Outlet),
             ripple: self.outlet_curve().ripple(),
-        })
+        }
     }
 
     /// Returns the state of a port's line at angle 0 that repeats itself every pitch at `speed_rad_s`. The speed
@@ -89,20 +89,6 @@ impl Pump {
         periodic_state(self.line(port), self.curve(port), port, speed_rad_s)
     }
 
-    fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
-        let period_s = self.pitch_rad() / speed_rad_s.abs();
-        let edges = self.curve(port).pieces().len() as f64;
-        let oscillator = Oscillator::new(self.line(port), port);
-        let steps = oscillator.most_fine_steps(edges, period_s);
-        if steps > MOST_STEPS {
-            return Err(ModelError::RingsTooLong { port, speed_rad_s, steps, allowed: MOST_STEPS });
-        }
-        let mut steps = FineSteps::new(&oscillator);
-        let state = periodic_state_by(&steps, self.line(port), self.curve(port), port, speed_rad_s)?;
-        let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-        Ok(ExactRun::new(self, port, motion, state).extremes_by(&mut steps, period_s))
-    }
-
     /// Returns the flow averaged over whole pitches, mL/s: Q_avg = V_rot omega / (2 pi).
     ///
     /// ```
@@ -112,5 +98,56 @@ impl Pump {
     /// ```
     pub fn average_flow_ml_s(&self, speed_rad_s: f64) -> f64 {
         self.revolution_ml() * speed_rad_s / TURN_RAD
+    }
+}
+
+/// The periodic steady states of a pump, with what they share at all speeds prepared.
+///
+/// ```
+/// let pump = pump_model::Pump::three_roller();
+/// let states = pump.steady_states();
+/// for speed_rad_s in [1.0, 10.0, -10.0] {
+///     assert_eq!(states.at(speed_rad_s)?, pump.steady_state(speed_rad_s)?);
+/// }
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SteadyStates<'a> {
+    pump: &'a Pump,
+    inlet: FineSteps,
+    outlet: FineSteps,
+    ripple: Ripple,
+}
+
+impl SteadyStates<'_> {
+    /// Returns the periodic steady state at `speed_rad_s`, as [`Pump::steady_state`] does.
+    ///
+    /// # Errors
+    ///
+    /// As [`Pump::steady_state`].
+    pub fn at(&self, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
+        moving(speed_rad_s)?;
+        let flow = self.pump.average_flow_ml_s(speed_rad_s);
+        let (inlet, outlet) = (self.pump.inlet(), self.pump.outlet());
+        Ok(SteadyState {
+            inlet: self.extremes(Port::Inlet, &self.inlet, speed_rad_s)?,
+            inlet_mean_kpa: inlet.reservoir_kpa - inlet.resistance_kpa_s_ml * flow,
+            outlet: self.extremes(Port::Outlet, &self.outlet, speed_rad_s)?,
+            outlet_mean_kpa: outlet.reservoir_kpa + outlet.resistance_kpa_s_ml * flow,
+            mean_flow_ml_s: flow,
+            ripple: self.ripple,
+        })
+    }
+
+    fn extremes(&self, port: Port, steps: &FineSteps, speed_rad_s: f64) -> Result<Extremes, ModelError> {
+        let (line, curve) = (self.pump.line(port), self.pump.curve(port));
+        let period_s = self.pump.pitch_rad() / speed_rad_s.abs();
+        let most = Oscillator::new(line, port).most_fine_steps(curve.pieces().len() as f64, period_s);
+        if most > MOST_STEPS {
+            return Err(ModelError::RingsTooLong { port, speed_rad_s, steps: most, allowed: MOST_STEPS });
+        }
+        let state = periodic_state_by(steps, line, curve, port, speed_rad_s)?;
+        let motion = [Leg::constant_speed(0.0, speed_rad_s)];
+        Ok(ExactRun::on(line, curve, port, motion, state).extremes_by(&mut steps.clone(), period_s))
     }
 }
