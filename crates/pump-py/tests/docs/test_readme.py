@@ -14,7 +14,7 @@ BLOCK = re.compile(r"```python\n(?P<code>.*?)```\n(?:\n```text\n(?P<expected>.*?
 mpl.use("Agg")
 
 
-@pytest.mark.parametrize(("page", "blocks"), [("README.md", 1), ("docs/python.md", 17)])
+@pytest.mark.parametrize(("page", "blocks"), [("README.md", 1), ("docs/python.md", 19)])
 def test_a_pages_examples_print_and_draw_what_it_shows(
     page: str, blocks: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

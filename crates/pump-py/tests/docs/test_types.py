@@ -14,7 +14,7 @@ BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
 CONFIG = """
 [mypy]
 strict = true
-[mypy-scipy.*]
+[mypy-control.*,scipy.*]
 ignore_missing_imports = true
 """
 
