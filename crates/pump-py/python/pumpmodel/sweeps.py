@@ -242,7 +242,7 @@ def sweep(
 
 
 def sweep_in_parts(
-    pumps: Iterable[Pump],
+    pumps: Pump | Iterable[Pump],
     *,
     speed_rpm: ArrayLike | None = None,
     speed_rad_s: ArrayLike | None = None,
@@ -256,7 +256,7 @@ def sweep_in_parts(
 
     Parameters
     ----------
-    pumps : iterable of Pump
+    pumps : Pump or iterable of Pump
         Pumps of the sweep, one row of results for each.
     speed_rpm : array_like
         Speeds of the pump head, r/min, a number or shape (speeds,); negative in reverse; not zero.

@@ -73,10 +73,12 @@ impl Floats {
             }
             return Err(no_numbers(name, argument, &array)?);
         }
-        // In C order, and no copy of what is such an array already.
+        // In C order, and no copy of what is such an array already. A part of a buffer may stand at any address.
+        let is_aligned: bool =
+            array.getattr(intern!(py, "flags"))?.getattr(intern!(py, "aligned"))?.extract()?;
         let keywords = PyDict::new(py);
         keywords.set_item(intern!(py, "order"), intern!(py, "C"))?;
-        keywords.set_item(intern!(py, "copy"), false)?;
+        keywords.set_item(intern!(py, "copy"), !is_aligned)?;
         let array = array.call_method(intern!(py, "astype"), (intern!(py, "float64"),), Some(&keywords))?;
         let array = array.cast::<PyArrayDyn<f64>>()?.try_readonly()?;
         let given = array.as_slice()?;

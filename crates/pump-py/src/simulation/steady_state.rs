@@ -2,7 +2,7 @@
 
 use pump_bench::displacement::{DisplacementError, SpeedDependentPump};
 use pump_bench::simulation::SteadyReport;
-use pump_model::Shown;
+use pump_model::{Shown, SteadyStates};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -170,8 +170,9 @@ impl SteadyState {
 impl SteadyState {
     /// Computes the steady state at every speed, while other Python threads run.
     fn at(py: Python<'_>, pump: &Pump, speeds_rad_s: &Floats) -> PyResult<Self> {
+        let states = States::of(&pump.by_speed);
         let rows = SignalCheck::map(py, speeds_rad_s.values(), |rad_s| {
-            numbers_at(&pump.by_speed, rad_s).map_err(errors::displacement)
+            states.numbers_at(rad_s).map_err(errors::displacement)
         })?;
         warn_of_cavitation(py, speeds_rad_s, &rows)?;
         let column = |n: usize| match n.checked_sub(1) {
@@ -243,18 +244,35 @@ fn warn_of_cavitation(py: Python<'_>, speeds_rad_s: &Floats, rows: &[[f64; NUMBE
     })
 }
 
-/// Computes the numbers of a steady state at a speed: its attributes but the speed, in their order.
-pub(super) fn numbers_at(pump: &SpeedDependentPump, rad_s: f64) -> Result<[f64; NUMBERS], DisplacementError> {
-    let report = SteadyReport::from(pump.at(rad_s)?.steady_state(rad_s)?);
-    Ok([
-        report.inlet_min_kpa,
-        report.inlet_max_kpa,
-        report.inlet_mean_kpa,
-        report.outlet_min_kpa,
-        report.outlet_max_kpa,
-        report.outlet_mean_kpa,
-        report.mean_flow_ml_s,
-        report.ripple_peak_to_peak,
-        report.ripple_rms,
-    ])
+/// Steady states of a pump at any speed.
+pub(super) struct States<'a> {
+    pump: &'a SpeedDependentPump,
+    /// What the speeds share, where every speed has the same volume.
+    shared: Option<SteadyStates<'a>>,
+}
+
+impl<'a> States<'a> {
+    pub(super) fn of(pump: &'a SpeedDependentPump) -> Self {
+        let shared = pump.law().is_none().then(|| pump.base().steady_states());
+        Self { pump, shared }
+    }
+
+    /// Computes the numbers of a steady state at a speed: its attributes but the speed, in their order.
+    pub(super) fn numbers_at(&self, rad_s: f64) -> Result<[f64; NUMBERS], DisplacementError> {
+        let report = SteadyReport::from(match &self.shared {
+            Some(states) => states.at(rad_s)?,
+            None => self.pump.at(rad_s)?.steady_state(rad_s)?,
+        });
+        Ok([
+            report.inlet_min_kpa,
+            report.inlet_max_kpa,
+            report.inlet_mean_kpa,
+            report.outlet_min_kpa,
+            report.outlet_max_kpa,
+            report.outlet_mean_kpa,
+            report.mean_flow_ml_s,
+            report.ripple_peak_to_peak,
+            report.ripple_rms,
+        ])
+    }
 }

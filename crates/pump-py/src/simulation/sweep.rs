@@ -11,7 +11,7 @@ use pump_bench::displacement::DisplacementError;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
-use super::steady_state::{NUMBERS, numbers_at};
+use super::steady_state::{NUMBERS, States};
 use crate::argument::{Argument, Floats, Items, speed};
 use crate::pump::Pump;
 use crate::python::{SignalCheck, errors, reserve, spare};
@@ -168,12 +168,17 @@ impl Sweep {
                 return;
             }
             let mut results = Vec::with_capacity(block);
+            let mut states: Option<(usize, States<'_>)> = None;
             for point in start..points.min(start + block) {
                 if self.abandoned.load(Ordering::Relaxed) {
                     return;
                 }
                 let (pump, speed) = (point / self.speeds_rad_s.len(), point % self.speeds_rad_s.len());
-                match numbers_at(&self.pumps[pump].get().by_speed, self.speeds_rad_s[speed]) {
+                let (_, states) = match states.take() {
+                    Some(prepared) if prepared.0 == pump => states.insert(prepared),
+                    _ => states.insert((pump, States::of(&self.pumps[pump].get().by_speed))),
+                };
+                match states.numbers_at(self.speeds_rad_s[speed]) {
                     Ok(numbers) => results.push(numbers),
                     Err(error) => {
                         self.next.fetch_max(points, Ordering::Relaxed);
