@@ -93,6 +93,39 @@ fn the_board_that_setup_saw_and_its_axis_are_on_record_before_anything_moves() {
 }
 
 #[test]
+fn an_emergency_stop_in_motion_and_a_fault_of_the_stepper_driver_end_a_dose_until_they_are_over() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    let set_up = desk.types(&[&["setup", "acid", "--port", &port][..], &OPTIONS].concat());
+    assert_eq!(set_up.code, 0, "{}", set_up.err);
+    let with_fault = desk.configured("pumps/acid.toml").unwrap() + "\n[drive.pins]\ndriver_fault = true\n";
+    std::fs::write(desk.path("acid.toml"), with_fault).unwrap();
+    let dose = |words: &[&str]| desk.types(&[words, &["--pump", "acid.toml"]].concat());
+    for (hand, other, said) in [
+        ("estop", "release", "the emergency stop is pressed"),
+        ("fault X", "mend X", "the stepper driver reported a fault"),
+    ] {
+        let mut running = desk.command(&["3mL", "--pump", "acid.toml"]);
+        let running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        while !board.truth().moving {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        board.touch(hand).unwrap();
+        let ended = running.wait_with_output().unwrap();
+        let err = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{err}");
+        assert!(err.contains(said) && err.contains("once the cause is removed"), "{err}");
+        let refused = dose(&["resume"]);
+        assert_eq!(refused.code, 2, "{hand}: {}", refused.err);
+        board.touch(other).unwrap();
+        assert_eq!(dose(&["accept"]).code, 0);
+    }
+    assert!(!board.truth().moving && board.truth().stray == 0);
+    assert!(board.touch("fault Q").is_err());
+}
+
+#[test]
 fn the_bounds_of_a_killed_dose_are_those_of_the_angle_once_the_board_has_told_its_count() {
     let desk = Desk::new();
     let board = SimulatedNode::start(7).unwrap();

@@ -18,6 +18,14 @@ struct State {
     now: u64,
     stray: u32,
     motors: [Motor; 4],
+    /// True while the emergency stop is pressed.
+    estop: bool,
+    /// True for each axis whose driver reports a fault.
+    faults: [bool; 4],
+    /// Steps from one index mark to the next of each axis that has a sensor.
+    index_steps: [Option<u32>; 4],
+    /// True once somebody has pressed the board's reset, until it is taken.
+    reset: bool,
 }
 
 /// Timer, pins and motors of a board. Clones are the same board.
@@ -35,6 +43,41 @@ impl Hardware {
 
     pub(super) fn set_now(&self, now: u64) {
         self.state().now = now;
+    }
+
+    /// Connects index sensors, each active once in so many steps of its axis.
+    pub(super) fn sense_index(&self, index_steps: [Option<u32>; 4]) {
+        self.state().index_steps = index_steps;
+    }
+
+    /// Does what a person's hand does at the board. The words are those of [`super::HANDS`].
+    pub(super) fn touch(&self, words: &str) -> Result<(), String> {
+        let words: Vec<_> = words.split_whitespace().collect();
+        let axis = |name: &str| {
+            let place = ["X", "Y", "Z", "A"].iter().position(|axis| axis.eq_ignore_ascii_case(name));
+            place.ok_or(format!("`{name}` is none of the axes X, Y, Z and A"))
+        };
+        let mut state = self.state();
+        match words.as_slice() {
+            [] => {}
+            ["estop"] => state.estop = true,
+            ["release"] => state.estop = false,
+            ["fault", name] => state.faults[axis(name)?] = true,
+            ["mend", name] => state.faults[axis(name)?] = false,
+            ["reset"] => state.reset = true,
+            _ => return Err(super::HANDS.to_owned()),
+        }
+        Ok(())
+    }
+
+    /// Returns true if somebody has pressed the board's reset. Its pins are inputs then.
+    pub(super) fn take_reset(&self) -> bool {
+        let mut state = self.state();
+        let reset = std::mem::take(&mut state.reset);
+        if reset {
+            state.motors.iter_mut().for_each(|motor| motor.levels = None);
+        }
+        reset
     }
 
     /// Returns the steps of each motor, and the rises of step pins whose motors had no current.
@@ -65,7 +108,7 @@ impl Board for Hardware {
     }
 
     fn estop_is_pressed(&mut self) -> bool {
-        false
+        self.state().estop
     }
 }
 
@@ -115,10 +158,18 @@ impl Pins for SimulatedPins {
     }
 
     fn index_is_high(&mut self) -> bool {
-        false
+        let state = self.hardware.state();
+        let (Some(motor), Some(Some(steps))) =
+            (state.motors.get(self.axis), state.index_steps.get(self.axis))
+        else {
+            return false;
+        };
+        // The mark comes half a way after the start, and is a hundredth of the way wide.
+        let way = i64::from(*steps).max(2);
+        (motor.count - way / 2).rem_euclid(way) < (way / 100).max(1)
     }
 
     fn driver_fault_is_high(&mut self) -> bool {
-        true
+        !self.hardware.state().faults.get(self.axis).copied().unwrap_or(false)
     }
 }

@@ -4,6 +4,7 @@
 mod carrier;
 mod hardware;
 mod line;
+mod version;
 
 use std::collections::VecDeque;
 use std::io;
@@ -28,6 +29,21 @@ const LONGEST_LOOK_US: u64 = 5_000;
 /// Rate of the line, bytes a second, as at 460,800 baud.
 const BYTES_S: u64 = 46_080;
 
+/// Words for what a person's hand does at the board.
+pub(crate) const HANDS: &str =
+    "the words are: estop, release, fault <axis>, mend <axis>, reset; each on a line of its own";
+
+/// Character of a board.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Character {
+    /// Number of the board.
+    pub(crate) number: u64,
+    /// Version of the protocol that its firmware speaks, if it is another one.
+    pub(crate) protocol: Option<u8>,
+    /// Steps from one index mark to the next of each axis that has a sensor.
+    pub(crate) index_steps: [Option<u32>; 4],
+}
+
 /// Truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Truth {
@@ -46,17 +62,31 @@ pub(crate) struct Truth {
 pub(crate) struct SimulatedNode {
     path: PathBuf,
     truth: Arc<Mutex<Truth>>,
+    hardware: Hardware,
     thread: Option<JoinHandle<()>>,
 }
 
 impl SimulatedNode {
     /// Switches a board of this number on.
+    #[allow(dead_code, reason = "the example names more than a number")]
     pub(crate) fn start(number: u64) -> io::Result<Self> {
+        Self::start_as(Character { number, ..Character::default() })
+    }
+
+    /// Switches a board of this character on.
+    pub(crate) fn start_as(character: Character) -> io::Result<Self> {
         let truth = Arc::new(Mutex::new(Truth::default()));
         let ((line, path), carrier) = (Line::new()?, Carrier::new()?);
-        let shared = Arc::clone(&truth);
-        let thread = std::thread::spawn(move || Simulation::new(number, line).run(carrier, &shared));
-        Ok(Self { path, truth, thread: Some(thread) })
+        let (shared, hardware) = (Arc::clone(&truth), Hardware::default());
+        hardware.sense_index(character.index_steps);
+        let simulation = (hardware.clone(), line);
+        let thread = std::thread::spawn(move || Simulation::new(character, simulation).run(carrier, &shared));
+        Ok(Self { path, truth, hardware, thread: Some(thread) })
+    }
+
+    /// Does what a person's hand does at the board, in the words of [`HANDS`].
+    pub(crate) fn touch(&self, words: &str) -> Result<(), String> {
+        self.hardware.touch(words)
     }
 
     /// Returns the device that the board is connected to.
@@ -83,8 +113,20 @@ fn lock(truth: &Mutex<Truth>) -> MutexGuard<'_, Truth> {
     truth.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Returns the logic of a board that was just switched on.
+fn power_up(
+    character: Character,
+    hardware: &Hardware,
+) -> (Node, Axes<'static, SimulatedPins, Hardware, 256, 4>) {
+    let axes = [0, 1, 2, 3].map(|axis| Axis::new(SimulatedPins::new(hardware, axis), TICK_HZ));
+    // The board runs for as long as the program.
+    let axes = Axes::new(Box::leak(Box::new(axes)), hardware.clone(), TICK_HZ);
+    (Node::new(identity::<256, 4>(character.number, [0, 1, 0], TICK_HZ)), axes)
+}
+
 /// Board, its line, and its clock.
 struct Simulation {
+    character: Character,
     hardware: Hardware,
     node: Node,
     axes: Axes<'static, SimulatedPins, Hardware, 256, 4>,
@@ -96,14 +138,10 @@ struct Simulation {
 }
 
 impl Simulation {
-    fn new(number: u64, line: Line) -> Self {
-        let hardware = Hardware::default();
-        let axes = [0, 1, 2, 3].map(|axis| Axis::new(SimulatedPins::new(&hardware, axis), TICK_HZ));
-        // The board runs for as long as the program.
-        let axes = Axes::new(Box::leak(Box::new(axes)), hardware.clone(), TICK_HZ);
-        let node = Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ));
+    fn new(character: Character, (hardware, line): (Hardware, Line)) -> Self {
+        let (node, axes) = power_up(character, &hardware);
         let answers = VecDeque::new();
-        Self { hardware, node, axes, line, now_us: 0, next_poll_us: 0, answers }
+        Self { character, hardware, node, axes, line, now_us: 0, next_poll_us: 0, answers }
     }
 
     fn run(&mut self, mut carrier: Carrier, truth: &Mutex<Truth>) {
@@ -117,6 +155,9 @@ impl Simulation {
             let now = Instant::now();
             let passed_us = ((now - before).as_micros() as u64).min(LONGEST_LOOK_US);
             before = now;
+            if self.hardware.take_reset() {
+                (self.node, self.axes) = power_up(self.character, &self.hardware);
+            }
             self.hear();
             self.go_on(self.now_us + passed_us);
             while self.answers.front().is_some_and(|(at, _)| *at <= self.now_us)
@@ -137,7 +178,10 @@ impl Simulation {
     fn hear(&mut self) {
         for byte in self.line.read() {
             if let Some(answer) = self.node.on_byte(byte, self.now_us, &mut self.axes) {
-                let bytes = answer.bytes().to_vec();
+                let bytes = match self.character.protocol {
+                    Some(version) => version::spoken(answer.bytes(), version),
+                    None => answer.bytes().to_vec(),
+                };
                 let through_us = self.now_us + bytes.len() as u64 * 1_000_000 / BYTES_S;
                 self.answers.push_back((through_us, bytes));
             }
