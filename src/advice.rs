@@ -85,7 +85,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::FinishAtConstantSpeed => "`dose resume --rate <FLOW>` makes the rest at constant speed",
         Remedy::FinishAnywhere => "`dose resume --finish any` lets the rest end anywhere",
         Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",
-        Remedy::ThenFindAngle => "find the angle again once the journal can be written",
+        Remedy::ThenFindAngle => "find the angle again once the cause is removed",
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {
             "to dose other volumes, turn a roller to where it begins to leave the outlet and say `dose home \

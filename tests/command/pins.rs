@@ -21,7 +21,7 @@ fn the_pins_are_those_of_a_drv8825_unless_the_file_gives_others() {
     let (code, said) = check(&user, NODE);
     assert_eq!(code, 0, "{said}");
     let usual = "step high for 1.9 us, then 1.9 us off; direction 0.65 us before and 0.65 us after a step; enable low, \
-                 1.7 ms before a step; index high; driver's fault not connected; dead-man 500 ms";
+                 1.7 ms before a step; index high; stepper driver's fault not connected; dead-man 500 ms";
     assert!(said.contains(usual), "{said}");
     let assumed = said.lines().find(|line| line.trim_start().starts_with("assumed")).unwrap();
     assert!(assumed.contains("step pulse, step pause") && assumed.contains("dead-man time"), "{assumed}");
@@ -29,11 +29,13 @@ fn the_pins_are_those_of_a_drv8825_unless_the_file_gives_others() {
     let pins = "dead_man_ms = 300\n[drive.pins]\nstep_pulse_us = 0.2\nenable_active_low = false\ndriver_fault = true\n";
     let (code, said) = check(&user, &format!("{NODE}{pins}"));
     assert_eq!(code, 0, "{said}");
-    for text in ["step high for 0.2 us", "enable high", "driver's fault low in a fault", "dead-man 300 ms"] {
+    for text in
+        ["step high for 0.2 us", "enable high", "stepper driver's fault low in a fault", "dead-man 300 ms"]
+    {
         assert!(said.contains(text), "{text}: {said}");
     }
     let given = said.lines().find(|line| line.trim_start().starts_with("given")).unwrap();
-    for value in ["step pulse", "enable level", "driver's fault", "dead-man time"] {
+    for value in ["step pulse", "enable level", "stepper driver's fault", "dead-man time"] {
         assert!(given.contains(value), "{value}: {given}");
     }
 }

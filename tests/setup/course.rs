@@ -17,7 +17,7 @@ const WIDER: f64 = 1.5;
 /// Sittings that are played at once. A sitting mostly waits for its board.
 const AT_ONCE: usize = 10;
 
-/// Answers of somebody whose motor's driver is set to `microsteps`, and who sees what the pump does.
+/// Answers of somebody whose stepper driver is set to `microsteps`, and who sees what the pump does.
 pub(crate) fn sees<B: TrueBoard>(pump: &mut TruePump<B>, question: &str, microsteps: &str) -> String {
     let answer = |text: &str| text.to_owned();
     match question {

@@ -29,7 +29,7 @@ pub trait Pins {
     /// Reads the pin of the index sensor. It is called in the interrupt where a sensor is connected.
     fn index_is_high(&mut self) -> bool;
 
-    /// Reads the fault output of the motor's driver, which is low while there is a fault.
+    /// Reads the fault output of the stepper driver, which is low while there is a fault.
     fn driver_fault_is_high(&mut self) -> bool;
 }
 

@@ -68,7 +68,7 @@ fn ask_microsteps(course: &mut Course) -> Asked<()> {
         text: "Microsteps per full step",
         option: "--microsteps 16",
         usual: course.suggested(|last| microsteps(last).map(|steps| steps.to_string()), None),
-        help: "the switches or jumpers of the motor's driver set them, as 16; if you are not sure say 16: the first \
+        help: "the switches or jumpers of the stepper driver set them, as 16; if you are not sure say 16: the first \
                revolution shows it",
     };
     let read =

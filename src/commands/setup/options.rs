@@ -64,7 +64,7 @@ pub(super) struct AnswerOptions {
     #[arg(long, value_name = "N", help_heading = "Motor")]
     #[arg(value_parser = count("number of full steps per revolution", FULL_STEPS_PER_REV))]
     full_steps: Option<u32>,
-    /// Microsteps per full step, as the motor's driver is set, as 16
+    /// Microsteps per full step, as the stepper driver is set, as 16
     #[arg(long, value_name = "N", help_heading = "Motor")]
     #[arg(value_parser = count("number of microsteps", MICROSTEPS))]
     microsteps: Option<u32>,

@@ -63,7 +63,7 @@ pub enum End {
     Starved,
     /// A step came when the next one was due already.
     Late,
-    /// The motor's driver reported a fault.
+    /// The stepper driver reported a fault.
     Driver,
     /// The emergency stop was pressed.
     Estop,

@@ -9,7 +9,7 @@ pub struct FaultCounts {
     pub late: u32,
     /// Moves that ended because the queue of segments ran dry.
     pub starved: u32,
-    /// Faults that the motor's driver reported.
+    /// Faults that the stepper driver reported.
     pub driver: u32,
     /// Moves that ended because no valid frame came within the dead-man time.
     pub link: u32,

@@ -103,8 +103,8 @@ pub enum Refusal {
     /// The emergency stop is pressed.
     #[error("the emergency stop is pressed; release it, and configure the axis anew")]
     Estop,
-    /// The motor's driver reports a fault.
-    #[error("the motor's driver reports a fault; check its temperature, its supply and the motor's cable")]
+    /// The stepper driver reports a fault.
+    #[error("the stepper driver reports a fault; check its temperature, its supply and the motor's cable")]
     Driver,
     /// The angle was lost since the axis was configured.
     #[error("the rotor may have turned since the axis was configured; configure it anew and find its angle")]

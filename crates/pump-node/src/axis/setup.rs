@@ -13,7 +13,7 @@ pub(crate) struct Setup {
     pub(super) brake: Brake,
 }
 
-/// Times that a motor's driver needs, ticks.
+/// Times that a stepper driver needs, ticks.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Times {
     /// Time for which the step pin is active.

@@ -74,7 +74,7 @@ fn other_steps(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
     let times = significant(now / then, 3);
     let text = format!(
         "calibration {version} was weighed while the pump file stated {then} steps per revolution of the head, and now \
-         it states {now}; unless the motor's driver was changed as well, doses are {times} times as large"
+         it states {now}; unless the stepper driver was changed as well, doses are {times} times as large"
     );
     Some(Notice::from(text).with_remedy(Remedy::Weigh))
 }

@@ -222,10 +222,10 @@ pub enum NodeError {
         /// Most steps per second of a plan that the board makes.
         most_s: u32,
     },
-    /// The dose needs more steps per second than the pulses of the motor's driver allow.
+    /// The dose needs more steps per second than the pulses of the stepper driver allow.
     #[error(
         "the dose needs up to {steps_s:.0} steps/s, and step_pulse_us and step_pause_us in [drive.pins] allow \
-         {most_s} at most; dose slower, with fewer microsteps, or with pulses as short as the motor's driver allows"
+         {most_s} at most; dose slower, with fewer microsteps, or with pulses as short as the stepper driver allows"
     )]
     Pulse {
         /// Most steps per second of the plan.
@@ -316,8 +316,8 @@ pub enum NodeError {
          a flow that has paused cannot go on"
     )]
     FlowPaused,
-    /// The motor's driver reported a fault.
-    #[error("the motor's driver reported a fault; check its temperature, its supply and the motor's cable")]
+    /// The stepper driver reported a fault.
+    #[error("the stepper driver reported a fault; check its temperature, its supply and the motor's cable")]
     Driver,
     /// The emergency stop was pressed.
     #[error("the emergency stop is pressed, or was pressed in motion; see that it is safe, and release it")]

@@ -9,7 +9,7 @@ pub(super) fn faults_noted(unread: FaultCounts) -> Option<Notice> {
     let kinds = [
         (unread.late, "late step", "late steps"),
         (unread.starved, "empty queue", "empty queues"),
-        (unread.driver, "fault of the motor's driver", "faults of the motor's driver"),
+        (unread.driver, "fault of the stepper driver", "faults of the stepper driver"),
         (
             unread.link,
             "stop for want of a word from the computer",

@@ -55,7 +55,7 @@ pub struct PinsTable {
     /// True if the index sensor is active while its pin is low.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index_active_low: Option<bool>,
-    /// True if the driver's fault output is connected. It is low in a fault.
+    /// True if the stepper driver's fault output is connected. It is low in a fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver_fault: Option<bool>,
 }
@@ -80,7 +80,7 @@ pub struct Pins {
     pub enable_active_low: bool,
     /// True if the index sensor is active while its pin is low.
     pub index_active_low: bool,
-    /// True if the driver's fault output is connected. It is low in a fault.
+    /// True if the stepper driver's fault output is connected. It is low in a fault.
     pub driver_fault: bool,
 }
 

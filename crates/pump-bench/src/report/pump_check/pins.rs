@@ -15,7 +15,7 @@ pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
     Some(format!(
         "step {step} for {step_pulse_us} us, then {step_pause_us} us off; direction {direction_setup_us} us before and \
          {direction_hold_us} us after a step; enable {enable}, {enable_setup_ms} ms before a step; index {index}; \
-         driver's fault {fault}; dead-man {} ms",
+         stepper driver's fault {fault}; dead-man {} ms",
         drive.dead_man_or_usual_ms()
     ))
 }
@@ -35,7 +35,7 @@ pub(super) fn pins_given(file: &PumpFile) -> Vec<(&'static str, bool)> {
         ("step level", pins.step_active_low.is_some()),
         ("enable level", pins.enable_active_low.is_some()),
         ("index level", pins.index_active_low.is_some()),
-        ("driver's fault", pins.driver_fault.is_some()),
+        ("stepper driver's fault", pins.driver_fault.is_some()),
         ("dead-man time", drive.dead_man_ms.is_some()),
     ]
 }

@@ -44,7 +44,7 @@ pub(in crate::drives::node) struct Room {
     sharers: u32,
     /// Steps a second that the other axes leave.
     free_steps_s: u32,
-    /// Shortest interval that the pulses of the motor's driver allow, ticks.
+    /// Shortest interval that the pulses of the stepper driver allow, ticks.
     pulse: u64,
 }
 
