@@ -10,7 +10,7 @@ use super::board::Board;
 use super::connect::{self, Met, Terms};
 use super::error::NodeError;
 use super::link::Link;
-use super::motion::{self, Fault, Made, Motion, Room, SentLead, Task, most_steps_s};
+use super::motion::{self, Fault, LastAsked, Made, Motion, Room, SentLead, Task, most_steps_s};
 use super::node_board::NodeBoard;
 use super::unread_faults::faults_noted;
 use crate::drives::drive::wait_of;
@@ -50,6 +50,8 @@ pub struct Node {
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
+    /// What the plan asks for that was looked at last.
+    last_asked: LastAsked,
 }
 
 /// Place of the link to the board.
@@ -102,6 +104,7 @@ impl Node {
             is_axis_recorded: false,
             notes: Vec::new(),
             place: None,
+            last_asked: LastAsked::default(),
         };
         node.meet()?;
         Ok(node)
@@ -160,7 +163,7 @@ impl Node {
         let lane = board.link.lane();
         let config = self.terms.config(true, brake);
         let room = Room::new(self.terms.baud, &board.identity, &config, shared.lock().others(lane));
-        let task = Task::new(plan, brake, &board.identity, room)?;
+        let task = Task::new(plan, brake, &board.identity, room, &self.last_asked)?;
         if let Some(lane) = shared.lock().lane(lane) {
             (lane.needs_bytes_s, lane.needs_steps_s) = (task.needs_bytes_s, task.needs_steps_s);
         }
@@ -307,7 +310,7 @@ impl Drive for Node {
         let At::Met { board, brake } = &self.at else { return Ok(None) };
         let config = self.terms.config(true, brake);
         let room = Room::new(self.terms.baud, &board.identity, &config, std::iter::empty());
-        let task = Task::new(motion, brake, &board.identity, room)?;
+        let task = Task::new(motion, brake, &board.identity, room, &self.last_asked)?;
         Ok(Some(task.share(&board.identity, room)))
     }
 

@@ -1,5 +1,6 @@
 //! Motions by the board: leave and segments out, steps made in.
 
+mod asked;
 mod convoy;
 mod lead;
 mod motion;
@@ -10,6 +11,7 @@ mod steps;
 mod task;
 mod walk;
 
+pub(super) use asked::LastAsked;
 pub(super) use convoy::run;
 pub(super) use lead::SentLead;
 pub(super) use motion::Motion;

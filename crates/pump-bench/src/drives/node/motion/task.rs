@@ -1,13 +1,12 @@
 //! The task of a plan for the board, and the check that the board and the link can do it.
 
 use pump_ctl::plan::PlannedMotion;
-use pump_ctl::step::{Brake, Segment, TickRate, Ticks};
-use pump_link::message::{AxisConfig, Identity, PROMPT_PACKED};
-use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
-use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
+use pump_ctl::step::{Brake, Ticks};
+use pump_link::message::{AxisConfig, Identity};
+use pump_link::sender::TooFast;
 use pump_link::timing::rate_hz;
 
-use super::walk::{LeftOut, Walk};
+use super::asked::{Asked, CUT, LastAsked, LineTo, SHORTER, demand};
 use crate::drives::BoardShare;
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::Lane;
@@ -18,20 +17,6 @@ const SHARE: f64 = 0.8;
 
 /// Bits of a byte on a serial line: 8, a start and a stop.
 const BITS: u32 = 10;
-
-/// Most by which an interval that is sent is shorter than the plan's, 2^-32 tick: a quarter of a tick. The rounding of
-/// segments takes less than a sixth, and the gathering of steps after a pause a sixteenth ([`super::steps`]).
-const SHORTER: u128 = 1 << 30;
-
-/// Most by which a segment of a plan is faster than the plan's speed, 2^-32 tick: an eighth of a tick. Its parabola
-/// keeps the steps to their times, and the intervals at its ends may be some shorter. 0.06 tick were seen.
-const CUT: u128 = 1 << 29;
-
-/// Part of the rate that a long cruise needs beyond its mean, for turns that need more than those that were looked at.
-const SPARE: u64 = 32;
-
-/// Number of halvings by which the rate is found that a plan takes of the line.
-const HALVINGS: u32 = 6;
 
 /// Part of the line and of the board's steps that a plan may have.
 #[derive(Debug, Clone, Copy)]
@@ -83,35 +68,33 @@ pub(in crate::drives::node) struct Task {
     pub(in crate::drives::node) sharers: u32,
     /// Most steps in which the motor stops by its brake.
     pub(in crate::drives::node) brake_steps: u64,
-    /// Bytes a second that the plan takes of the line, by no more than a part in 64 of the free part too many.
+    /// Bytes a second that the plan takes of the line, by no more than a part in 64 of the line too many.
     pub(in crate::drives::node) needs_bytes_s: u32,
     /// Steps a second that the board counts for the plan.
     pub(in crate::drives::node) needs_steps_s: u32,
 }
 
 impl Task {
-    /// Returns the task of `plan` in its room, or refuses it before anything moves.
+    /// Returns the task of `plan` in its room, or refuses it before anything moves. `last` knows the plan that was
+    /// looked at last.
     pub(in crate::drives::node) fn new(
         plan: PlannedMotion<'_>,
         brake: &Brake,
         board: &Identity,
         room: Room,
+        last: &LastAsked,
     ) -> Result<Self, NodeError> {
-        let tick_rate = brake.tick_rate();
-        let shortest_interval = shortest_interval(plan, tick_rate);
+        let Room { all_bytes_s, free_bytes_s, .. } = room;
+        let line = LineTo { tick_rate: brake.tick_rate(), queue: board.queue, all_bytes_s };
+        let Asked { shortest_interval, bytes_s } = last.of(plan, line)?;
         let needs_steps_s = rate_hz(shortest_interval, board.tick_hz);
         check_steps(plan, shortest_interval, board, room)?;
-        let demanded = |bytes_s: u32| match board.queue {
-            256.. => demand::<256>(plan, tick_rate, bytes_s),
-            128.. => demand::<128>(plan, tick_rate, bytes_s),
-            64.. => demand::<64>(plan, tick_rate, bytes_s),
-            _ => demand::<16>(plan, tick_rate, bytes_s),
+        let demanded = |bytes_s: u32| demand(plan, line, bytes_s);
+        let needs_bytes_s = match bytes_s {
+            Some(bytes_s) if bytes_s <= free_bytes_s => bytes_s,
+            _ if demanded(free_bytes_s).is_ok() => free_bytes_s,
+            _ => return Err(refusal(&demanded, free_bytes_s, all_bytes_s)),
         };
-        let Room { all_bytes_s, free_bytes_s, .. } = room;
-        if demanded(free_bytes_s).is_err() {
-            return Err(refusal(&demanded, free_bytes_s, all_bytes_s));
-        }
-        let needs_bytes_s = least(&demanded, 0, free_bytes_s, free_bytes_s >> HALVINGS);
         let fastest = Ticks { whole: shortest_interval.into(), frac: 0 };
         let way = brake.descent(fastest, plan.direction()).map(|segment| u64::from(segment.steps()));
         let (sharers, brake_steps) = (room.sharers, way.sum());
@@ -127,21 +110,6 @@ impl Task {
             all_bytes_s: room.all_bytes_s,
         }
     }
-}
-
-/// Returns the shortest interval of two steps that the board is told, whole ticks. No segment of the plan is faster,
-/// however it is cut and rounded.
-fn shortest_interval(plan: PlannedMotion<'_>, tick_rate: TickRate) -> u32 {
-    let fractions = |Ticks { whole, frac }: Ticks| (u128::from(whole) << 32) | u128::from(frac);
-    let ends = |segment: Segment| [1, segment.steps()].map(|step| fractions(segment.interval_before(step)));
-    let walked = Walk::new(plan, tick_rate).flat_map(|(_, segment)| ends(segment)).min().unwrap_or(0);
-    // Segments that the walk leaves out are no faster than the plan is anywhere.
-    let at_peak = LeftOut::of(plan).map_or(u128::MAX, |_| {
-        let ticks = f64::from(tick_rate.hz()) * plan.step_rad() / plan.peak_rad_s();
-        ((ticks * 2_f64.powi(32)) as u128).saturating_sub(CUT)
-    });
-    let shortest = walked.min(at_peak);
-    u32::try_from(shortest.saturating_sub(SHORTER) >> 32).unwrap_or(u32::MAX).max(1)
 }
 
 /// Returns the most steps a second to which a plan is made for an axis with this configuration, while no other axis
@@ -220,38 +188,4 @@ fn least(
         *bound = middle;
     }
     enough
-}
-
-/// Checks that the segments of `plan` reach a queue of `Q` segments in time over so many bytes a second.
-fn demand<const Q: usize>(
-    plan: PlannedMotion<'_>,
-    tick_rate: TickRate,
-    bytes_s: u32,
-) -> Result<(), NodeError> {
-    let mut demand = Demand::<Q>::new(tick_rate.hz(), bytes_s);
-    let (mut rounder, mut codec) = (Rounder::default(), Codec::new(Grain::Fine));
-    let left_out = LeftOut::of(plan);
-    let (mut told_bytes, mut told_ticks) = (0, 0);
-    for (made, segment) in Walk::new(plan, tick_rate) {
-        let segment = rounder.round(segment).map_err(StreamError::Pack)?;
-        let mut bytes = [0; MAX_PACKED_SEGMENT];
-        let mut room = &mut bytes[..];
-        codec.write(&segment, &mut room).map_err(StreamError::Pack)?;
-        let used = MAX_PACKED_SEGMENT - room.len();
-        // Each segment takes its share of the frame around it.
-        let bytes = used + (used * FRAME_OVERHEAD).div_ceil(PROMPT_PACKED);
-        demand.segment(&segment, bytes as u32).map_err(|error: TooFast| NodeError::from(error))?;
-        if left_out.as_ref().is_some_and(|left_out| left_out.told.contains(&made)) {
-            told_bytes += bytes as u64;
-            told_ticks += segment.duration().whole;
-        }
-    }
-    // A cruise that needs a little more than the line carries comes too late only after many turns.
-    let mean_bytes_s = (told_bytes * u64::from(tick_rate.hz())).div_ceil(told_ticks.max(1));
-    let needed_bytes_s = mean_bytes_s + mean_bytes_s / SPARE;
-    let allowed_bytes_s = u64::from(bytes_s);
-    if needed_bytes_s > allowed_bytes_s {
-        return Err(TooFast::Link { needed_bytes_s, allowed_bytes_s }.into());
-    }
-    Ok(())
 }
