@@ -120,6 +120,31 @@ fn boards_whose_ports_share_a_name_are_told_apart_by_their_texts() {
 }
 
 #[test]
+fn an_axis_that_turns_another_pump_by_its_record_is_refused_where_boards_have_marks() {
+    let computer = Computer::new();
+    let (named, plain) =
+        (plug(Options { text: "left pump", ..Options::default() }), plug(Options::default()));
+    computer.plug(&named, "ttyUSB0", LEFT);
+    let open = |pump: &str, device: &str, accept_settings: bool| {
+        let terms = Opening::of_pump(pump, DriverName::Grbl, &computer.path("state"));
+        fs::create_dir_all(terms.settings_record.as_ref().unwrap().parent().unwrap()).unwrap();
+        let port_names = Some(computer.path("serial/by-id"));
+        computer.open(device, &Opening { port_names, accept_settings, ..terms })
+    };
+    drop(open("acid", "ttyUSB0", false).unwrap());
+    let refused = open("base", "ttyUSB0", false).unwrap_err();
+    let (remedies, said) = (refused.remedies(), grbl_error(refused).to_string());
+    assert!(said.contains("turns pump `acid` by the record; give pump `base` an axis of its own"), "{said}");
+    assert_eq!(remedies, [Remedy::WriteSettingsAnew]);
+    drop(open("base", "ttyUSB0", true).unwrap());
+    assert!(open("acid", "ttyUSB0", false).is_err());
+    // Boards without a mark cannot be told apart, and none is refused.
+    symlink(Path::new(plain.path()), computer.path("ttyUSB1")).unwrap();
+    drop(open("one", "ttyUSB1", false).unwrap());
+    drop(open("other", "ttyUSB1", false).unwrap());
+}
+
+#[test]
 fn the_text_that_a_word_gives_the_simulated_board_is_told_by_the_command_that_refuses_another() {
     let computer = Computer::new();
     let named = |text: &str| {

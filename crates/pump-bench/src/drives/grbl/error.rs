@@ -215,7 +215,8 @@ pub enum GrblError {
     /// The axis turns another pump by the record.
     #[error(
         "the axis {axis} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
-         if it has taken the place of `{other}`, or both files describe one pump, the record is to say so",
+         if these are two boards whose ports share a name, give each a text with `$I=`; if it has taken the place of \
+         `{other}`, or both files describe one pump, the record is to say so",
         .port.display(), pump_in_words(pump.as_deref())
     )]
     AxisTaken {
