@@ -66,6 +66,12 @@ fn a_board_is_known_by_its_number_whatever_its_port_is_called() {
     let said = node_error(&refused).to_string();
     assert!(said.contains("number e6605838834c17af"), "{said}");
     assert!(said.contains("number e66058388372b0a2 (usb-pump-dose_node_e66058388372b0a2-if00)"), "{said}");
+    let facts = refused.facts();
+    assert_eq!(
+        facts.value.as_deref(),
+        Some("number e6605838834c17af (usb-pump-dose_node_e66058388372b0a2-if00)")
+    );
+    assert!(facts.allowed.unwrap().starts_with("number e66058388372b0a2"));
     assert!(computer.rig.world.rises().is_empty());
     let mut accepted = computer.open(true).unwrap();
     assert!(accepted.notes().iter().any(|note| note.text().contains("number e66058388372b0a2")));
@@ -112,6 +118,7 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted
     let said = node_error(&refused).to_string();
     assert!(said.contains("turns pump `acid` by the record; give pump `other` an axis of its own"), "{said}");
     assert_eq!(refused.remedies(), [Remedy::WriteSettingsAnew]);
+    assert_eq!(refused.facts().value.as_deref(), Some("axis X"));
     let notes = open("other", Axis::X, true).unwrap().notes();
     assert!(notes.iter().any(|note| note.text().contains("turned pump `acid`: accepted")), "{notes:?}");
     // The pump that made place is refused in its turn, and the others are not.
