@@ -162,11 +162,12 @@ packages:
 	cargo run --locked $(OUTSIDE) -p motor-drive
 	cargo run --locked $(OUTSIDE) -p line-model
 
-# Releases beside the crates, as far as one Linux can make it: spelling, the workflow of a release by a linter, and a
-# package of Debian that is installed, doses and goes again. npm keeps what it fetches within the checkout.
+# Releases beside the crates, as far as one Linux can make it: spelling, the notes of a release, its workflow by a
+# linter, and a package of Debian that is installed, doses and goes again. npm keeps what it fetches within the checkout.
 TOOLS := .venv-packaging
 packaging: $(TOOLS)/installed
 	$(TOOLS)/bin/typos
+	$(TOOLS)/bin/python -m pytest -q -p no:cacheprovider packaging
 	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
 	cd packaging && npm ci --no-audit --no-fund --cache ../target/npm && node lint_workflows.mjs ../.github/workflows/*.yml
 	cargo build --locked --features serve,man --bin dose
