@@ -118,7 +118,7 @@ class VolumeTrials:
         Raises
         ------
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
         from pumpmodel.plotting.doses import plot_trials
 

@@ -111,7 +111,7 @@ class Sweep:
         Raises
         ------
         ImportError
-            If pandas is missing, which `pip install 'pumpmodel[dataframe]'` brings.
+            If pandas is missing, which `pip install './crates/pump-py[dataframe]'` brings.
         """
         pumps, speeds = self.shape
         columns = {
@@ -138,7 +138,7 @@ class Sweep:
         Raises
         ------
         ImportError
-            If xarray is missing, which `pip install 'pumpmodel[xarray]'` brings.
+            If xarray is missing, which `pip install './crates/pump-py[xarray]'` brings.
         """
 
         def described(name: str, dims: str | tuple[str, ...], numbers: object) -> tuple[Any, ...]:

@@ -80,7 +80,7 @@ impl Run {
     /// Raises
     /// ------
     /// ImportError
-    ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+    ///     If pandas is not installed: `pip install "./crates/pump-py[dataframe]"`.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("pumpmodel._results.tables")?.call_method1("run_dataframe", (slf,))
     }
@@ -96,7 +96,7 @@ impl Run {
     /// Raises
     /// ------
     /// ImportError
-    ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+    ///     If xarray is not installed: `pip install "./crates/pump-py[xarray]"`.
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("pumpmodel._results.tables")?.call_method1("run_xarray", (slf,))
     }

@@ -101,7 +101,7 @@ impl SteadyState {
     /// Raises
     /// ------
     /// ImportError
-    ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+    ///     If pandas is not installed: `pip install "./crates/pump-py[dataframe]"`.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("pumpmodel._results.tables")?.call_method1("steady_dataframe", (slf,))
     }
@@ -117,7 +117,7 @@ impl SteadyState {
     /// Raises
     /// ------
     /// ImportError
-    ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+    ///     If xarray is not installed: `pip install "./crates/pump-py[xarray]"`.
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("pumpmodel._results.tables")?.call_method1("steady_xarray", (slf,))
     }

@@ -182,7 +182,7 @@ def test_without_pylabrobot_the_extra_is_named() -> None:
     script = "import sys; sys.modules['pylabrobot'] = None; import pumpmodel; import pumpmodel.pylabrobot"
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert ended.returncode == 1
-    assert ended.stderr.rstrip().endswith('pip install "pumpmodel[pylabrobot]"')
+    assert ended.stderr.rstrip().endswith('pip install "./crates/pump-py[pylabrobot]"')
 
 
 def test_a_run_for_a_duration_takes_that_time_at_that_speed(tmp_path: Path) -> None:

@@ -229,7 +229,7 @@ def test_angles_are_marked_with_their_size() -> None:
 def test_without_matplotlib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pump = pm.Pump.three_roller()
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    message = r'matplotlib is not installed: pip install "pumpmodel\[plot\]"'
+    message = r'matplotlib is not installed; .*: pip install "./crates/pump-py\[plot\]"'
     with pytest.raises(ImportError, match=message):
         pm.plot_pump(pump)
     with pytest.raises(ImportError, match=message):

@@ -8,7 +8,7 @@ from pumpmodel._results.optional import optional
 
 def test_a_package_that_is_missing_is_told_with_its_extra() -> None:
     with pytest.raises(
-        ModuleNotFoundError, match=r'nonesuch is not installed: pip install "pumpmodel\[plot\]"'
+        ModuleNotFoundError, match=r'nonesuch is not installed; .*: pip install "./crates/pump-py\[plot\]"'
     ):
         optional("nonesuch.part", "plot")
 

@@ -159,7 +159,9 @@ def test_what_is_not_installed_is_named_with_its_extra(monkeypatch: pytest.Monke
         ("xarray", "xarray", result.to_xarray),
     ):
         monkeypatch.setitem(sys.modules, package, None)
-        with pytest.raises(ImportError, match=rf'{package} is not installed: .*"pumpmodel\[{extra}\]"'):
+        with pytest.raises(
+            ImportError, match=rf'{package} is not installed; .*"./crates/pump-py\[{extra}\]"'
+        ):
             table()
 
 

@@ -291,7 +291,7 @@ class Calibration:
         ValueError
             If a speed law was fitted and no pump is given, or the calibration has no runs.
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
     def _repr_html_(self) -> str:
         """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""

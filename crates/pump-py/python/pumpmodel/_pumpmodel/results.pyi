@@ -118,7 +118,7 @@ class Run:
         Raises
         ------
         ImportError
-            If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+            If pandas is not installed: `pip install "./crates/pump-py[dataframe]"`.
         """
     def to_xarray(self) -> Dataset:
         """Return the columns over `time_s`. Needs xarray.
@@ -132,7 +132,7 @@ class Run:
         Raises
         ------
         ImportError
-            If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+            If xarray is not installed: `pip install "./crates/pump-py[xarray]"`.
         """
     @overload
     def plot(self, *, panels: Panel, ax: Axes | None = None) -> Axes:
@@ -177,7 +177,7 @@ class SteadyState(Generic[_Values]):
         Raises
         ------
         ImportError
-            If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+            If pandas is not installed: `pip install "./crates/pump-py[dataframe]"`.
         """
     def to_xarray(self) -> Dataset:
         """Return the attributes over the speed. Needs xarray.
@@ -191,7 +191,7 @@ class SteadyState(Generic[_Values]):
         Raises
         ------
         ImportError
-            If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+            If xarray is not installed: `pip install "./crates/pump-py[xarray]"`.
         """
     def plot(self, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
         """Draw pressures with their range, mean flow and ripple over the speed.
@@ -211,7 +211,7 @@ class SteadyState(Generic[_Values]):
         ValueError
             If there is no speed, or the number of axes is neither 1 nor 3.
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
     def _repr_html_(self) -> str:
         """Return what a notebook shows: a table of the main numbers and a small picture, as HTML."""
@@ -396,7 +396,7 @@ class Plan:
         Raises
         ------
         ImportError
-            If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+            If pandas is not installed: `pip install "./crates/pump-py[dataframe]"`.
         """
     def to_xarray(self) -> Dataset:
         """Return every step, as `dose --steps` writes them. Needs xarray.
@@ -409,7 +409,7 @@ class Plan:
         Raises
         ------
         ImportError
-            If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+            If xarray is not installed: `pip install "./crates/pump-py[xarray]"`.
         """
     def trace(self, *, dt_s: _Number = 1e-3) -> Run:
         """Predict flows and pressures over the dose and its retraction, from lines at rest until they have settled.

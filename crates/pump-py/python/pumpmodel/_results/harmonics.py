@@ -57,7 +57,7 @@ class Harmonics(NamedTuple):
         ValueError
             If the number of axes is not 2.
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
         from pumpmodel.plotting.spectrum import plot_spectrum
 

@@ -48,7 +48,7 @@ def _plot_steady(self: SteadyState[Any], *, ax: Axes | Sequence[Axes] | None = N
     ValueError
         If there is no speed, or the number of axes is neither 1 nor 3.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     from pumpmodel.plotting.steady import plot_steady
 
@@ -75,7 +75,7 @@ def _plot_calibration(self: Calibration, *, pump: Pump | None = None, ax: Axes |
     ValueError
         If a speed law was fitted and no pump is given, or the calibration has no runs.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     from pumpmodel.plotting.calibration import plot_calibration
 

@@ -15,6 +15,8 @@ def optional(module: str, extra: str) -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name != package:
             raise
-        message = f'{package} is not installed: pip install "pumpmodel[{extra}]"'
+        message = (
+            f'{package} is not installed; in a clone of pump-dose: pip install "./crates/pump-py[{extra}]"'
+        )
         raise ModuleNotFoundError(message, name=package) from error
     return import_module(module)

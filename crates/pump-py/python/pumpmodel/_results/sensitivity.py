@@ -91,7 +91,7 @@ class Sensitivity(NamedTuple):
         ValueError
             If the number of axes is neither 1 nor 5.
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
         from pumpmodel.plotting.knowledge import plot_sensitivity
 

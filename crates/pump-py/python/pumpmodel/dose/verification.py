@@ -56,7 +56,7 @@ class Verification(Record):
         Raises
         ------
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
         from pumpmodel.plotting.doses import plot_verification
 

@@ -1,4 +1,4 @@
-"""Pictures of results and pumps, by matplotlib (`pip install 'pumpmodel[plot]'`)."""
+"""Pictures of results and pumps, by matplotlib (`pip install './crates/pump-py[plot]'`)."""
 
 from pumpmodel.plotting.animation import animate
 from pumpmodel.plotting.axes import BLUE, VERMILION, axes_for

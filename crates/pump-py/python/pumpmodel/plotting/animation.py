@@ -51,7 +51,7 @@ def animate(
         If `slower` or `frames_per_s` is not positive, the run has fewer than 2 samples, or there would be
         more than 2,000 frames.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     if not isinstance(pump, Pump):
         message = f"pump must be a Pump, not {type(pump).__name__}"

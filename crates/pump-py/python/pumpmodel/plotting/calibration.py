@@ -37,7 +37,7 @@ def plot_calibration(calibration: Calibration, *, pump: Pump | None = None, ax: 
     ValueError
         If a speed law was fitted and no pump is given, or the calibration has no runs.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     speeds = np.asarray(calibration.speeds_rpm)
     if not speeds.size:

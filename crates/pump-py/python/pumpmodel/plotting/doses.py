@@ -41,7 +41,7 @@ def plot_budget(dose: Dose | Plan, *, ax: Axes | None = None) -> Axes:
     TypeError
         If `dose` is neither.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     if not isinstance(dose, Dose | Plan):
         message = f"dose must be a Dose or a Plan, not {type(dose).__name__}"
@@ -92,7 +92,7 @@ def plot_verification(found: Verification, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     (axis,) = axes_for(["verification"], ax)
     order = np.arange(1, len(found.volumes_ml) + 1)
@@ -149,7 +149,7 @@ def plot_trials(drawn: VolumeTrials, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     (axis,) = axes_for(["trials"], ax)
     axis.hist(drawn.volume_ml, bins="auto" if len(drawn.volume_ml) < 1000 else 80, density=True, color=GREEN)

@@ -46,7 +46,7 @@ def plot_identified(found: Identified, *, ax: Axes | Sequence[Axes] | None = Non
     ValueError
         If the number of axes is neither 1 nor 2.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     name, x_label, y_label = _OVER[found.kind]
     x = getattr(found, name)
@@ -99,7 +99,7 @@ def plot_jointly(found: JointlyIdentified, *, ax: Axes | Sequence[Axes] | None =
     ValueError
         If the number of axes is not that of the recordings.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     axes = panels_for([f"recording {place}" for place in range(len(found.recordings))], ax)
     colour = BLUE if found.port == "inlet" else VERMILION
@@ -146,7 +146,7 @@ def plot_volume(fit: VolumeFit, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     (axis,) = panels_for(("volume",), ax)
     measured_deg, volume_ml = np.asarray(fit.angle_deg), np.asarray(fit.volume_ml)
@@ -207,7 +207,7 @@ def plot_polynomial(volume: VolumePolynomial, *, ax: Axes | None = None) -> Axes
     Raises
     ------
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     (axis,) = panels_for(("volume",), ax)
     angle_deg = np.linspace(0, volume.engagement_deg, 400)

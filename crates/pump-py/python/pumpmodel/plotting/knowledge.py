@@ -39,7 +39,7 @@ def plot_sensitivity(found: Sensitivity, *, ax: Axes | Sequence[Axes] | None = N
     ValueError
         If the number of axes is neither 1 nor 5.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     axes = panels_for(tuple(PARAMETERS), ax)
     units = [unit for unit, _ in PARAMETERS.values()]
@@ -73,7 +73,7 @@ def plot_expected(fit: ExpectedFit, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     (axis,) = axes_for(["expected"], ax)
     bars = axis.barh(SYMBOLS[2::-1], fit.relative_percent[::-1], color=GREEN, height=0.6)

@@ -54,7 +54,7 @@ def plot_map(
     ValueError
         If no quantity has this name, a shape does not fit, a label is missing, or the sweep is empty.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     values, label = _quantity(sweep, quantity, label)
     if isinstance(sweep, Sweep):

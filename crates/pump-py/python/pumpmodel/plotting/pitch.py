@@ -37,7 +37,7 @@ def plot_pitch(pump: Pump, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     _check(pump)
     (axis,) = axes_for(["pitch"], ax)
@@ -94,7 +94,7 @@ def plot_dose_error(
     ValueError
         If a volume is zero or not finite.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     _check(pump)
     volumes = np.atleast_1d(np.asarray(_numbers("volume_ml", volume_ml), dtype=np.float64)).ravel()

@@ -65,7 +65,7 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     ValueError
         If the angle is not finite.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     if not isinstance(pump, Pump):
         message = f"pump must be a Pump, not {type(pump).__name__}"

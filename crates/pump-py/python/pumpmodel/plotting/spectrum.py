@@ -38,7 +38,7 @@ def plot_spectrum(found: Harmonics, *, ax: Axes | Sequence[Axes] | None = None) 
     ValueError
         If the number of axes is not 2.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     axes = axes_for(_PANELS, ax)
     hertz = np.asarray(found.rad_s) / math.tau

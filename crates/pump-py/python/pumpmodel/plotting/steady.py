@@ -36,7 +36,7 @@ def plot_steady(steady: SteadyState[Any], *, ax: Axes | Sequence[Axes] | None = 
     ValueError
         If there is no speed, or the number of axes is neither 1 nor 3.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     columns = {name: np.ravel(values) for name, values in steady.to_dict().items()}
     if not columns["speed_rpm"].size:

@@ -84,7 +84,7 @@ def plot(
     ValueError
         If no panel has this name, or the numbers of panels and axes differ.
     ImportError
-        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+        If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
     """
     if not isinstance(result, Run | Plan):
         message = f"a Run or a Plan can be plotted, not {type(result).__name__}"

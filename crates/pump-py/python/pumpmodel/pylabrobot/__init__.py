@@ -1,4 +1,4 @@
-"""Doses of a `pumpmodel.Bench` from PyLabRobot (`pip install 'pumpmodel[pylabrobot]'`).
+"""Doses of a `pumpmodel.Bench` from PyLabRobot (`pip install './crates/pump-py[pylabrobot]'`).
 
 PyLabRobot's own `Pump.pump_volume` divides the volume by a constant before it calls its backend, so a backend
 cannot know the requested volume. `BenchPump` replaces it: the bench plans from the rollers' angle. PyLabRobot

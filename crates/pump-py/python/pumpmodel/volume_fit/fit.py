@@ -304,7 +304,7 @@ class VolumeFit(Record):
         Raises
         ------
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
         from pumpmodel.plotting.fits import plot_volume
 

@@ -115,7 +115,7 @@ class VolumePolynomial(Record):
         Raises
         ------
         ImportError
-            If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+            If matplotlib is missing, which `pip install './crates/pump-py[plot]'` brings.
         """
         from pumpmodel.plotting.fits import plot_polynomial
 
