@@ -42,6 +42,17 @@ fn options_answer_everything_without_a_question() {
 }
 
 #[test]
+fn a_bore_that_nobody_knows_is_an_option_as_it_is_an_answer() {
+    let desk = Desk::new();
+    let ended = desk.types(&[&SIM[..], &["--bore", "unknown", "--nozzle-bore", "unknown"]].concat());
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let file = desk.configured("pumps/acid.toml").unwrap();
+    assert!(!file.contains("bore_mm"), "{file}");
+    let refused = desk.types(&[&SIM[..], &["--bore", "wide"]].concat());
+    assert!(refused.code == 2 && refused.err.contains("wide"), "{}", refused.err);
+}
+
+#[test]
 fn a_missing_answer_is_one_message_that_names_its_option() {
     for (option, names) in [
         ("--ml-per-rev", "--head masterflex-ls-16, --ml-per-rev 0.5mL"),

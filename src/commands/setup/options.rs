@@ -11,6 +11,7 @@ use pump_bench::units::{
 };
 use pump_model::units::{degrees, rpm};
 
+use super::head::length_or_unknown;
 use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::limits::ambient_kpa;
@@ -30,8 +31,8 @@ pub(super) struct AnswerOptions {
     #[arg(long, value_name = "VOLUME", help_heading = "Head", value_parser = units::volume_ml)]
     #[arg(conflicts_with = "from")]
     ml_per_rev: Option<f64>,
-    /// Diameter of the tube's bore, as 1.6mm, beside --ml-per-rev
-    #[arg(long, value_name = "LENGTH", help_heading = "Head", value_parser = units::length_mm)]
+    /// Diameter of the tube's bore, as 1.6mm, or unknown, beside --ml-per-rev
+    #[arg(long, value_name = "LENGTH", help_heading = "Head", value_parser = length_or_unknown)]
     bore: Option<f64>,
     /// Number of rollers
     #[arg(long, value_name = "N", help_heading = "Head")]
@@ -114,8 +115,8 @@ pub(super) struct AnswerOptions {
         (OutletEnd::Immersed, "Below the surface of the liquid in the vessel"),
     ]))]
     outlet_end: Option<OutletEnd>,
-    /// Diameter of the outlet's end, as 1.6mm
-    #[arg(long, value_name = "LENGTH", help_heading = "Place", value_parser = units::length_mm)]
+    /// Diameter of the outlet's end, as 1.6mm, or unknown
+    #[arg(long, value_name = "LENGTH", help_heading = "Place", value_parser = length_or_unknown)]
     nozzle_bore: Option<f64>,
     /// Rate of a dose that names none, as 0.2mL/s
     #[arg(long, value_name = "FLOW", help_heading = "First dose", value_parser = units::flow_ml_s)]
