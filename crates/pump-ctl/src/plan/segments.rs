@@ -10,6 +10,9 @@ use crate::step::{Direction, Feed, Segment, TickRate};
 /// the distance is less than one tick.
 const FIT_TICKS: f64 = 0.25;
 
+/// Number of steps over which the last digits of interval and add do not count. Beyond, the end shows them.
+const MANY: u32 = 1 << 12;
+
 /// Fractions of the executor in a tick, 2^32.
 const FRACTIONS: f64 = 4_294_967_296.0;
 
@@ -147,6 +150,48 @@ impl Segments {
         self.guess = u64::MAX;
     }
 
+    /// Returns the number of steps, up to `most`, over which a parabola stays near a leg along an envelope, or none
+    /// where single precision cannot tell.
+    ///
+    /// Seven digits suffice to compare times of 2^16 ticks after one step with each other. Single precision is in a
+    /// microcontroller's hardware. The last step made may lie on the leg before.
+    fn steps_along(&self, along: &Along, most: u32) -> Option<u32> {
+        /// Longest time that is told to a fiftieth of a tick, ticks.
+        const REACH: f32 = 65_536.0;
+        /// Largest distance of a step's time from the plan's, ticks.
+        const NEAR: f32 = FIT_TICKS as f32 - 0.02;
+        /// Number of steps of which every one is looked at.
+        const FEW: u32 = 8;
+        let next_rad = (self.made + 1) as f64 * self.step_rad;
+        let next = (along.time_of(next_rad) * self.tick_hz - self.at as f64 / FRACTIONS) as f32;
+        let after = along.times_after(next_rad, self.step_rad, self.tick_hz);
+        let due = |n: f32| next + after(n - 1.0);
+        let mut count = most.min(MANY);
+        loop {
+            count = if count < 2 { 1 } else { count & !1 };
+            let (half, end) = ((count / 2) as f32, due(count as f32));
+            // It is not a number where the rotor stands.
+            if end.is_nan() || end > REACH {
+                return None;
+            }
+            if count == 1 {
+                return Some(1);
+            }
+            let middle = due(half);
+            let add = (end - 2.0 * middle) / (half * half);
+            let interval = middle / half - 0.5 * add * (half - 1.0);
+            let near = |k: u32| {
+                let k = k as f32;
+                (k * (interval + 0.5 * add * (k - 1.0)) - due(k)).abs() <= NEAR
+            };
+            let looks = count.min(FEW);
+            if (1..looks).all(|n| near(n * count / looks)) && near(1) && near(count - 1) {
+                return Some(count);
+            }
+            count /= 2;
+        }
+    }
+
     /// Fits a parabola through the last step made, the middle and the end of `count` steps. `count` is even
     /// or 1.
     fn fit(&self, count: u32) -> Segment {
@@ -185,12 +230,6 @@ impl Segments {
             return (1..count).filter(|k| 2 * k != count).all(near);
         }
         let eighth = count / 8;
-        // Over many steps the last digits of interval and add count, and the end shows it.
-        const MANY: u32 = 1 << 12;
-        if self.along.is_some() && count <= MANY {
-            // The speed changes little along a part of an envelope, and its root hardly bends.
-            return [1, eighth, 2 * eighth, 6 * eighth, count - eighth, count - 1].into_iter().all(near);
-        }
         [1, 2, count - 1].into_iter().all(near)
             && (1..8).all(|n| near(n * eighth))
             && (count <= MANY || near(count))
@@ -209,10 +248,11 @@ impl Iterator for Segments {
         }
         let most = self.guess.min(self.leg_steps - self.made).min(1 << 30);
         let mut count = u32::try_from(most).unwrap_or(1);
+        let along = self.along.as_ref().and_then(|along| self.steps_along(along, count));
         let mut segment = loop {
-            count = if count < 2 { 1 } else { count & !1 };
+            count = along.unwrap_or(if count < 2 { 1 } else { count & !1 });
             let segment = self.fit(count);
-            if count == 1 || self.holds(&segment) {
+            if along.is_some() || count == 1 || self.holds(&segment) {
                 break segment;
             }
             count /= 2;
