@@ -18,7 +18,7 @@ pub(crate) use flag::flag;
 pub(crate) use floats::{_numbers, Floats};
 pub(crate) use items::Items;
 pub(crate) use number::{_number, number, number_of, optional};
-pub(crate) use object::{optional_line, pump_given, told_of};
+pub(crate) use object::{object, told_of};
 pub(crate) use port::{PORTS, port_named};
 pub(crate) use quantity::{quantity, retracted_ml, text};
 pub(crate) use speed::Argument;

@@ -5,35 +5,19 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyType};
 
-use super::speed::Argument;
-use crate::line::Line;
-use crate::pump::Pump;
 use crate::python::readable;
 
-/// Ways to a line.
-const LINES: &str = "hose.line(fluid, reservoir_kpa=..., flow_ml_s=...) makes the line of a hose, pm.Line(...) one of R, C and L";
-/// Ways to a pump.
-const PUMPS: &str = "pm.Pump.three_roller() makes one, pm.Pump.named(...) another of its file or its name";
-
-/// Reads the line of the argument `name` if it is given.
+/// Reads the object of the argument `name`. `kind` is the name of its class, `ways` tells how to make one.
 ///
 /// # Errors
 ///
-/// `TypeError` for anything else, with the ways to a line.
-pub(crate) fn optional_line(name: &str, given: Argument<'_, '_>) -> PyResult<Option<Py<Line>>> {
-    given.map(|given| object(name, "Line", LINES, given)).transpose()
-}
-
-/// Reads the pump of the argument `pump`.
-///
-/// # Errors
-///
-/// `TypeError` for anything else, with the ways to a pump.
-pub(crate) fn pump_given(given: &Bound<'_, PyAny>) -> PyResult<Py<Pump>> {
-    object("pump", "Pump", PUMPS, given)
-}
-
-fn object<T: PyTypeInfo>(name: &str, kind: &str, ways: &str, given: &Bound<'_, PyAny>) -> PyResult<Py<T>> {
+/// `TypeError` for anything else, with the ways to one.
+pub(crate) fn object<T: PyTypeInfo>(
+    name: &str,
+    kind: &str,
+    ways: &str,
+    given: &Bound<'_, PyAny>,
+) -> PyResult<Py<T>> {
     match given.cast::<T>() {
         Ok(object) => Ok(object.clone().unbind()),
         Err(_) => {

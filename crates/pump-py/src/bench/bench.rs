@@ -90,7 +90,8 @@ impl Bench {
             }
         } else if pace.is_some() {
             return Err(value(
-                "pace is given, but a real motor takes its time; allowed: none, or the simulated motor of driver=\"sim\"",
+                "pace is given, but a real motor takes its time; allowed: none, or the simulated motor of \
+                 driver=\"sim\"",
             ));
         }
         let pace = pace.map(|pace| word("pace", pace, Pace::ALL)).transpose()?;

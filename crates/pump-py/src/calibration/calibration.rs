@@ -12,8 +12,8 @@ use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
 
 use super::weighed::{expected_of, fit_named, runs_of};
-use crate::argument::{Argument, Floats, pump_given, speed};
-use crate::pump::Pump;
+use crate::argument::{Argument, Floats, speed};
+use crate::pump::{Pump, pump_given};
 use crate::python::SignalCheck;
 use crate::python::errors::{self, value};
 

@@ -4,9 +4,8 @@ use pump_ctl::plan::Limits as CtlLimits;
 use pyo3::prelude::*;
 
 use super::limits::Limits;
-use crate::argument::pump_given;
 use crate::calibration::Calibration;
-use crate::pump::Pump;
+use crate::pump::{Pump, pump_given};
 use crate::python::errors;
 
 /// Plans doses of a pump within its limits.

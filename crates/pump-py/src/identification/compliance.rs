@@ -6,8 +6,8 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
-use crate::argument::{Argument, optional, port_named, pump_given};
-use crate::pump::Pump;
+use crate::argument::{Argument, optional, port_named};
+use crate::pump::{Pump, pump_given};
 use crate::python::collected;
 use crate::python::errors::value;
 

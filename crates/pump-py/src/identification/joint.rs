@@ -14,9 +14,9 @@ use super::answer::refused;
 use super::column::column;
 use super::waveform::{sought_of, turning};
 use crate::argument::speed::speed_rad_s;
-use crate::argument::{Items, optional, port_named, pump_given};
+use crate::argument::{Items, optional, port_named};
 use crate::line::Line;
-use crate::pump::Pump;
+use crate::pump::{Pump, pump_given};
 use crate::python::errors::value;
 use crate::python::{SignalCheck, collected, frozen};
 

@@ -11,9 +11,9 @@ use super::answer;
 use super::column::column;
 use super::points::{ARGUMENTS, NAMES, Points, positive};
 use super::waveform::{BEGINS, turning};
-use crate::argument::{Argument, number, optional, port_named, pump_given, speed};
+use crate::argument::{Argument, number, optional, port_named, speed};
 use crate::line::{Line, named};
-use crate::pump::Pump;
+use crate::pump::{Pump, pump_given};
 use crate::python::errors::value;
 use crate::python::{SignalCheck, collected, frozen};
 

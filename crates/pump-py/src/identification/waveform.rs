@@ -6,10 +6,10 @@ use pyo3::prelude::*;
 
 use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
+use crate::argument::port_named;
 use crate::argument::speed::speed_rad_s;
 use crate::argument::{Argument, choice, optional};
-use crate::argument::{port_named, pump_given};
-use crate::pump::Pump;
+use crate::pump::{Pump, pump_given};
 use crate::python::errors::value;
 use crate::python::{SignalCheck, collected};
 

@@ -4,8 +4,12 @@ use pump_model::{ModelError, Parameter, Shown};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::argument::{Argument, number, optional};
+use crate::argument::{Argument, number, object, optional};
 use crate::python::errors;
+
+/// Ways to a line.
+const WAYS: &str = "hose.line(fluid, reservoir_kpa=..., flow_ml_s=...) makes the line of a hose, pm.Line(...) one of R, \
+                    C and L";
 
 /// Hydraulic line between the rollers and a reservoir: compliance at the pump, resistance and inertance in series.
 ///
@@ -180,4 +184,13 @@ pub(crate) fn named(error: ModelError) -> PyErr {
         _ => return errors::model(error),
     };
     errors::value(format_args!("{name} is {}; allowed: {allowed}", Shown(value)))
+}
+
+/// Reads the line of the argument `name` if it is given.
+///
+/// # Errors
+///
+/// `TypeError` for anything else, with the ways to a line.
+pub(crate) fn optional_line(name: &str, given: Argument<'_, '_>) -> PyResult<Option<Py<Line>>> {
+    given.map(|given| object(name, "Line", WAYS, given)).transpose()
 }

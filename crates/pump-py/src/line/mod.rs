@@ -5,4 +5,4 @@ mod line;
 mod linear;
 
 pub(crate) use hose::{_fluid_check, _fluid_water, _hose_drop, _hose_line, _hose_reynolds, _hose_volume};
-pub(crate) use line::{Line, named};
+pub(crate) use line::{Line, named, optional_line};

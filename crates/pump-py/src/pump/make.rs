@@ -14,7 +14,8 @@ use pyo3::types::{PyString, PyType};
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
-use crate::argument::{Argument, Items, number, optional, optional_line, told_of, whole};
+use crate::argument::{Argument, Items, number, optional, told_of, whole};
+use crate::line::optional_line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
 use crate::python::plain;

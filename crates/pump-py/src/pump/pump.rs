@@ -8,9 +8,12 @@ use pump_bench::pump_file::PumpFile;
 use pump_model::Pump as Model;
 use pyo3::prelude::*;
 
-use crate::argument::choice;
+use crate::argument::{choice, object};
 use crate::line::Line;
 use crate::python::errors::{self, value};
+
+/// Ways to a pump.
+const WAYS: &str = "pm.Pump.three_roller() makes one, pm.Pump.named(...) another of its file or its name";
 
 /// Variants of a built-in pump, and the ends of their names.
 pub(crate) const VARIANTS: [(&str, &str); 3] =
@@ -209,4 +212,13 @@ impl Pump {
         let file = built_in(&full).ok_or_else(|| value(format_args!("no built-in pump is `{full}`")))?;
         Self::new(file)
     }
+}
+
+/// Reads the pump of the argument `pump`.
+///
+/// # Errors
+///
+/// `TypeError` for anything else, with the ways to a pump.
+pub(crate) fn pump_given(given: &Bound<'_, PyAny>) -> PyResult<Py<Pump>> {
+    object("pump", "Pump", WAYS, given)
 }
