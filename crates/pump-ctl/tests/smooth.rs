@@ -275,6 +275,19 @@ proptest! {
 }
 
 #[test]
+fn a_short_smooth_dose_rises_no_faster_than_the_motor_may() {
+    let pump = pump(7);
+    let mut limits = limits(7);
+    limits.motor.max_acceleration_rad_s2 = 15.94;
+    let cruise = Cruise::Speed { rad_s: 0.0901 * limits.motor.max_speed_rad_s };
+    let request = Request::new(-0.4194, cruise).with_smooth(true);
+    let plan = Doser::new(&pump, limits).unwrap().plan(Phase::known(0.0), &request).unwrap();
+    // The first leg had 19.4 rad/s².
+    let most = plan.legs().map(|leg| leg.acceleration_rad_s2.abs()).fold(0.0, f64::max);
+    assert!(most <= 15.94 * (1.0 + 1e-9), "{most}");
+}
+
+#[test]
 fn predicted_extremes_do_not_reach_beyond_an_edge_of_the_flow() {
     let (pump, limits) = (pump(6), limits(6));
     let at_speed = |rpm: f64| Cruise::Speed { rad_s: rad_s(rpm) };

@@ -45,7 +45,6 @@ impl Profile {
     /// that turns already goes to the envelope as fast as it can.
     pub(super) fn shaped_along(course: Course, shape: Shape, envelope: Envelope, phase_rad: f64) -> Self {
         let Course { start_rad_s, turn_rad, .. } = course;
-        let Shape { up_s, down_s: [first_s, last_s], between } = shape;
         let mean_rad_s = envelope.mean_rad_s();
         let short = || {
             // The dose is over before it flows smoothly.
@@ -55,6 +54,8 @@ impl Profile {
                 ..Self::shaped(course, shape, mean_rad_s).unreached()
             }
         };
+        // A short turn has a shape for the speed that a constant limit lets it reach, which is less than the mean.
+        let Shape { up_s, down_s: [first_s, last_s], between } = shape.within(&course, mean_rad_s);
         let end_rad = phase_rad + turn_rad;
         let (reached_rad, ramp_rad_s2) = if start_rad_s > 0.0 {
             let fastest = Self::along(Course { shape: None, ..course }, envelope, phase_rad);
