@@ -12,6 +12,11 @@ const FACTS = [
   'rollerRadius', 'rollerOffset', 'contact', 'engagement',
 ];
 
+/** Names of the cautions, in the order of `cautions.rs`: percent, kPa absolute; 1 for true. */
+const CAUTIONS = [
+  'even', 'planned', 'median', 'most', 'isUnsure', 'inletLeast', 'inletMost', 'outletLeast', 'outletMost', 'isWider',
+];
+
 /** Names of the columns, in the order of `trace.rs`. */
 const COLUMNS = ['time', 'angle', 'speed', 'qIn', 'qOut', 'pIn', 'pOut', 'vessel', 'leaves'];
 
@@ -50,6 +55,13 @@ class Engine {
     return Object.fromEntries(FACTS.map((name, n) => [name, facts[n]]));
   }
 
+  /** The cautions of a planned smooth flow, by name; none of another. */
+  cautions() {
+    if (!this.calls.cautions()) return null;
+    const found = this.numbers(this.calls.caution_figures(), CAUTIONS.length);
+    return Object.fromEntries(CAUTIONS.map((name, n) => [name, found[n]]));
+  }
+
   /** The waveform of the planned dose every `dt` seconds, by column; none if it is too long. */
   trace(dt) {
     const rows = this.calls.trace(dt);
@@ -76,9 +88,10 @@ class Engine {
   }
 
   /** All that the page shows. The errors do not depend on most settings, so they are asked for where they change. */
-  answer({ settings, withErrors }) {
+  answer({ settings, withErrors, withCautions }) {
     const facts = this.plan(settings);
     if (facts.refusal) return { refusal: facts.refusal };
+    if (withCautions) return { cautions: this.cautions() };
     const pulses = (facts.end - facts.start) * facts.rollers / (2 * Math.PI);
     const rows = Math.min(ROWS.most, Math.max(ROWS.least, ROWS.perPulse * pulses));
     const trace = this.trace((facts.motion + facts.settle) / rows);

@@ -9,6 +9,8 @@ const USUAL = {
   head: 3, rollers: 6, perRev: 6.3, volume: 25, angle: 17.19, rate: 5, smooth: 0, r: 0.1108, c: 0.0361, l: 0.0042,
 };
 const NAMES = Object.keys(USUAL);
+/** Settings that are choices: head 0 is known by its volume. */
+const CHOICES = { head: [3, 2, 0], smooth: [0, 1] };
 const HEADS = { 3: 'three-roller', 2: 'two-roller' };
 
 /** Writes a text where it is another one: only then is anything laid out anew. */
@@ -37,10 +39,11 @@ function fromLink() {
     if (!NAMES.includes(name)) wrong.push(`the link names “${name}”, which is no setting`);
     else if (text.trim() === '' || !Number.isFinite(value)) {
       wrong.push(`${name} is “${text}” in the link; it must be a number, and ${USUAL[name]} stands for it`);
+    } else if (CHOICES[name] && !CHOICES[name].includes(value)) {
+      wrong.push(`${name} is “${text}” in the link; it must be one of ${CHOICES[name].join(', ')}, and ` +
+        `${USUAL[name]} stands for it`);
     } else read[name] = value;
   }
-  if (read.head !== 3 && read.head !== 2) read.head = 0;
-  read.smooth = read.smooth ? 1 : 0;
   return { read, wrong };
 }
 
@@ -101,6 +104,7 @@ function changed() {
   clearTimeout(linked);
   linked = setTimeout(() => history.replaceState(null, '', toLink()), 300);
   word('link-said', '');
+  $('link-wrong').hidden = true;
   $('link-field').hidden = true;
   ask();
 }
@@ -125,7 +129,9 @@ function openLink() {
   const { read, wrong } = fromLink();
   settings = read;
   showSettings();
-  word('link-said', wrong.join('; '));
+  word('link-said', '');
+  $('link-wrong').hidden = !wrong.length;
+  word('link-wrong', wrong.length ? `Not all of the link was understood: ${wrong.join('; ')}.` : '');
   ask();
 }
 
@@ -144,6 +150,7 @@ planner.onmessage = ({ data }) => {
   // The planner goes on while the page draws.
   if (isWaiting) ask();
   if (data.fault) refuse(`The planner failed: ${data.fault}.`);
+  else if ('cautions' in data) warn(data.cautions, of);
   else if (!data.isReady) take(data, of);
 };
 planner.postMessage({ module: $('module').textContent });
@@ -163,10 +170,10 @@ function ask() {
 }
 
 let asked = null;
-function question(of) {
+function question(of, withCautions = false) {
   isBusy = true;
   asked = { ...of };
-  planner.postMessage({ settings: asked, withErrors: errorsKey(asked) !== errorsOf });
+  planner.postMessage({ settings: asked, withCautions, withErrors: errorsKey(asked) !== errorsOf });
 }
 
 function take({ facts, trace, errors, refusal }, of) {
@@ -182,6 +189,7 @@ function take({ facts, trace, errors, refusal }, of) {
     return;
   }
   shown = { settings: of, facts, trace, errors: errors || shown.errors };
+  $('caution').hidden = true;
   head.build(facts);
   draw();
   tell();
@@ -212,10 +220,9 @@ function tell() {
     $('command-line').hidden = !(HEADS[set.head] && isPublished);
     $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${Number((set.angle % 360).toFixed(6))}deg+-0deg` +
       `${set.smooth ? ' --smooth' : ''} --pump ${HEADS[set.head]} --dry-run`;
-    $('said').textContent = `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
-      `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
-      `the flow that leaves varies by ${fixed(facts.ripple, facts.ripple < 10 ? 1 : 0)} % of its mean` +
-      `${set.smooth ? `, ${fixed(facts.rippleConstant, 0)} % at constant speed; a pump that differs from the model varies by more` : ''}.`;
+    // The cautions of a smooth flow take longer than the dose, so they are asked for once the settings stand.
+    if (set.smooth && !isBusy) question(set, true);
+    else say();
     $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
       `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);
     for (const chart of charts) {
@@ -223,6 +230,42 @@ function tell() {
       if (chart.isDue) chart.draw();
     }
   }, 400);
+}
+
+/** Says the figures of the dose. The ripple is that of the cruise: start and stop depart from the mean in any case. */
+function say(cautions) {
+  const { settings: set, facts } = shown;
+  const ripple = (percent) => `${fixed(percent, percent < 10 ? 1 : 0)} %`;
+  const known = cautions ? `; as well as this pump is known, ${ripple(cautions.median)} (median), at most ` +
+    `${ripple(cautions.most)} in 95 % of such pumps` : '';
+  word('said', `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
+    `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
+    `while cruising, the flow that leaves varies by ${ripple(facts.ripple)} of its mean` +
+    `${set.smooth ? ` (${ripple(facts.rippleConstant)} at constant speed)${known}` : ''}.`);
+}
+
+/** Warns of a smooth flow as the command does. */
+function warn(cautions, of) {
+  if (JSON.stringify(of) !== JSON.stringify(shown.settings)) return;
+  say(cautions);
+  if (!cautions) return;
+  const { facts } = shown;
+  const ripple = (percent) => `${fixed(percent, percent < 10 ? 1 : 0)} %`;
+  const range = (least, most) => `${fixed(least, 2)} to ${fixed(most, 2)} kPa`;
+  const said = [];
+  if (cautions.isUnsure) {
+    said.push('The pulse of this head is not known well enough for a smooth flow: the flow that leaves is expected to ' +
+      `vary by ${ripple(cautions.median)} (median; at most ${ripple(cautions.most)} in 95 % of such pumps), and by ` +
+      `${ripple(cautions.even)} at constant speed. Leave the smooth flow out, or measure the roller volume.`);
+  }
+  if (cautions.isWider) {
+    said.push('The smooth flow widens the swing of the inlet pressure: inlet ' +
+      `${range(facts.inletLeast, facts.inletMost)}, ${range(cautions.inletLeast, cautions.inletMost)} at constant ` +
+      `speed; outlet ${range(facts.outletLeast, facts.outletMost)}, ` +
+      `${range(cautions.outletLeast, cautions.outletMost)} at constant speed (absolute).`);
+  }
+  word('caution', said.join(' '));
+  $('caution').hidden = !said.length;
 }
 
 /* The curves. */

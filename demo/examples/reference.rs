@@ -27,6 +27,7 @@ fn main() {
         ("two rollers", [2.0, 2.0, 1.0, 12.5, 100.0, 4.0, 1.0, r, c, l]),
         ("another line", [3.0, 3.0, 1.0, 10.0, 0.0, 3.0, 0.0, 0.3, 0.02, 0.001]),
         ("another head", [0.0, 24.0, 1.5, 2.0, 7.0, 1.0, 1.0, r, c, l]),
+        ("another smooth head", [0.0, 6.0, 6.3, 25.0, 17.19, 5.0, 1.0, r, c, l]),
         ("too many rollers", [0.0, 25.0, 1.5, 2.0, 7.0, 1.0, 0.0, r, c, l]),
         ("too fast", [3.0, 3.0, 1.0, 25.0, 0.0, 90.0, 0.0, r, c, l]),
         ("no volume", [3.0, 3.0, 1.0, f64::NAN, 0.0, 5.0, 0.0, r, c, l]),
@@ -49,6 +50,10 @@ fn main() {
                     break;
                 }
                 times.extend_from_slice(&demo.step_times()[..count]);
+            }
+            if demo.cautions() {
+                text.push_str(",\"cautions\":");
+                add_bits(&mut text, demo.caution_figures());
             }
             text.push_str(",\"steps\":");
             add_bits(&mut text, &times);

@@ -5,6 +5,7 @@ use core::fmt::Write;
 use pump_ctl::plan::{Doser, Plan, PlannedMotion};
 use pump_model::Pump;
 
+use crate::cautions::{CAUTIONS, cautions};
 use crate::errors::{ANGLES, Errors, errors};
 use crate::facts::{FACTS, facts};
 use crate::refusal::{Refusal, Words};
@@ -39,6 +40,7 @@ pub struct Demo {
     settings: [f64; SETTINGS],
     planned: Planned,
     facts: [f64; FACTS],
+    cautions: [f64; CAUTIONS],
     refusal: Words,
     trace: Trace,
     errors: Errors,
@@ -58,6 +60,7 @@ impl Demo {
             settings: [0.0; SETTINGS],
             planned: Planned::Not,
             facts: [0.0; FACTS],
+            cautions: [0.0; CAUTIONS],
             refusal: Words::NONE,
             trace: [[0.0; ROWS]; COLUMNS],
             errors: [[0.0; ANGLES]; 3],
@@ -102,6 +105,29 @@ impl Demo {
     /// Returns the figures of the planned dose, in the order of `engine.js`.
     pub fn facts(&self) -> &[f64; FACTS] {
         &self.facts
+    }
+
+    /// Computes the cautions of a smooth flow. Returns false if there are none to say: the flow is not smooth, there is
+    /// no dose, or it cannot be made at constant speed.
+    pub fn cautions(&mut self) -> bool {
+        let Planned::Dose(pump, plan) = &self.planned else { return false };
+        let settings = Settings::read(&self.settings);
+        if !settings.is_smooth() {
+            return false;
+        }
+        let found = cautions(pump, plan, settings.motor(), &settings.knowledge());
+        found.is_ok_and(|found| {
+            self.cautions = found;
+            true
+        })
+    }
+
+    /// Returns the figures of the cautions: ripple where the line ends, in percent peak to peak, at constant speed, as
+    /// planned, the median over the pumps that this one may be, and the most in 95 % of them; 1 if the pulse is not
+    /// known well enough; pressures at constant speed, kPa absolute, inlet and outlet, least and most; 1 if the inlet's
+    /// swing is notably wider than that.
+    pub fn caution_figures(&self) -> &[f64; CAUTIONS] {
+        &self.cautions
     }
 
     /// Returns why the dose is refused, as UTF-8.

@@ -48,6 +48,18 @@ pub extern "C" fn facts() -> *const f64 {
     with(|demo| demo.facts().as_ptr())
 }
 
+/// Computes the cautions of a smooth flow. Returns 1, or 0 if there are none.
+#[unsafe(no_mangle)]
+pub extern "C" fn cautions() -> u32 {
+    with(|demo| u32::from(demo.cautions()))
+}
+
+/// Returns the place of the figures of the cautions.
+#[unsafe(no_mangle)]
+pub extern "C" fn caution_figures() -> *const f64 {
+    with(|demo| demo.caution_figures().as_ptr())
+}
+
 /// Returns the place of the refusal's text.
 #[unsafe(no_mangle)]
 pub extern "C" fn refusal() -> *const u8 {

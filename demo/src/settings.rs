@@ -4,6 +4,9 @@ use pump_ctl::plan::{Cruise, Limits, Lowest, Motor, Phase, Request, SetBy};
 use pump_model::units::{rad_s, radians};
 use pump_model::{DefaultPulse, Fluid, Line, ModelError, Pump};
 
+use crate::cautions::Knowledge;
+use crate::pulse_spread::covariances;
+use crate::pulse_sureness::PulseSureness;
 use crate::refusal::Refusal;
 
 /// Number of settings.
@@ -15,6 +18,9 @@ const ROLLERS: (f64, f64) = (2.0, 24.0);
 /// Motor steps per revolution of the pump head, and the largest acceleration, rad/s²: those of the built-in pumps.
 const STEPS_PER_REV: f64 = 12_800.0;
 const MAX_ACCELERATION_RAD_S2: f64 = 500.0;
+
+/// Standard uncertainty of the roller volume of the paper's heads, mL, as their pump files have it.
+const ROLLER_VOLUME_STANDARD_ML: f64 = 0.026;
 
 /// Temperature of the water that is pumped, °C.
 const WATER_DEGC: f64 = 25.0;
@@ -83,6 +89,22 @@ impl Settings {
         let rollers = rollers as u32;
         let pulse = DefaultPulse::of_rollers(rollers);
         Ok(Pump::from_ml_per_rev(ml_per_rev, rollers, pulse, self.line, self.line)?)
+    }
+
+    /// Returns how well the pulse of the head is known.
+    pub(crate) fn knowledge(&self) -> Knowledge {
+        match self.head {
+            Head::ThreeRoller | Head::TwoRoller => Knowledge::Measured(ROLLER_VOLUME_STANDARD_ML),
+            // Whole and 24 at most where there is a pump.
+            Head::ByVolume { rollers, .. } => {
+                Knowledge::Usual(PulseSureness::of_default(covariances(rollers as u32), 0.0))
+            }
+        }
+    }
+
+    /// Returns true if the flow is to be smooth.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.is_smooth
     }
 
     /// Returns the motor.

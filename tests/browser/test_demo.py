@@ -207,13 +207,51 @@ def test_a_link_carries_the_settings(demo, chromium):
 
 def test_a_link_that_cannot_be_read_says_so_and_doses_as_usual(demo):
     page = demo("#volume=abc&speed=3&rate=90")
-    said = page.locator("#link-said")
+    said = page.locator("#link-wrong")
     expect(said).to_contain_text("volume is “abc” in the link; it must be a number, and 25 stands for it")
     expect(said).to_contain_text("“speed”, which is no setting")
     # The first dose is refused: the usual one stands in, paler.
     expect(page.get_by_role("alert")).to_contain_text("a rate of 90 mL/s needs")
     expect(page.locator("#head .roller")).to_have_count(3)
     expect(page.locator("body")).to_have_class("stale")
+
+
+def test_a_link_with_a_head_that_is_none_says_so(demo):
+    page = demo("#head=9&smooth=2&volume=2.5")
+    expect(page.locator("#link-wrong")).to_contain_text("head is “9” in the link; it must be one of 3, 2, 0")
+    expect(page.locator("#link-wrong")).to_contain_text("smooth is “2”")
+    expect(page.get_by_label("Volume, mL", exact=True)).to_have_value("2.5")
+    page.get_by_label("Volume, mL", exact=True).fill("3")
+    expect(page.locator("#link-wrong")).to_be_hidden()
+
+
+LINE = (
+    "resistance_kpa_s_ml = 0.1108\ncompliance_ml_kpa = 0.0361\ninertance_kpa_s2_ml = 0.0042\nreservoir_kpa = 88.637\n"
+)
+
+
+@pytest.mark.parametrize("link", ["#head=0&rate=5&smooth=1", "#smooth=1"])
+def test_a_smooth_flow_is_warned_of_as_by_the_command(demo, tmp_path, link):
+    home = {"HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
+    run = {"cwd": tmp_path, "env": home, "check": True, "capture_output": True, "text": True, "timeout": PATIENCE}
+    pump = "three-roller"
+    if "head=0" in link:
+        pump = "other.toml"
+        head = ["--ml-per-rev", "6.3mL", "--rollers", "6", "--steps-per-rev", "12800"]
+        subprocess.run([DOSE, "pumps", "new", *head, pump], **run)
+        with (tmp_path / pump).open("a") as file:
+            file.write(f"\n[inlet]\n{LINE}\n[outlet]\n{LINE}")
+    words = ["25mL", "--rate", "5mL/s", "--start-angle", "17.19deg+-0deg", "--smooth", "--dry-run", "--no-service"]
+    told = subprocess.run([DOSE, *words, "--pump", pump], **run).stdout
+    caution = demo(link).locator("#caution")
+    expect(caution).to_contain_text("widens the swing of the inlet pressure")
+    said = caution.text_content()
+    swing = re.search(r"inlet pressure: (.* at constant speed) \(absolute\)", told)[1]
+    assert swing in said, f"{said}\n{told}"
+    unsure = re.search(r"expected to be (\d+ %) peak to peak \(median; (at most \d+ %).*and (\d+ %) at constant", told)
+    assert bool(unsure) == ("not known well enough" in said) == ("head=0" in link), f"{said}\n{told}"
+    for part in unsure.groups() if unsure else ():
+        assert part in said, f"{said}\n{told}"
 
 
 def test_each_roller_is_drawn_at_its_angle(demo):

@@ -6,6 +6,7 @@ mod law;
 mod pulse;
 mod pulse_bounds;
 mod pulse_prior;
+mod pulse_spread;
 mod speed_dependent_pump;
 #[cfg(test)]
 mod tests;

@@ -5,16 +5,9 @@ use core::f64::consts::TAU;
 use libm::{cos, exp, log, sin, sqrt};
 use pump_model::DefaultPulse;
 use pump_model::identification::widening;
-use pump_model::units::radians;
 
 use super::PulseBounds;
-
-/// Twice the standard deviation of the logarithms of the drawings' engagement angles (`examples/pulse_prior`, as all
-/// figures here).
-const ENGAGEMENT_SPREAD: f64 = 0.5037;
-
-/// Twice the standard deviation of V_r/(a phi).
-const FULLNESS_STANDARD: f64 = 0.11025;
+use super::pulse_spread::{self, ENGAGEMENT_SPREAD, FULLNESS_STANDARD};
 
 /// Number of drawings that show the scatter.
 const DRAWINGS: u32 = 5;
@@ -91,15 +84,9 @@ impl PulsePrior {
         drawn.take(PULSES)
     }
 
-    /// Returns the covariances of V_r, as a part of it, and of phi, in rad: V_r goes as fullness times phi.
+    /// Returns the covariances of V_r, as a part of it, and of phi, in rad.
     pub(crate) fn covariances(&self) -> [[f64; 2]; 2] {
-        let (phi_rad, of_angle) =
-            (radians(self.engagement_deg), self.engagement_spread * self.engagement_spread);
-        let of_fullness = self.fullness_standard / self.fullness;
-        [
-            [of_angle + of_fullness * of_fullness, of_angle * phi_rad],
-            [of_angle * phi_rad, of_angle * phi_rad * phi_rad],
-        ]
+        pulse_spread::covariances(self.rollers)
     }
 }
 

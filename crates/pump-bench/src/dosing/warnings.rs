@@ -1,11 +1,9 @@
 //! Warnings of a plan, for the user to read before the dose runs. One function makes one warning.
 
+mod swing;
 mod unweighed;
 
-use pump_ctl::plan::{
-    Cruise, Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction, Ramps,
-    Request,
-};
+use pump_ctl::plan::{Finish, LimitedBy, Margin, Margins, Motor, Plan, PlanError, Prediction, Ramps};
 use pump_ctl::step::Direction;
 use pump_model::units::rpm;
 use pump_model::{Extremes, Pump};
@@ -23,9 +21,6 @@ const CLOSE: f64 = 0.95;
 
 /// Part of the ripple from which on a flow is hardly smooth.
 const HARDLY: f64 = 0.9;
-
-/// Swing of the inlet pressure over that at constant speed from which on a smooth flow is warned of.
-const WIDER: f64 = 1.1;
 
 /// Part of the requested volume from which on a carry by the size of a step is warned of.
 const COARSE: f64 = 0.05;
@@ -252,15 +247,9 @@ pub(super) fn wider_inlet_swing(
     if !plan.is_smooth() {
         return Ok(None);
     }
-    let cruise_rad_s = plan.profile().cruise_rad_s();
-    let doser = Doser::new(model, Limits::new(motor))?;
-    let request =
-        Request::new(plan.planned_ml(), Cruise::Speed { rad_s: cruise_rad_s }).with_ramps(plan.ramps());
-    let even = doser.plan(plan.start(), &request)?.predict(model)?;
-    let swing_kpa = |range: Extremes| range.max_kpa - range.min_kpa;
+    let even = swing::at_constant_speed(model, plan, motor)?;
     let said = |range: Extremes| format!("{:.2} to {:.2} kPa", range.min_kpa, range.max_kpa);
-    let is_wider = swing_kpa(prediction.inlet) > WIDER * swing_kpa(even.inlet);
-    Ok(is_wider.then(|| {
+    Ok(swing::is_wider(prediction.inlet, even.inlet).then(|| {
         format!(
             "the smooth flow widens the swing of the inlet pressure: inlet {}, {} at constant speed; outlet {}, \
              {} at constant speed (absolute)",

@@ -2,6 +2,7 @@
 
 mod fitted_pulse;
 mod pulse;
+mod pulse_sureness;
 #[cfg(test)]
 mod tests;
 
@@ -12,8 +13,8 @@ use pump_model::units::{degrees, wrap};
 use serde::Serialize;
 
 pub use self::fitted_pulse::FittedPulse;
-pub(crate) use self::fitted_pulse::PulseSureness;
 use self::pulse::{ENGAGEMENT, PARAMETERS, Pulse, ROLLER, ZERO};
+pub(crate) use self::pulse_sureness::PulseSureness;
 use super::expected::Expected;
 use super::revolution::Revolution;
 use super::short_dose::ShortDose;

@@ -1,10 +1,15 @@
-//! Errors of what a smooth flow relies on, at equal probability: roller volume, engagement angle, start angle.
+//! Errors of what a smooth flow relies on, at equal probability: roller volume, engagement angle, start angle. The demo
+//! in the browser compiles this file too, so it needs neither std nor this crate.
 
-use libm::{cos, log, sqrt};
-use std::f64::consts::TAU;
+use core::f64::consts::TAU;
+
+use libm::{ceil, cos, log, sqrt};
 
 /// Number of errors that are drawn.
-const DRAWS: u32 = 64;
+pub(super) const DRAWS: u32 = 64;
+
+/// Part of the draws whose ripple is at most the one that is reported.
+pub(super) const COVERED: f64 = 0.95;
 
 /// Standard errors of a pump, each 1 for a draw of normal numbers, and a uniform number from -1 to 1.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +36,12 @@ pub(super) fn draws() -> impl Iterator<Item = Draw> {
         let sine = normal(a, b + 0.25);
         Draw { roller_volume: normal(a, b), engagement: sine, zero: normal(c, d), start: 2.0 * e - 1.0 }
     })
+}
+
+/// Returns the value that a part of the `sorted` ones does not exceed, or `None` if there are none.
+pub(super) fn covering(sorted: &[f64], part: f64) -> Option<f64> {
+    let rank = ceil(part * sorted.len() as f64) as usize;
+    sorted.get(rank.saturating_sub(1)).copied()
 }
 
 /// Returns the digits of `number` in a base, mirrored at the point: between 0 and 1.

@@ -1,6 +1,7 @@
 //! The ripple of a dose's flow, and how sure it is.
 
 mod errors;
+mod other_pump;
 mod pulse_errors;
 mod ripple;
 mod unsure;

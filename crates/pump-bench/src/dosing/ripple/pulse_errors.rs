@@ -4,13 +4,9 @@ use pump_model::units::degrees;
 use pump_model::{ModelError, Pump};
 
 use super::errors::Draw;
+use super::other_pump::{ENGAGEMENT_DEG, other_pump};
 use crate::calibration::{Applied, PulseSureness};
 use crate::pump_file::PumpFile;
-
-/// Standard uncertainty of the engagement angle, in deg: read to 1 deg either way, rectangular, 1/sqrt(3) (GUM,
-/// JCGM 100:2008, 4.3.7). Two sets of dimensions of the paper's one pump differ by 0.7 deg in the angle of full
-/// contact, 66.8 and 66.1 deg.
-const ENGAGEMENT_DEG: f64 = 0.577;
 
 /// Knowledge of a pump's pulse, by which pumps with other pulses are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,12 +42,11 @@ impl PulseErrors {
     ///
     /// [`ModelError`] of a pulse that no head can have.
     pub(super) fn drawn(&self, pump: &Pump, draw: &Draw) -> Result<(Pump, f64), ModelError> {
-        let roller = pump.roller_volume();
         let (more_ml, more_deg, zero_rad) = match &self.fitted {
             Some(fitted) => {
                 let [part, engagement_rad, zero_rad] =
                     fitted.errors([draw.roller_volume, draw.engagement, draw.zero]);
-                (part * roller.total_ml(), degrees(engagement_rad), zero_rad)
+                (part * pump.roller_volume().total_ml(), degrees(engagement_rad), zero_rad)
             }
             None => (
                 self.roller_volume_ml * draw.roller_volume,
@@ -59,15 +54,6 @@ impl PulseErrors {
                 self.zero_standard_rad * draw.zero,
             ),
         };
-        // A corrected pump has scaled curves that begin at its zero. Its dimensions, where they are known, are those of
-        // the model.
-        let geometry = pump.geometry();
-        let factor =
-            if geometry.is_known() { pump.nominal_ml_rad() / geometry.nominal_ml_rad() } else { 1.0 };
-        let engagement_deg = degrees(roller.engagement_rad()) + more_deg;
-        let total_ml = (roller.total_ml() + more_ml) / factor;
-        let roller = roller.stretched_to(engagement_deg)?.scaled_to(total_ml)?;
-        let other = pump.with_roller_volume(roller)?;
-        Ok((other.scaled(factor)?.shifted(self.zero_rad)?, zero_rad))
+        Ok((other_pump(pump, more_ml, more_deg, self.zero_rad)?, zero_rad))
     }
 }

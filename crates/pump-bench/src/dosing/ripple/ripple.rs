@@ -4,11 +4,8 @@ use pump_ctl::plan::{Plan, Ripples};
 use pump_model::{Pump, Ripple};
 use serde::Serialize;
 
-use super::errors::draws;
+use super::errors::{COVERED, covering, draws};
 use super::pulse_errors::PulseErrors;
-
-/// Part of the draws whose ripple is at most the one that is reported.
-const COVERED: f64 = 0.95;
 
 /// Ripple of a flow: its departure from its mean over time, over the mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -78,10 +75,7 @@ pub(crate) fn sure_ripples(plan: &Plan, pump: &Pump, errors: &PulseErrors) -> Su
 impl RippleAt {
     fn new(before: Ripple, after: Ripple, worst: Ripple, mut drawn: Vec<f64>) -> Self {
         drawn.sort_by(f64::total_cmp);
-        let at = |part: f64| {
-            let rank = (part * drawn.len() as f64).ceil() as usize;
-            drawn.get(rank.saturating_sub(1)).copied().unwrap_or(after.peak_to_peak)
-        };
+        let at = |part: f64| covering(&drawn, part).unwrap_or(after.peak_to_peak);
         Self {
             constant_speed: before.into(),
             planned: after.into(),
