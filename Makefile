@@ -81,7 +81,8 @@ faults: clock
 
 # All 10,000 random doses on heads whose flow reverses; `make test` draws 1000. Doses of 500 bought heads; `make test`
 # draws 40. Sittings of setup with 500 drawn pumps; `make test` plays 10. An hour of a slow dose by the node's firmware,
-# 500 stops and 2,000 cuts of its link; `make node` makes 5 minutes, 30 and 200.
+# 500 stops and 2,000 cuts of its link; `make node` makes 5 minutes, 30 and 200. Then the wheels, and the Windows
+# program under wine.
 long: node-pico
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads
@@ -91,6 +92,8 @@ long: node-pico
 	cargo run --locked -p check-node $(FIRMWARE) slow 60
 	cargo run --locked -p check-node $(FIRMWARE) stops 500
 	cargo run --locked -p check-node $(FIRMWARE) cuts 2000
+	$(MAKE) wheels
+	$(MAKE) windows
 
 # Each target for FUZZ_SECONDS, from the seeds in fuzz/corpus. What else it finds worth keeping is in target/fuzz; a crash is
 # kept in fuzz/artifacts and belongs into a test.
@@ -175,8 +178,7 @@ packaging: $(TOOLS)/installed
 	packaging/deb/build target/debug/dose target/texts target/pump-dose.deb
 	packaging/deb/try target/pump-dose.deb
 
-# The command with its service compiles for Windows and macOS. It compiles everything once more for each, so CI leaves it
-# out.
+# The command with its service compiles for Windows and macOS: two minutes of a processor from nothing.
 other-systems: $(TOOLS)/installed
 	rustup target add x86_64-pc-windows-gnu aarch64-apple-darwin
 	for target in x86_64-pc-windows-gnu aarch64-apple-darwin; do \
