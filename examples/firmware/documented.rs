@@ -11,7 +11,7 @@ const COSTS: [(&str, &str, usize); 15] = [
     ("its 18 segments", "for a plan: ", 2),
     ("a plan with line-aware ramps", "to plan with line-aware ramps", 0),
     ("a plan with a smooth flow: angle and profile", "with a smooth flow: ", 1),
-    ("its 504 segments", "with a smooth flow: ", 2),
+    ("its 519 segments", "with a smooth flow: ", 2),
     ("pressures and settling time of the dose, exactly (`Plan::predict`)", "for a prediction", 0),
     ("another volume and rate in mid-dose (`Doser::retarget`)", "to plan a change", 0),
     ("its 15 segments", "to plan a change", 1),
