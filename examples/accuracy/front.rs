@@ -49,24 +49,24 @@ pub(crate) fn error_of_a_small_dose(trial: &Trial) -> Result<String, Box<dyn Err
     let naive: Vec<(f64, f64)> = percent(&errors.one_constant);
     let farthest = naive.iter().copied().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let panel = Panel {
-        label: "error of the dose, %",
+        label: "error, %",
         curves: vec![
-            curve("one constant, mL per revolution", VERMILION, naive),
-            curve("planned from the angle, at the rollers", BLUE, percent(&errors.planned)),
-            curve("its stated interval in the vessel, k = 2", GREEN, upper),
+            curve("by one constant", VERMILION, naive),
+            curve("planned, at the rollers", BLUE, percent(&errors.planned)),
+            curve("its interval in the vessel", GREEN, upper),
             curve("", GREEN, lower),
             Curve { style: Style::Values, ..curve(" %", VERMILION, farthest.into_iter().collect()) },
         ],
     };
     let chart = Chart {
-        title: "1 mL from every start angle, three rollers, not calibrated",
+        title: "Error of 1 mL, three rollers, not calibrated",
         label: "angle of the rollers at the start, deg",
         range: 0.0..degrees(trial.pump.pitch_rad()),
         mark: None,
-        panel_height: 360,
+        panel_height: 340,
         panels: vec![panel],
     };
-    Ok(chart.svg()?)
+    Ok(chart.narrow_svg()?)
 }
 
 /// Draws the flow into the vessel of one dose at constant speed and of the same dose with `--smooth`.
@@ -91,8 +91,8 @@ pub(crate) fn smooth_beside_pulsating() -> Result<String, Box<dyn Error>> {
         label: "time, s",
         range: 0.0..end_s,
         mark: None,
-        panel_height: 300,
+        panel_height: 320,
         panels: vec![Panel { label: "flow at the rollers, mL/s", curves }],
     };
-    Ok(chart.svg()?)
+    Ok(chart.narrow_svg()?)
 }

@@ -9,8 +9,23 @@ use plotters::prelude::*;
 
 use crate::export::PlotError;
 
-/// Width of a picture, in px.
-const WIDTH: u32 = 900;
+/// Size of a picture, of its letters and of the room for them, in px.
+#[derive(Debug, Clone, Copy)]
+struct Look {
+    width: u32,
+    title: u32,
+    letters: u32,
+    below: u32,
+    beside: u32,
+    /// Most numbers at the horizontal axis.
+    numbers: usize,
+}
+
+/// The look on a screen.
+const WIDE: Look = Look { width: 900, title: 20, letters: 13, below: 40, beside: 60, numbers: 11 };
+/// The look on a phone too, whose 330 px leave letters of 11 px.
+const NARROW: Look = Look { width: 480, title: 18, letters: 16, below: 44, beside: 56, numbers: 7 };
+
 /// Height of a panel from which on its vertical axis has twice as many numbers, in px.
 const HIGH: u32 = 360;
 /// Factor by which the drawing is finer than the picture, since its points are whole pixels.
@@ -116,9 +131,21 @@ impl Chart<'_> {
     /// # Errors
     /// Returns the [`PlotError`] of a picture that cannot be drawn.
     pub fn svg(&self) -> Result<String, PlotError> {
+        self.svg_of(WIDE)
+    }
+
+    /// Draws a narrow picture with large letters as SVG, which is readable on a phone. Its labels must be short.
+    ///
+    /// # Errors
+    /// Returns the [`PlotError`] of a picture that cannot be drawn.
+    pub fn narrow_svg(&self) -> Result<String, PlotError> {
+        self.svg_of(NARROW)
+    }
+
+    fn svg_of(&self, look: Look) -> Result<String, PlotError> {
         let mut svg = String::new();
-        let size = (WIDTH, self.panel_height * self.panels.len() as u32);
-        self.draw(&mut svg, size).map_err(|error| PlotError { reason: error.to_string() })?;
+        let size = (look.width, self.panel_height * self.panels.len() as u32);
+        self.draw(&mut svg, size, look).map_err(|error| PlotError { reason: error.to_string() })?;
         let size = |scale| format!("width=\"{}\" height=\"{}\"", size.0 * scale, size.1 * scale);
         // The view box keeps the fine size.
         let svg = svg.replacen(&size(FINE), &size(1), 1);
@@ -127,20 +154,20 @@ impl Chart<'_> {
     }
 
     /// Draws the panels into `svg`; `size` is the picture's width and height, in px.
-    fn draw(&self, svg: &mut String, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
+    fn draw(&self, svg: &mut String, size: (u32, u32), look: Look) -> Result<(), Box<dyn Error>> {
         let root = SVGBackend::with_string(svg, (size.0 * FINE, size.1 * FINE)).into_drawing_area();
         root.fill(&WHITE)?;
-        let root = root.margin(px(8), 0, 0, 0).titled(self.title, ("sans-serif", px(20)))?;
+        let root = root.margin(px(8), 0, 0, 0).titled(self.title, ("sans-serif", px(look.title)))?;
         let areas = root.split_evenly((self.panels.len(), 1));
         for (n, (panel, area)) in self.panels.iter().zip(&areas).enumerate() {
-            self.draw_panel(n, panel, area)?;
+            self.draw_panel(n, panel, area, look)?;
         }
         root.present()?;
         Ok(())
     }
 
     /// Draws the panel with this number, from 0 at the top.
-    fn draw_panel(&self, n: usize, panel: &Panel, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
+    fn draw_panel(&self, n: usize, panel: &Panel, area: &Area<'_>, look: Look) -> Result<(), Box<dyn Error>> {
         let (low, high) = range(&panel.curves);
         // Room for the legend above the curves.
         let entries = panel.curves.iter().filter(|curve| curve.style != Style::Values).count();
@@ -151,8 +178,8 @@ impl Chart<'_> {
             .margin_left(px(14))
             .margin_right(px(20))
             .margin_top(px(8))
-            .x_label_area_size(px(if is_last { 40 } else { 22 }))
-            .y_label_area_size(px(60))
+            .x_label_area_size(px(if is_last { look.below } else { 22 }))
+            .y_label_area_size(px(look.beside))
             .build_cartesian_2d(self.range.clone(), low..high)?;
         plane
             .configure_mesh()
@@ -160,11 +187,12 @@ impl Chart<'_> {
             .bold_line_style(BLACK.mix(0.12))
             .x_desc(if is_last { self.label } else { "" })
             .y_desc(panel.label)
+            .x_labels(look.numbers)
             .y_labels(if self.panel_height < HIGH { 6 } else { 12 })
             .x_label_formatter(&shortest)
             .y_label_formatter(&shortest)
-            .label_style(("sans-serif", px(13)))
-            .axis_desc_style(("sans-serif", px(14)))
+            .label_style(("sans-serif", px(look.letters)))
+            .axis_desc_style(("sans-serif", px(look.letters + 1)))
             .draw()?;
         if let Some((place, name)) = self.mark {
             let line = LineSeries::new([(place, low), (place, high)], BLACK.mix(0.4).stroke_width(FINE));
@@ -176,10 +204,10 @@ impl Chart<'_> {
             }
         }
         for curve in &panel.curves {
-            curve.draw(&mut plane)?;
+            curve.draw(&mut plane, look)?;
         }
         if entries != 1 {
-            draw_legend(&mut plane)?;
+            draw_legend(&mut plane, look)?;
         }
         Ok(())
     }
@@ -187,12 +215,12 @@ impl Chart<'_> {
 
 impl Curve {
     /// Draws the curve and names it for the legend.
-    fn draw(&self, plane: &mut Plane<'_, '_>) -> Result<(), Box<dyn Error>> {
+    fn draw(&self, plane: &mut Plane<'_, '_>, look: Look) -> Result<(), Box<dyn Error>> {
         let Colour { red, green, blue } = self.colour;
         let colour = RGBColor(red, green, blue);
         let points = self.points.iter().copied();
         let width = match self.style {
-            Style::Values => return self.draw_values(plane, colour),
+            Style::Values => return self.draw_values(plane, colour, look),
             Style::Points => {
                 let drawn =
                     plane.draw_series(points.map(|point| Circle::new(point, px(3), colour.filled())))?;
@@ -217,8 +245,13 @@ impl Curve {
     }
 
     /// Draws points with their values above them.
-    fn draw_values(&self, plane: &mut Plane<'_, '_>, colour: RGBColor) -> Result<(), Box<dyn Error>> {
-        let font = TextStyle::from(("sans-serif", px(13)).into_font());
+    fn draw_values(
+        &self,
+        plane: &mut Plane<'_, '_>,
+        colour: RGBColor,
+        look: Look,
+    ) -> Result<(), Box<dyn Error>> {
+        let font = TextStyle::from(("sans-serif", px(look.letters)).into_font());
         plane.draw_series(self.points.iter().map(|point| {
             let words = format!("{:.0}{}", point.1, self.label);
             let above = Text::new(words, (-px(14), -px(24)), font.clone());
@@ -238,7 +271,7 @@ fn shortest(value: &f64) -> String {
 }
 
 /// Draws the legend of a panel in its upper right corner.
-fn draw_legend<'a, 's: 'a>(plane: &mut Plane<'a, 's>) -> Result<(), Box<dyn Error>> {
+fn draw_legend<'a, 's: 'a>(plane: &mut Plane<'a, 's>, look: Look) -> Result<(), Box<dyn Error>> {
     plane
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)
@@ -246,7 +279,7 @@ fn draw_legend<'a, 's: 'a>(plane: &mut Plane<'a, 's>) -> Result<(), Box<dyn Erro
         .margin(px(4))
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.2))
-        .label_font(("sans-serif", px(13)))
+        .label_font(("sans-serif", px(look.letters)))
         .draw()?;
     Ok(())
 }
