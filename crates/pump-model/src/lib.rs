@@ -56,6 +56,7 @@ mod pump;
 #[cfg(feature = "sensitivity")]
 mod sensitivity;
 pub mod units;
+mod work;
 
 #[cfg(feature = "integrator")]
 pub use circuit::line_run::DEFAULT_TOLERANCE;

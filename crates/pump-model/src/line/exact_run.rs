@@ -13,6 +13,7 @@ use super::line::Line;
 use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator};
 use super::settling::settling_s;
+use crate::work::{Work, count};
 
 /// The exact solution of one port of the flow-centric model, over any motion in legs of constant
 /// acceleration.
@@ -163,6 +164,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     /// Goes on inside the stretch.
     pub(crate) fn go_on(&mut self, length_s: f64) {
         if length_s > 0.0 {
+            count(Work::Step);
             self.state = self.oscillator.after(length_s, self.state, &self.flow.shifted(self.reached_s));
             self.reached_s += length_s;
         }

@@ -7,6 +7,7 @@ use super::exact_run::ExactRun;
 use super::extremes::Extremes;
 use super::oscillator::{Oscillator, SHORT};
 use super::reach::{ALL_CAUSES, Causes, LANES, Reach};
+use crate::work::{Work, count as count_work};
 
 /// Number of fine steps that cost less than one long one.
 const FEW: usize = 100;
@@ -141,6 +142,7 @@ impl<M: Iterator<Item = Leg>> ExactRun<'_, M> {
         follower: &mut impl Follower,
     ) {
         for states in reach.states(*causes) {
+            count_work(Work::Lanes);
             follower.follow(&self.oscillator, reach.interval_s(), count, &states, flow);
         }
         self.state = reach.state(count, causes);

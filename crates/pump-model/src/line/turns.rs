@@ -3,6 +3,7 @@
 use crate::motion::flow::Flow;
 
 use super::oscillator::{Balanced, Oscillator};
+use crate::work::{Work, count};
 
 impl Oscillator {
     /// Reports the pressures at which the line turns within `length_s` after `before` to `found`, kPa.
@@ -51,6 +52,7 @@ impl Oscillator {
     /// Beyond `length_s` the flow is another one, so a turn that would lie there is taken at the end. (In a
     /// sliver of a stretch rounding makes such turns.)
     pub(crate) fn turning_kpa(&self, near_s: f64, length_s: f64, state: Balanced, flow: &Flow) -> f64 {
+        count(Work::Turn);
         let mut t = near_s;
         let mut there = self.after(t, state, flow);
         for _ in 0..2 {
