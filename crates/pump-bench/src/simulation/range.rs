@@ -6,7 +6,8 @@ use pump_model::{ExactRun, Extremes, Leg, LineState, Port, PortRun, Pump};
 
 use super::waveform::{Integration, Method};
 
-/// Decays of the slowest mode after which a constant speed reaches nothing new: e^-16 is left of start-up, below 1e-5 kPa.
+/// Decays of the slowest mode after which a constant speed reaches nothing new: e^-16 is left of start-up, below
+/// 1e-5 kPa.
 const DECAYS: f64 = 16.0;
 
 /// Longest time that is followed where next to nothing damps, in s.
@@ -15,8 +16,8 @@ const MOST_S: f64 = 600.0;
 /// Longest time, in s, and most legs that are followed between two questions whether to go on.
 const SLICE: (f64, usize) = (100.0, 4096);
 
-/// A motion of which the smallest and largest pressures are sought. It starts with the first of its legs, and ends before
-/// they do.
+/// A motion of which the smallest and largest pressures are sought. It starts with the first of its legs, and ends
+/// before they do.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<'a> {
     /// Pump that makes the motion.

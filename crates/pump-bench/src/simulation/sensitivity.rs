@@ -80,7 +80,8 @@ impl<'a, M: Iterator<Item = Leg> + Clone> SensitiveWaveform<'a, M> {
         }
     }
 
-    /// Writes the derivatives of the next samples, whose times in s, angles in rad and delivered volumes in mL these are.
+    /// Writes the derivatives of the next samples, whose times in s, angles in rad and delivered volumes in mL these
+    /// are.
     pub fn fill(&mut self, [time_s, angle_rad, delivered_ml]: [&[f64]; 3], to: Derivatives<'_>) {
         let Derivatives { mut inlet_kpa_by, mut outlet_kpa_by, mut delivered_ml_by } = to;
         let mut done = 0;

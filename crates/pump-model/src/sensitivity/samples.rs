@@ -38,7 +38,8 @@ pub struct SensitiveColumns<'a> {
     /// Derivatives of the pressure, kPa over the unit of each parameter, in the order of
     /// [`SensitivityParameter::ALL`].
     pub kpa_by: [&'a mut [f64]; SensitivityParameter::COUNT],
-    /// Flow at the rollers per radian, mL/rad, on the side of an edge on which the derivatives are, where it is asked for.
+    /// Flow at the rollers per radian, mL/rad, on the side of an edge on which the derivatives are, where it is asked
+    /// for.
     pub flow_ml_rad: Option<&'a mut [f64]>,
     /// Rates of change of the pressure, kPa/s, where they are asked for.
     pub rate_kpa_s: Option<&'a mut [f64]>,

@@ -64,8 +64,8 @@ impl<'a, M: Iterator<Item = Leg>> SensitiveRun<'a, M> {
 }
 
 impl<M: Iterator<Item = Leg>> SensitiveSeries<'_, M> {
-    /// Computes the next samples, at the first of these times. The times must rise, from call to call too. Returns their
-    /// number, one at least unless there is no time.
+    /// Computes the next samples, at the first of these times. The times must rise, from call to call too. Returns
+    /// their number, one at least unless there is no time.
     pub(crate) fn next(&mut self, times_s: &[f64]) -> (usize, SensitiveLanes) {
         if let Some(first_s) = times_s.first() {
             self.reach(*first_s);
