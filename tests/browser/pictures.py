@@ -12,24 +12,30 @@ from watching import PHONE, live, turns, watch
 PUMPS = {"acid": "Acid, 0.1 M", "base": "Base, 0.1 M", "feed": "Feed of reactor 2"}
 
 
-def take(browser, service, address, size, name, height):
-    """Write a picture of what an address shows."""
-    page = watch(browser, service.url + address, size=size | {"height": height})
-    turns(live(page), "acid")
-    # The rollers and the bar have come from where they stood.
-    page.wait_for_timeout(1500)
-    page.screenshot(path=ROOT / "docs" / name)
-    page.context.close()
+# Documents show each picture at half the width that it has.
+TWICE = 2
+SCHEMES = {"light": "", "dark": "_dark"}
+
+
+def take(browser, service, address, size, name):
+    """Write pictures of what an address shows, light and dark."""
+    for scheme, suffix in SCHEMES.items():
+        page = watch(browser, service.url + address, size=size, device_scale_factor=TWICE, color_scheme=scheme)
+        turns(live(page), "acid")
+        # The rollers and the bar have come from where they stood.
+        page.wait_for_timeout(1500)
+        page.screenshot(path=ROOT / "docs" / f"{name}{suffix}.png")
+        page.context.close()
 
 
 def take_demo(browser):
-    """Write pictures of the demo in the middle of its dose, as wide as a README is shown and below 150 kB."""
+    """Write pictures of the demo in the middle of its dose, which README shows 640 px wide."""
     address, size = (ROOT / "target/demo/index.html").as_uri(), {"width": 1280, "height": 1225}
-    for scheme, name in {"light": "demo.png", "dark": "demo_dark.png"}.items():
-        page = watch(browser, address, size=size, device_scale_factor=0.7, color_scheme=scheme)
+    for scheme, suffix in SCHEMES.items():
+        page = watch(browser, address, size=size, device_scale_factor=TWICE * 640 / 1280, color_scheme=scheme)
         expect(page.get_by_role("button", name="Pause")).to_be_visible()
         page.evaluate("seek(3)")
-        page.screenshot(path=ROOT / "docs" / name)
+        page.screenshot(path=ROOT / "docs" / f"demo{suffix}.png")
         page.context.close()
 
 
@@ -45,8 +51,8 @@ def main():
             service.ended("feed")
             service.dose("base", "60mL", rate="3mL/s")
             service.dose("acid", "80mL")
-            take(browser, service, "/", {"width": 1280}, "serve_wide.png", 640)
-            take(browser, service, "/#/pump/acid", {"width": PHONE["width"]}, "serve_phone.png", PHONE["height"])
+            take(browser, service, "/", {"width": 1280, "height": 600}, "serve_wide")
+            take(browser, service, "/#/pump/acid", PHONE, "serve_phone")
         finally:
             laboratory.end()
 
