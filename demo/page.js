@@ -254,8 +254,8 @@ function warn(cautions, of) {
   const range = (least, most) => `${fixed(least, 2)} to ${fixed(most, 2)} kPa`;
   const said = [];
   if (cautions.isUnsure) {
-    said.push('The pulse of this head is not known well enough for a smooth flow: the flow that leaves is expected to ' +
-      `vary by ${ripple(cautions.median)} (median; at most ${ripple(cautions.most)} in 95 % of such pumps), and by ` +
+    said.push('The pulse of this head is not known well enough for a smooth flow: the flow that leaves is expected ' +
+      `to vary by ${ripple(cautions.median)} (median; at most ${ripple(cautions.most)} in 95 % of such pumps), and by ` +
       `${ripple(cautions.even)} at constant speed. Leave the smooth flow out, or measure the roller volume.`);
   }
   if (cautions.isWider) {
