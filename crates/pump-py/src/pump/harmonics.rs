@@ -6,12 +6,16 @@ use pump_model::units::TURN_RAD;
 use pyo3::prelude::*;
 
 use super::pump::Pump;
-use crate::argument::{Argument, port_named, speed};
+use crate::argument::{Argument, port_named, speed, whole};
 use crate::python::errors::{self, value};
-use crate::python::{collected, try_collected};
+use crate::python::{SignalCheck, collected, try_collected};
 
 /// Most harmonics.
 const MOST: u32 = 10_000;
+
+fn count_given(given: &Bound<'_, PyAny>) -> PyResult<u32> {
+    whole("count", given, 1, MOST.into())
+}
 
 #[pymethods]
 impl Pump {
@@ -52,27 +56,21 @@ impl Pump {
     fn harmonics<'py>(
         &self,
         py: Python<'py>,
-        count: i64,
+        #[pyo3(from_py_with = count_given)] count: u32,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
         port: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let port = port_named(port)?;
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        let count = u32::try_from(count)
-            .ok()
-            .filter(|count| (1..=MOST).contains(count))
-            .ok_or_else(|| value(format_args!("count is {count}; allowed: 1 to {MOST}")))?;
         let model = self.by_speed.at(rad_s).map_err(errors::displacement)?;
         let (curve, line) = (model.curve(port), model.line(port));
         let (r, c, l) = (line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml);
         let sign = if port == Port::Inlet { -1.0 } else { 1.0 };
         let frequency = |n: u32| f64::from(n) * TURN_RAD / curve.pitch_rad() * rad_s.abs();
-        let flows = py.detach(|| {
-            collected((0..count).map(|n| {
-                let (cosine, sine) = curve.harmonic_ml_rad(n + 1);
-                rad_s * Complex64::new(cosine, -sine * rad_s.signum())
-            }))
+        let flows = SignalCheck::each(py, count as usize, |n| {
+            let (cosine, sine) = curve.harmonic_ml_rad(n as u32 + 1);
+            Ok(rad_s * Complex64::new(cosine, -sine * rad_s.signum()))
         })?;
         let pressures = try_collected(flows.iter().enumerate().map(|(index, flow)| {
             let n = index as u32 + 1;

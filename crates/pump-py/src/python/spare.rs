@@ -2,29 +2,21 @@
 //!
 //! Whatever grows with an input is reserved before it is used (`memory.rs`). A text, a table of a pump or a message is
 //! not, and where it finds no room Rust ends the process, and with it a bench that moves a motor. So this module keeps
-//! a reserve, from which such allocations are served when the system has nothing left. The next call then raises a
+//! a reserve, which serves such allocations of any thread when the system has nothing left. The next call then raises a
 //! `MemoryError`, unless the reserve can be filled again.
 
+mod heap;
+mod pages;
+
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::hint::black_box;
-use std::ptr::null_mut;
-use std::sync::atomic::{AtomicPtr, Ordering};
+use std::ptr::copy_nonoverlapping;
 
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
-/// Size of the reserve, bytes. It takes room among addresses and no memory, as nothing is written to it.
-const RESERVE: Layout = match Layout::from_size_align(4 << 20, 16) {
-    Ok(layout) => layout,
-    Err(_) => panic!("the size of the reserve is no size"),
-};
-/// Largest allocation that the reserve serves, bytes. A larger one grows with an input.
-const LARGEST: usize = 256 << 10;
-/// Room for a thread, bytes: the stack that Rust gives it, and half as much.
-const THREAD: usize = 3 << 20;
-
-/// Block that is given back when the system has nothing left; null after that.
-static BLOCK: AtomicPtr<u8> = AtomicPtr::new(null_mut());
+/// Room for a thread, bytes: the stack of 2 MiB that Rust gives it, and as much again. C's allocator has no arena for a
+/// thread where addresses are short, and makes a page of each allocation.
+const THREAD: usize = 4 << 20;
 
 /// The system's allocator with a reserve.
 struct Reserving;
@@ -32,102 +24,117 @@ struct Reserving;
 #[global_allocator]
 static ALLOCATOR: Reserving = Reserving;
 
-/// Gives the reserve back to the system. Returns false if there is none.
-fn give_back() -> bool {
-    let block = BLOCK.swap(null_mut(), Ordering::AcqRel);
-    if block.is_null() {
-        return false;
-    }
-    #[allow(
-        unsafe_code,
-        reason = "the block came from the same allocator by the same layout, and is taken out once"
-    )]
-    unsafe {
-        System.dealloc(block, RESERVE);
-    }
-    true
-}
-
-/// Fills the reserve if it was given back.
+/// Fills the reserve if something of it is in use.
 ///
 /// # Errors
 ///
 /// `MemoryError` if there is no room for it.
 pub(crate) fn refill() -> PyResult<()> {
-    if !BLOCK.load(Ordering::Acquire).is_null() {
+    if heap::refill() {
         return Ok(());
     }
-    #[allow(unsafe_code, reason = "the layout has a size other than zero")]
-    let block = unsafe { System.alloc(RESERVE) };
-    if block.is_null() {
-        return Err(PyMemoryError::new_err(
-            "the memory is used up, so that nothing new is begun; free some, and call again",
-        ));
-    }
-    if BLOCK.compare_exchange(null_mut(), block, Ordering::AcqRel, Ordering::Acquire).is_err() {
-        #[allow(unsafe_code, reason = "another thread was first, and nobody else has this block")]
-        unsafe {
-            System.dealloc(block, RESERVE);
-        }
-    }
-    Ok(())
+    Err(PyMemoryError::new_err(
+        "the memory is used up, so that nothing new is begun; free some, and call again",
+    ))
 }
 
-/// Looks for room for the stacks of `threads` threads and for what they need to begin, and fills the reserve. A thread
-/// that has a stack and no room beside it ends the process.
+/// Tells if there is room for `size` bytes more.
+fn has_room(size: usize) -> bool {
+    pages::take(size).is_some_and(|room| {
+        #[allow(unsafe_code, reason = "nobody has heard of these addresses")]
+        unsafe {
+            pages::give_back(room, size);
+        }
+        true
+    })
+}
+
+/// Looks for room for the stacks of `threads` threads and for what they need, and fills the reserve. A thread that has
+/// a stack and no room beside it ends the process.
 ///
 /// # Errors
 ///
 /// `MemoryError` if there is no room.
 pub(crate) fn room_for_threads(threads: usize) -> PyResult<()> {
     refill()?;
-    let room = threads.checked_mul(THREAD).and_then(|size| Layout::from_size_align(size.max(1), 16).ok());
-    #[allow(
-        unsafe_code,
-        reason = "the layout has a size other than zero, and the block is given back at once"
-    )]
-    let is_there = room.is_some_and(|room| unsafe {
-        // A block that nobody looks at would not be asked for.
-        let block = black_box(System.alloc(room));
-        if !block.is_null() {
-            System.dealloc(block, room);
+    if threads.checked_mul(THREAD).is_some_and(has_room) {
+        return Ok(());
+    }
+    let mib = threads.saturating_mul(THREAD) >> 20;
+    Err(PyMemoryError::new_err(format!(
+        "no memory for {threads} more thread{}, which take {mib} MiB of addresses",
+        if threads == 1 { "" } else { "s" }
+    )))
+}
+
+/// Returns the largest number of threads, `most` at most, that there is room for, and fills the reserve.
+///
+/// # Errors
+///
+/// `MemoryError` if there is no room for one.
+pub(crate) fn threads_with_room(most: usize) -> PyResult<usize> {
+    let mut threads = most.max(1);
+    while threads > 1 && room_for_threads(threads).is_err() {
+        threads /= 2;
+    }
+    room_for_threads(threads)?;
+    Ok(threads)
+}
+
+impl Reserving {
+    /// Moves an allocation to where there is room for its new size. Null leaves it where it is.
+    ///
+    /// # Safety
+    ///
+    /// `block` is an allocation of `layout`, and `size` is not zero.
+    #[allow(unsafe_code, reason = "the caller promises what the parts need")]
+    unsafe fn moved(&self, block: *mut u8, layout: Layout, new: Layout) -> *mut u8 {
+        unsafe {
+            let moved = self.alloc(new);
+            if !moved.is_null() {
+                copy_nonoverlapping(block, moved, layout.size().min(new.size()));
+                self.dealloc(block, layout);
+            }
+            moved
         }
-        !block.is_null()
-    });
-    if is_there {
-        Ok(())
-    } else {
-        Err(PyMemoryError::new_err(format!("no memory for {threads} more threads")))
     }
 }
 
-#[allow(unsafe_code, reason = "every call is handed to the system's allocator as it came")]
+#[allow(unsafe_code, reason = "every call is handed to the system's allocator as it came, or to the reserve")]
 unsafe impl GlobalAlloc for Reserving {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let block = unsafe { System.alloc(layout) };
-        if block.is_null() && layout.size() <= LARGEST && give_back() {
-            return unsafe { System.alloc(layout) };
-        }
-        block
+        if block.is_null() { heap::alloc(layout) } else { block }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(block, layout) }
+        if !heap::free(block, layout) {
+            unsafe { System.dealloc(block, layout) }
+        }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         let block = unsafe { System.alloc_zeroed(layout) };
-        if block.is_null() && layout.size() <= LARGEST && give_back() {
-            return unsafe { System.alloc_zeroed(layout) };
+        if !block.is_null() {
+            return block;
+        }
+        let block = heap::alloc(layout);
+        if !block.is_null() {
+            unsafe { block.write_bytes(0, layout.size()) };
         }
         block
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        let moved = unsafe { System.realloc(block, layout, size) };
-        if moved.is_null() && size <= LARGEST && give_back() {
-            return unsafe { System.realloc(block, layout, size) };
+        let new = unsafe { Layout::from_size_align_unchecked(size, layout.align()) };
+        if heap::owns(block) {
+            // The piece may have room as it is.
+            if heap::size_of(new) == heap::size_of(layout) {
+                return block;
+            }
+            return unsafe { self.moved(block, layout, new) };
         }
-        moved
+        let moved = unsafe { System.realloc(block, layout, size) };
+        if moved.is_null() { unsafe { self.moved(block, layout, new) } } else { moved }
     }
 }

@@ -50,7 +50,6 @@ pub(crate) fn _steady_states<'py>(
         Some(threads) => threads,
         None => thread::available_parallelism()?,
     };
-    spare::room_for_threads(1)?;
     let columns = py.detach(|| sweep.columns(threads.get(), first, progress))?;
     columns.into_iter().map(|values| Floats::Many { shape: shape.clone(), values }.into_frozen(py)).collect()
 }
@@ -93,6 +92,8 @@ impl Sweep {
         }
         let block = (points / threads / BLOCKS_EACH).clamp(1, BLOCK);
         let threads = threads.min(points.div_ceil(block));
+        // Nothing that grows with the input is taken after this look.
+        let threads = if threads == 0 { 0 } else { spare::threads_with_room(threads)? };
         // Threads wait where `progress` takes its time, so that their answers do not pile up.
         let (answers, answered) = mpsc::sync_channel(ANSWERS_EACH * threads);
         for _ in 0..threads {
