@@ -1,125 +1,15 @@
 //! Claims about sessions that are given their drive.
 
 use std::error::Error;
-use std::fmt::{self, Display, Formatter};
 use std::fs;
-use std::ops::ControlFlow;
-use std::path::Path;
 use std::sync::Mutex;
-use std::time::Duration;
 
-use pump_bench::drives::{Abilities, Drive, DriveError, DriveFault, DriveLimits, Gate, Leave, Sim};
-use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::drives::{Abilities, Drive, DriveError, DriveFault, DriveLimits, Gate, Sim};
 use pump_bench::report::Status;
 use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Phase, Plan};
 
-/// Error of the servo's own protocol.
-#[derive(Debug, PartialEq)]
-struct Overload {
-    amperes: f64,
-}
-
-impl Display for Overload {
-    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
-        write!(to, "the servo draws {} A", self.amperes)
-    }
-}
-
-impl Error for Overload {}
-
-/// Servo of another program. It makes ten steps at a time.
-#[derive(Debug, Default)]
-struct Servo {
-    name: Option<&'static str>,
-    /// Step at which the servo fails.
-    fails_at: Option<u64>,
-    /// Net steps made so far.
-    turned: i64,
-    limits: Option<DriveLimits>,
-    /// Steps before which the servo waits for 1.5 s.
-    waits_at: Option<u64>,
-    /// True if the servo holds only while it moves.
-    lets_go: bool,
-    /// True if the servo tells its count.
-    counts: bool,
-    /// Steps by which the servo is found elsewhere once it is connected again.
-    strays: i64,
-    /// True once the servo was connected.
-    is_connected: bool,
-    /// Times that the servo was let go, if it can be.
-    released: Option<u32>,
-}
-
-impl Drive for Servo {
-    fn id(&self) -> &str {
-        self.name.unwrap_or("servo")
-    }
-
-    fn abilities(&self) -> Abilities {
-        Abilities::new()
-            .with_step_times(true)
-            .with_readback(self.counts)
-            .with_release(self.released.is_some())
-    }
-
-    fn connect(&mut self) -> Result<(), DriveError> {
-        if std::mem::replace(&mut self.is_connected, true) {
-            self.turned += self.strays;
-        }
-        Ok(())
-    }
-
-    fn count(&self) -> Option<i64> {
-        self.counts.then_some(self.turned)
-    }
-
-    fn release(&mut self) -> Result<(), DriveError> {
-        self.released = self.released.map(|times| times + 1);
-        Ok(())
-    }
-
-    fn limits(&self) -> Option<DriveLimits> {
-        self.limits
-    }
-
-    fn holds_at_rest(&self) -> bool {
-        !self.lets_go
-    }
-
-    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        let (all, sign) = (plan.each_step().count() as u64, i64::from(plan.direction().sign()));
-        let mut made = 0;
-        while made < all {
-            if self.fails_at.is_some_and(|fails_at| made >= fails_at) {
-                let error = DriveError::device(Overload { amperes: 7.5 });
-                return Err(DriveFault::between(made as i64, made as i64 + 10, error));
-            }
-            let next = (made + 10).min(all);
-            match gate(made, next) {
-                Leave::Go => {
-                    if self.waits_at == Some(made) {
-                        std::thread::sleep(Duration::from_millis(1500));
-                    }
-                    self.turned += sign * (next - made) as i64;
-                    made = next;
-                }
-                Leave::Wait => {}
-                Leave::Stop => break,
-            }
-        }
-        Ok(made)
-    }
-}
-
-fn go(_: u64) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn bench(folder: &Path) -> Bench {
-    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
-    bench.driven_by(&Servo::default()).unwrap().confirming_pump(true)
-}
+use super::servo::{Overload, Servo, bench, counting, go};
 
 #[test]
 fn a_session_goes_to_another_thread() {
@@ -301,13 +191,6 @@ fn a_drive_that_lets_go_after_each_motion_knows_its_angle_less_well() {
     }
 }
 
-/// Bench of a servo that tells its count.
-fn counting(folder: &Path) -> (Bench, Servo) {
-    let servo = Servo { counts: true, turned: 7, ..Servo::default() };
-    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
-    (bench.driven_by(&servo).unwrap().confirming_pump(true), servo)
-}
-
 #[test]
 fn a_count_that_changed_until_the_drive_was_connected_again_loses_the_angle() {
     for (strays, is_known) in [(0, true), (300, false)] {
@@ -422,75 +305,4 @@ fn a_rotor_that_was_moved_while_it_rested_is_not_dosed_with() {
     assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
     let again = session.prepare(DoseRequest::dose(0.1)).unwrap();
     assert!(session.run(&again, go).unwrap().completed);
-}
-
-/// The drive `sim`, which fails in its first motion.
-#[derive(Debug)]
-struct FailsOnce<'a> {
-    sim: Sim<'a>,
-    /// Motions that were begun.
-    motions: &'a Mutex<u32>,
-}
-
-impl Drive for FailsOnce<'_> {
-    fn id(&self) -> &str {
-        self.sim.id()
-    }
-
-    fn is_simulated(&self) -> bool {
-        self.sim.is_simulated()
-    }
-
-    fn abilities(&self) -> Abilities {
-        self.sim.abilities()
-    }
-
-    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        *self.motions.lock().unwrap() += 1;
-        if *self.motions.lock().unwrap() == 1 {
-            return Err(DriveFault::at(0, DriveError::device(Overload { amperes: 7.5 })));
-        }
-        self.sim.run(plan, gate)
-    }
-}
-
-#[test]
-fn a_session_that_was_given_the_drive_of_a_pump_file_goes_on_with_it_after_a_fault() {
-    let folder = tempfile::tempdir().unwrap();
-    let plain = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
-    let model = built_in("three-roller").unwrap().model().unwrap();
-    let motions = Mutex::new(0);
-    let drive = FailsOnce { sim: Sim::new(&model), motions: &motions };
-    let mut session = Session::with_drive(&plain, Box::new(drive)).unwrap();
-    let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
-    session.run(&prepared, go).unwrap_err();
-    session.discard().unwrap();
-    let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
-    assert!(session.run(&prepared, go).unwrap().completed);
-    assert_eq!(*motions.lock().unwrap(), 2, "the drive that was given has moved");
-}
-
-#[test]
-fn a_motor_whose_drive_failed_is_not_let_go_of_until_it_was_met_anew() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut file = built_in("three-roller").unwrap();
-    file.drive = Some(DriveTable::of(DriverName::Sim).with_hold_timeout_s(0.0));
-    file.motor.confirmed = None;
-    let mut servo = Servo { released: Some(0), fails_at: Some(200), ..Servo::default() };
-    let bench = Bench::new(file, None, folder.path()).unwrap().driven_by(&servo).unwrap();
-    {
-        let mut session = Session::with_drive(&bench, Box::new(&mut servo)).unwrap();
-        session.set_angle(Some(Phase::known(0.3))).unwrap();
-        let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
-        session.run(&prepared, go).unwrap_err();
-        let failed = *session.state().unwrap();
-        session.release_when_due().unwrap();
-        assert_eq!(*session.state().unwrap(), failed, "the record still says that the motor holds");
-        // Once it was met anew, the release is on record before the motor is let go of.
-        session.connect().unwrap();
-        session.release_when_due().unwrap();
-        let state = session.state().unwrap();
-        assert!(state.released && state.unfinished.is_some() && state.half_width_rad > failed.half_width_rad);
-    }
-    assert_eq!(servo.released, Some(1));
 }

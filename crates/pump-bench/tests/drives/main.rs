@@ -4,5 +4,7 @@
 
 mod before_motion;
 mod given;
+mod met_anew;
+mod servo;
 mod settling;
 mod stepped;
