@@ -4,6 +4,7 @@
 A time is the shortest of several; a peak of memory is that of a process of its own, with its start.
 """
 
+import math
 import os
 import re
 import subprocess
@@ -180,7 +181,7 @@ def volumes() -> Section:
         volume = f"{volume_ml}mL"
         calls = (
             lambda volume=volume: doser.plan(volume, rate="5mL/s", start_angle_rad=0.3),
-            lambda volume=volume: doser.plan(volume, rate="5mL/s"),
+            lambda volume=volume: doser.plan(volume, rate="5mL/s", start_half_width_rad=math.pi),
             lambda volume=volume: doser.plan(volume, rate="5mL/s", start_angle_rad=0.3, smooth=True),
         )
         for curve, call in zip(curves.values(), calls, strict=True):
