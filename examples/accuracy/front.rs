@@ -63,7 +63,7 @@ pub(crate) fn error_of_a_small_dose(trial: &Trial) -> Result<String, Box<dyn Err
         label: "angle of the rollers at the start, deg",
         range: 0.0..degrees(trial.pump.pitch_rad()),
         mark: None,
-        panel_height: 340,
+        panel_height: 360,
         panels: vec![panel],
     };
     Ok(chart.narrow_svg()?)
@@ -91,7 +91,7 @@ pub(crate) fn smooth_beside_pulsating() -> Result<String, Box<dyn Error>> {
         label: "time, s",
         range: 0.0..end_s,
         mark: None,
-        panel_height: 320,
+        panel_height: 350,
         panels: vec![Panel { label: "flow at the rollers, mL/s", curves }],
     };
     Ok(chart.narrow_svg()?)

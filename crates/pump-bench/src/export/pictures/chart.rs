@@ -23,8 +23,8 @@ struct Look {
 
 /// The look on a screen.
 const WIDE: Look = Look { width: 900, title: 20, letters: 13, below: 40, beside: 60, numbers: 11 };
-/// The look on a phone too, whose 330 px leave letters of 11 px.
-const NARROW: Look = Look { width: 480, title: 18, letters: 16, below: 44, beside: 56, numbers: 7 };
+/// The look on a phone too, whose 330 px leave letters of 11 px (a font of n px is drawn with n/1.24).
+const NARROW: Look = Look { width: 480, title: 22, letters: 20, below: 50, beside: 62, numbers: 7 };
 
 /// Height of a panel from which on its vertical axis has twice as many numbers, in px.
 const HIGH: u32 = 360;
@@ -254,7 +254,7 @@ impl Curve {
         let font = TextStyle::from(("sans-serif", px(look.letters)).into_font());
         plane.draw_series(self.points.iter().map(|point| {
             let words = format!("{:.0}{}", point.1, self.label);
-            let above = Text::new(words, (-px(14), -px(24)), font.clone());
+            let above = Text::new(words, (-px(look.letters + 1), -px(look.letters + 11)), font.clone());
             EmptyElement::at(*point) + Circle::new((0, 0), px(4), colour.filled()) + above
         }))?;
         Ok(())
