@@ -1,6 +1,7 @@
 //! `dose accept`: an unfinished dose is accepted as it is.
 
 use clap::Args;
+use pump_bench::Bench;
 use pump_bench::report::{AcceptedReport, accepted_text};
 
 use crate::advice;
@@ -9,8 +10,26 @@ use crate::options::bench::BenchOptions;
 use crate::options::report::FormatOption;
 use crate::terminal::{noted, print_json, tell, warn};
 
+/// The unfinished dose that is meant.
+#[derive(Debug, Args)]
+pub(super) struct NamedDose {
+    /// Unfinished dose that is meant, by its number in `dose status --format json` or by the order of `dose serve` that
+    /// made it. Another one is refused
+    #[arg(long, value_name = "NUMBER")]
+    dose: Option<String>,
+}
+
+impl NamedDose {
+    /// Refuses if another dose is unfinished than the one that is meant. The caller holds the pump's lock.
+    pub(super) fn check(&self, bench: &Bench) -> Result<(), Failure> {
+        Ok(self.dose.iter().try_for_each(|dose| bench.check_is_unfinished(dose))?)
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct AcceptArgs {
+    #[command(flatten)]
+    named: NamedDose,
     #[command(flatten)]
     bench: BenchOptions,
     #[command(flatten)]
@@ -21,6 +40,7 @@ impl AcceptArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
+        self.named.check(&bench)?;
         let accepted = session.accept();
         let accepted = noted(&mut session, accepted)?;
         let unasked = accepted.unasked.as_ref();

@@ -3,6 +3,7 @@
 use clap::Args;
 use pump_bench::{DoseError, DoseRequest};
 
+use super::accept::NamedDose;
 use super::by_weight;
 use super::delivery::{Said, deliver, find_angle_of_rest, report};
 use crate::failure::Failure;
@@ -21,6 +22,8 @@ use crate::warned::Warned;
 
 #[derive(Debug, Args)]
 pub(crate) struct ResumeArgs {
+    #[command(flatten)]
+    named: NamedDose,
     #[command(flatten)]
     cruise: CruiseOptions,
     /// Let the speed follow the rollers for a smooth flow
@@ -78,14 +81,17 @@ impl ResumeArgs {
                     "a rest by weight is planned from what the balance shows; leave out --dry-run or --until-scale",
                 ));
             }
+            self.named.check(&bench)?;
             return by_weight::resume(&bench, request, &self.by_weight, &self.balance, &said);
         }
         if self.dry_run {
+            self.named.check(&bench)?;
             let prepared = bench.prepare_rest(request)?;
             return report(&bench, &prepared, None, &said);
         }
         let interrupt = Interrupt::watch()?;
         let mut session = bench.session()?;
+        self.named.check(&bench)?;
         find_angle_of_rest(&mut session, &interrupt)?;
         let prepared = match session.prepare_rest(request) {
             // The dose is done, as was asked.

@@ -58,6 +58,9 @@ fn a_pump_stands_with_exit_code_5_until_it_is_cleared_by_name_with_a_reason() {
     assert!(cleared.out.starts_with("tank may go on, and your reason is on record"), "{}", cleared.out);
     let journal = fs::read_to_string(user.path("state/tank/sim/journal.jsonl")).unwrap();
     assert!(journal.contains("the tank is at 23 L, as it should be"));
+    // The volumes before are not said to be nothing: the count is one since the clear.
+    let counted = user.types(&["safety", "--pump", tank]).out;
+    assert!(counted.contains("safety: 0 of 30 mL since it was cleared at 20"), "{counted}");
     assert_eq!(dose(&["30mL"]).code, 0);
     let again = user.types(&["safety", "clear", tank, "--reason", "once more"]);
     assert!(again.code == 2 && again.err.contains("does not stand"), "{}", again.err);

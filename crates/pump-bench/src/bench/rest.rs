@@ -74,6 +74,32 @@ impl Session<'_> {
 }
 
 impl Bench {
+    /// Refuses unless the unfinished dose is the named one: by its number in the log, or by the order of a service that
+    /// made it or its last part. The caller holds the pump's lock, so that no other dose comes after the check.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NotUnfinished`] if another dose is unfinished, or none, and [`DoseError::Journal`] where the record
+    /// cannot be read.
+    pub fn check_is_unfinished(&self, dose: &str) -> Result<(), DoseError> {
+        let open = self.story()?.state.and_then(|state| state.unfinished).map(|open| open.intent);
+        let told = open.and_then(|intent| intent.told);
+        let is_it = told.is_some_and(|told| {
+            told.number.to_string() == dose || told.order.is_some_and(|order| order.as_str() == dose)
+        });
+        if is_it {
+            return Ok(());
+        }
+        let now = open.map_or_else(
+            || "no dose is".to_owned(),
+            |intent| {
+                let number = told.map_or(String::new(), |told| format!(" {}", told.number));
+                format!("dose{number} of {} mL is", significant(intent.whole_requested_ml(), 6))
+            },
+        );
+        Err(DoseError::NotUnfinished { dose: dose.to_owned(), now })
+    }
+
     /// Plans the rest of the unfinished dose from the record, as [`Session::prepare_rest`] does. Moves and writes
     /// nothing, and does not ask the device.
     ///

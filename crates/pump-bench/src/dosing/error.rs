@@ -309,6 +309,14 @@ pub enum DoseError {
     /// No unfinished dose is on record to resume or to accept.
     #[error("no unfinished dose is on record: there is nothing to {0}")]
     NothingUnfinished(&'static str),
+    /// Another dose than the one that was named is unfinished, or none.
+    #[error("dose `{}` is not unfinished any more; {now}", dose.escape_debug())]
+    NotUnfinished {
+        /// Number of the dose, or the order that made it.
+        dose: String,
+        /// Dose that is unfinished now, in words.
+        now: String,
+    },
     /// The motor was stopped because its next steps could not be recorded.
     #[error("the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded")]
     NotJournalled {

@@ -70,6 +70,7 @@ impl DoseError {
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
             | Self::WasFinished
+            | Self::NotUnfinished { .. }
             | Self::NothingUnfinished(_) => Ending::Refused,
         }
     }

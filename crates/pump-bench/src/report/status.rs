@@ -108,6 +108,8 @@ impl CalibrationStatus {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct UnfinishedStatus {
+    /// Number of its last motion in the log; null in a record of an early version.
+    pub number: Option<u64>,
     /// Purpose of the motion, for its words.
     #[serde(skip)]
     pub purpose: Purpose,
@@ -181,6 +183,7 @@ impl Status {
         let unfinished = state.unfinished.map(|dose| {
             let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
             UnfinishedStatus {
+                number: dose.intent.told.map(|told| told.number),
                 purpose: dose.intent.purpose,
                 requested_ml: dose.intent.whole_requested_ml(),
                 planned_ml: dose.intent.whole.map_or(0.0, |whole| whole.booked_ml) + dose.intent.planned_ml,

@@ -15,6 +15,9 @@ const SHORT_S: u64 = 60;
 const PART_S: u64 = 3600;
 const MOST_PARTS: u64 = 1000;
 
+/// Length of a day, in s.
+const DAY_S: u64 = 86_400;
+
 /// Account of the volumes that safety limits count. It is kept whether there are limits or not.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,6 +34,9 @@ pub(crate) struct SafetyAccount {
     /// Stand of the pump. `None` if it may move.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) stand: Option<Stand>,
+    /// Time at which a person has cleared the volumes of a day, in seconds since 1970. `None` if nobody has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cleared_s: Option<u64>,
 }
 
 impl SafetyAccount {
@@ -64,6 +70,12 @@ impl SafetyAccount {
     /// Returns the volume of the last 24 hours, in mL.
     pub(crate) fn day_ml(&self, now_s: u64) -> f64 {
         self.day.volume_ml(self.at(now_s).passed_s)
+    }
+
+    /// Returns the time at which the volumes were cleared that would count for the last 24 hours otherwise, in seconds
+    /// since 1970.
+    pub(crate) fn cleared_in_day_s(&self, now_s: u64) -> Option<u64> {
+        self.cleared_s.filter(|cleared_s| now_s < cleared_s.saturating_add(DAY_S))
     }
 
     /// Returns how far the clock is behind the latest time on record, in s. 0 if it is not.
@@ -141,7 +153,8 @@ impl SafetyAccount {
         if self.stand.is_some_and(|stand| stand.limit != SafetyLimit::Day) {
             return Self { stand: None, ..self };
         }
-        Self { time: Some(self.at(now_s)), day: LastDay::default(), stand: None, ..self }
+        let (time, day) = (Some(self.at(now_s)), LastDay::default());
+        Self { time, day, stand: None, cleared_s: Some(now_s), ..self }
     }
 
     /// Returns the account once the vessel is empty.

@@ -61,6 +61,7 @@ impl Explain for DoseError {
             }
             Self::NoIndex { .. } | Self::AngleIsKnown => of(ErrorKind::Angle),
             Self::SuckBack { source, .. } => source.facts(),
+            Self::NotUnfinished { dose, .. } => of(ErrorKind::Changed).value(dose),
             Self::WasFinished
             | Self::NothingUnfinished(_)
             | Self::NotJournalled { .. }

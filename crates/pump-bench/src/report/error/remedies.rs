@@ -78,6 +78,7 @@ impl DoseError {
             | Self::NotPutToStand { .. }
             | Self::RanOut { .. }
             | Self::WasFinished
+            | Self::NotUnfinished { .. }
             | Self::NothingUnfinished(_) => Vec::new(),
         }
     }

@@ -32,6 +32,9 @@ pub struct SafetyStatus {
     pub under_way_ml: f64,
     /// How far the clock is behind the latest time on record, s; 0 if it is not.
     pub clock_behind_s: u64,
+    /// Time at which a person has cleared the limit of 24 hours, RFC 3339: `day_ml` counts since then. Null if that is
+    /// more than 24 hours ago.
+    pub cleared: Option<Stamp>,
     /// Stand of the pump at a limit or by order; null if it may move.
     pub stand: Option<StandStatus>,
 }
@@ -76,6 +79,7 @@ impl SafetyStatus {
             vessel_left_ml: left(table.vessel_ml, received_ml + rest_ml.max(0.0)),
             under_way_ml: rest_ml.abs(),
             clock_behind_s: account.behind_s(now_s),
+            cleared: account.cleared_in_day_s(now_s).map(|unix_s| Stamp::new(unix_s, 0)),
             stand: account.stand.map(StandStatus::of),
         }
     }
@@ -86,7 +90,8 @@ impl SafetyStatus {
         let under_way = self.under_way_words();
         let day = self.max_ml_per_day.zip(self.day_left_ml).map(|(most_ml, left_ml)| {
             let (used, most, left) = (ml(self.day_ml), ml(most_ml), ml(left_ml));
-            format!("{used} of {most} mL in the last 24 h{under_way}, {left} mL left")
+            let within = self.day_words();
+            format!("{used} of {most} mL {within}{under_way}, {left} mL left")
         });
         let vessel = self.vessel_ml.zip(self.vessel_left_ml).map(|(holds_ml, left_ml)| {
             let received = ml(self.received_ml);
@@ -107,6 +112,12 @@ impl SafetyStatus {
         (!said.is_empty()).then(|| format!("safety: {}", said.join("; ")))
     }
 
+    /// The time that the volume of a day is of, in words.
+    fn day_words(&self) -> String {
+        let since = |cleared: Stamp| format!("since it was cleared at {cleared}, less than 24 h ago");
+        self.cleared.map_or_else(|| "in the last 24 h".to_owned(), since)
+    }
+
     /// The rest of the motion under way in words; empty without one.
     fn under_way_words(&self) -> String {
         let volume = || format!(", up to {} mL under way", significant(self.under_way_ml, 6));
@@ -121,8 +132,9 @@ impl SafetyStatus {
             unlimited(
                 self.max_ml_per_day,
                 format!(
-                    "no limit of 24 h: {} mL were pumped in the last 24 h{}",
+                    "no limit of 24 h: {} mL were pumped {}{}",
                     significant(self.day_ml, 6),
+                    self.day_words(),
                     self.under_way_words()
                 ),
             ),

@@ -26,6 +26,7 @@ class Unfinished(Record):
     run makes. A flow over time has `over_time`: no rest of it can be made, and it can be accepted alone.
     """
 
+    number: int | None
     requested_ml: float
     planned_ml: float
     delivered_least_ml: float
@@ -117,6 +118,7 @@ class Safety(Record):
     vessel_left_ml: float | None
     under_way_ml: float
     clock_behind_s: int
+    cleared: str | None
     stand: Stand | None
 
 
