@@ -50,7 +50,10 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // The error stays the last line of standard error.
-            on_fail.iter().for_each(|on_fail| on_fail.tell(&failure));
+            on_fail.iter().for_each(|on_fail| {
+                progress::supervised::ends();
+                on_fail.tell(&failure);
+            });
             if !json {
                 progress::supervised::failed(&failure.json());
             }

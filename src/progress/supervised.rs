@@ -26,6 +26,10 @@ const SCHEMA: &str = "progress/1";
 /// Time from one line of a motion to its next.
 const APART: Duration = Duration::from_millis(100);
 
+/// Longest time between two lines while the motor makes no further step: the supervising program hears that this one
+/// lives.
+const ALIVE: Duration = Duration::from_secs(1);
+
 /// Whether a supervising program is told lines; empty while none supervises this one.
 static TELLS: OnceLock<bool> = OnceLock::new();
 
@@ -82,6 +86,8 @@ enum Told<'a> {
     Moving { steps: u64, of_steps: u64, delivered_ml: f64, of_ml: Option<f64>, angle_deg: f64 },
     /// A batch waits for its next dose.
     Waiting { next_s: f64, number: u64, count: u64 },
+    /// The motion is over, and the command runs the one that tells a person of its failure.
+    Ending,
     /// The command has failed, and has told that in words. `error` is its `error/1`.
     Failed { error: Value },
 }
@@ -112,10 +118,11 @@ impl Lines {
     }
 
     /// Tells the place that the motion has `reached`, if it is a new one, and the last line is old enough or this is
-    /// the last step.
+    /// the last step. The same place is told again once a second.
     pub(crate) fn made(&self, steps: u64, reached: impl FnOnce() -> Reached) {
         let is_due = self.told.get().is_none_or(|(told, before)| {
-            before != steps && (told.elapsed() >= APART || steps == self.of_steps)
+            let (is_new, is_last) = (before != steps, steps == self.of_steps);
+            is_new && (told.elapsed() >= APART || is_last) || !is_last && told.elapsed() >= ALIVE
         });
         if !is_due {
             return;
@@ -146,6 +153,13 @@ pub(crate) fn rack_begun(plan: &RackReport) {
 pub(crate) fn waits(pump: &str, left: Duration, number: u64, count: u64) {
     if tells() {
         tell(pump, Told::Waiting { next_s: left.as_secs_f64(), number, count });
+    }
+}
+
+/// Tells that the motion is over, and that a person is told of its failure now.
+pub(crate) fn ends() {
+    if tells() {
+        tell("", Told::Ending);
     }
 }
 

@@ -251,7 +251,7 @@ fn a_stop_is_answered_where_streams_and_idle_clients_have_every_place() {
     // More than there are in reserve say nothing.
     let idle: Vec<TcpStream> = (0..200).map(|_| connect(&service.url)).collect();
     let (status, stopped) = service.post("/api/v1/stop", &json!({}));
-    assert_eq!((status, &stopped["stopped"]), (200, &json!([id])), "{stopped}");
+    assert_eq!((status, &stopped["asked"]), (200, &json!([id])), "{stopped}");
     assert_eq!(service.get("/api/v1/pumps").0, 503, "only a stop has a place");
     drop((streams, idle));
     crate::laboratory::wait_for("a place", || (service.get("/api/v1/pumps").0 == 200).then_some(()));

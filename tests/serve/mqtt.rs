@@ -74,7 +74,7 @@ fn a_motion_tells_its_progress_and_is_stopped() {
     assert!(told.len() <= 8, "{} lines for {:?}", told.len(), told.last().map(delivered));
 
     let answer = ear.ask("acid", "stop", "PRESS");
-    assert_eq!(answer["stopped"].as_array().unwrap().len(), 1, "{answer}");
+    assert_eq!(answer["asked"].as_array().unwrap().len(), 1, "{answer}");
     let state = ear.state("acid", "unfinished");
     assert_eq!(state["order"], Value::Null);
     assert_eq!(laboratory.log("acid")[0]["cause"], "a stop by MQTT");
@@ -90,7 +90,7 @@ fn a_motion_tells_its_progress_and_is_stopped() {
     for pump in ["acid", "base"] {
         ear.state(pump, "unfinished");
     }
-    assert_eq!(ear.at("pump-dose/stop/answer")[0].json()["stopped"].as_array().unwrap().len(), 2);
+    assert_eq!(ear.at("pump-dose/stop/answer")[0].json()["asked"].as_array().unwrap().len(), 2);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn a_stop_right_after_a_dose_finds_it() {
     ear.send("pump-dose/acid/stop/set", "now");
     let is_stop = |message: &Message| message.json()["command"] == "stop";
     let stopped = ear.hears("pump-dose/acid/answer", is_stop).json();
-    let id = stopped["stopped"][0].as_str().unwrap().to_owned();
+    let id = stopped["asked"][0].as_str().unwrap().to_owned();
     // The stop may come before the first step, so that nothing was moved, or soon after it.
     let order = service.ended(&id);
     assert!(["refused", "failed"].contains(&order["state"].as_str().unwrap()), "{order}");
@@ -155,6 +155,7 @@ fn a_killed_service_is_offline_and_an_ended_one_too() {
 #[test]
 fn a_retained_command_never_doses() {
     let Some((mut broker, laboratory)) = place("") else { return };
+    laboratory.tell_failures();
     let mut service = laboratory.serve(&["--pace", "fast"]);
     let ear = broker.ear();
     ear.status("online");
@@ -163,6 +164,7 @@ fn a_retained_command_never_doses() {
     assert_eq!((&answer["schema"], &answer["kind"]), (&json!("error/1"), &json!("retained")), "{answer}");
     let words = "a retained command would dose again after each restart";
     assert!(answer["message"].as_str().unwrap().contains(words), "{answer}");
+    wait_for("on_fail", || (laboratory.told() == ["acid 2 retained"]).then_some(()));
     ear.retain("pump-dose/acid/dose/set", "2mL");
 
     // The broker has it again for the service that begins anew.
@@ -179,6 +181,8 @@ fn a_retained_command_never_doses() {
     sleep(A_WHILE);
     assert_eq!(notes(&service, words), 2, "told once by each service");
     assert!(laboratory.log("acid").is_empty(), "nothing was dosed");
+    assert_eq!(ear.ask("acid", "dose", "lots")["kind"], "usage");
+    wait_for("on_fail of nonsense", || laboratory.told().contains(&"acid 2 usage".to_owned()).then_some(()));
 
     // Deleting it sends an empty one, which moves nothing either. Then a dose is a dose.
     ear.retain("pump-dose/acid/dose/set", "");

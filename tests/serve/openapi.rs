@@ -96,6 +96,9 @@ fn the_token_and_every_refusal_of_an_order_are_described() {
     assert_eq!(api["components"]["securitySchemes"]["token"]["scheme"], "bearer");
     let of_clear = api["components"]["schemas"]["ClearBody"]["required"].as_array().unwrap();
     assert!(of_clear.contains(&json!("by")), "{of_clear:?}");
+    let of_dose = schema(&api, "get", "/api/v1/doses/{id}", 200);
+    let either = ["Dose", "DoseBounds"].map(|name| json!({"$ref": format!("#/components/schemas/{name}")}));
+    assert_eq!(of_dose, &json!({"oneOf": either}));
     assert!(api["security"].as_array().unwrap().contains(&json!({"token": []})), "{}", api["security"]);
     for word in [
         "dose",
@@ -111,7 +114,7 @@ fn the_token_and_every_refusal_of_an_order_are_described() {
         "calibrate/use",
     ] {
         let path = format!("/api/v1/pumps/{{name}}/{word}");
-        for status in [401, 404, 409, 422, 423, 503] {
+        for status in [400, 401, 403, 404, 409, 413, 415, 421, 422, 423, 503] {
             let error = schema(&api, "post", &path, status);
             assert_eq!(error["$ref"], "#/components/schemas/Error", "{path} {status}");
         }

@@ -1,5 +1,7 @@
 //! Orders over HTTP.
 
+mod hung;
+mod meant;
 mod told;
 mod weighed;
 
@@ -197,7 +199,7 @@ fn a_stopped_dose_is_resumed_or_accepted() {
     let (status, busy) = service.post("/api/v1/pumps/acid/dose", &json!({"volume": "1mL"}));
     assert_eq!((status, &busy["code"], &busy["kind"]), (409, &json!(3), &json!("busy")));
     let (status, stopped) = service.post("/api/v1/pumps/acid/stop", &json!({}));
-    assert_eq!((status, &stopped["stopped"]), (200, &json!([id])));
+    assert_eq!((status, &stopped["asked"]), (200, &json!([id])));
     let order = service.ended(&id);
     assert_eq!((&order["state"], &order["code"]), (&json!("failed"), &json!(143)), "{order}");
     let part_ml = order["reports"][0]["delivered_ml"].as_f64().unwrap();

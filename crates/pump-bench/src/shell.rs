@@ -12,6 +12,17 @@ pub fn shell_command(command: &str) -> Command {
     shell
 }
 
+/// Asks a process that this one has started, and has not waited for yet, to end: SIGTERM. Windows has no such signal.
+pub fn ask_to_end(process: u32) {
+    #[cfg(unix)]
+    if let Some(process) = i32::try_from(process).ok().and_then(rustix::process::Pid::from_raw) {
+        // One that has ended meanwhile hears nothing.
+        let _ = rustix::process::kill_process(process, rustix::process::Signal::TERM);
+    }
+    #[cfg(not(unix))]
+    let _ = process;
+}
+
 /// Ends a command of [`shell_command`] and all that it has started in its group: they are this process's own.
 pub fn end_with_its_group(child: &mut Child) {
     #[cfg(unix)]

@@ -39,7 +39,12 @@ pub(super) async fn put_to_stand(service: &Service, pump: &Pump, reason: &str) -
         // The order that was stopped ends first. Nothing else begins: the service keeps the pump still.
         if service.is_ordered(pump) || pump.bench().is_held() {
             if Instant::now() >= tell_at {
-                tell("another process has the pump and may move it; stop that one");
+                tell(if service.is_ordered(pump) {
+                    "the order that was stopped for it has not ended yet; the service ends its process if that does \
+                     not answer"
+                } else {
+                    "another process has the pump and may move it; stop that one"
+                });
             }
             sleep(LOOK).await;
             continue;

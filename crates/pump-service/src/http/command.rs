@@ -182,6 +182,6 @@ fn told(line: &Line, text: String) -> Option<Value> {
         Line::Progress(value) => json!({"progress": value}),
         Line::Report(_) | Line::Words(_) => json!({"out": text}),
         Line::Message(_) | Line::Error(_) => json!({"err": text}),
-        Line::Failed(_) => return None,
+        Line::Failed(_) | Line::Ending => return None,
     })
 }

@@ -8,8 +8,14 @@ use super::session::SESSION_COOKIE;
 const SCHEMAS: &str = include_str!("schemas.json");
 
 /// Schemas of answers by the words with which descriptions name them.
-const NAMED: [(&str, &str); 4] =
-    [("`order/1`", "Order"), ("`dose/1`", "Dose"), ("`pump-view/1`", "PumpView"), ("`input/1`", "InputView")];
+const NAMED: [(&str, &str); 6] = [
+    ("`order/1`", "Order"),
+    ("`dose/1`", "Dose"),
+    ("`dose-bounds/1`", "DoseBounds"),
+    ("`pump-view/1`", "PumpView"),
+    ("`input/1`", "InputView"),
+    ("`asked`", "Stopped"),
+];
 
 /// Refusals of every path.
 const OF_ALL: [(&str, &str); 2] = [
@@ -18,7 +24,12 @@ const OF_ALL: [(&str, &str); 2] = [
 ];
 
 /// Refusals of every order.
-const OF_ORDERS: [(&str, &str); 3] = [
+const OF_ORDERS: [(&str, &str); 8] = [
+    ("400", "`error/1`: the header `Idempotency-Key` is empty, too long or no plain text"),
+    ("403", "`error/1`: a page of another site asks"),
+    ("413", "`error/1`: the body has more than 256 kB"),
+    ("415", "`error/1`: the header `Content-Type` is not `application/json`"),
+    ("421", "`error/1`: the header `Host` is not a name of the service"),
     ("409", "`error/1`: the pump or its board is in use, or a dose is unfinished"),
     ("422", "`error/1`: refused before anything moved, or the key stands for another order"),
     ("423", "`error/1`: the pump stands, at a safety limit, by order or by the guard"),
@@ -59,14 +70,19 @@ fn complete_operation(path: &str, operation: &mut Value) {
     }
     for (status, response) in responses {
         let said = response["description"].as_str().unwrap_or_default();
-        let name = NAMED.into_iter().filter_map(|(word, name)| Some((said.find(word)?, name))).min();
-        let schema = match name {
+        let mut names: Vec<(usize, &str)> =
+            NAMED.into_iter().filter_map(|(word, name)| Some((said.find(word)?, name))).collect();
+        names.sort_unstable();
+        let schema = match names[..] {
             _ if !status.starts_with('2') => reference("Error"),
-            Some((_, name)) if said.starts_with("A list of") => {
+            [(_, name), ..] if said.starts_with("A list of") => {
                 json!({"type": "array", "items": reference(name)})
             }
-            Some((_, name)) => reference(name),
-            None => continue,
+            [(_, "Dose"), (_, "DoseBounds"), ..] => {
+                json!({"oneOf": [reference("Dose"), reference("DoseBounds")]})
+            }
+            [(_, name), ..] => reference(name),
+            [] => continue,
         };
         response["content"] = json!({"application/json": {"schema": schema}});
     }

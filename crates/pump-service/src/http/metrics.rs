@@ -7,6 +7,7 @@ use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
 
 use super::shared::Shared;
+use crate::service::PumpView;
 
 /// A number of each pump: its name, its type, its help, and its value.
 type Metric = (&'static str, &'static str, &'static str, Vec<(String, f64)>);
@@ -17,21 +18,64 @@ type Metric = (&'static str, &'static str, &'static str, Vec<(String, f64)>);
 pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
     let service = &shared.service;
     let views: Vec<_> = service.pumps().map(|pump| service.view(pump)).collect();
-    let of = |value: fn(&pump_bench::report::Status) -> f64| {
-        let values = views.iter().filter_map(|view| Some((view.name.clone(), value(view.status.as_ref()?))));
-        values.collect()
+    let is = |so: fn(&PumpView) -> bool| {
+        views.iter().map(|view| (view.name.clone(), f64::from(u8::from(so(view))))).collect()
     };
-    let moves = views.iter().map(|view| (view.name.clone(), f64::from(u8::from(view.order.is_some()))));
-    let read = views.iter().map(|view| (view.name.clone(), f64::from(u8::from(view.error.is_none()))));
-    let metrics: [Metric; 10] = [
-        ("dose_pump_readable", "gauge", "1 if the record of the pump can be read.", read.collect()),
-        ("dose_pump_ordered", "gauge", "1 while the pump carries out an order.", moves.collect()),
+    let stands = service.pumps().zip(&views).filter_map(|(pump, view)| {
+        let is_on_record = view.status.as_ref()?.safety.stand.is_some();
+        Some((view.name.clone(), f64::from(u8::from(is_on_record || service.is_kept_still(pump)))))
+    });
+    let mut metrics: Vec<Metric> = vec![
+        (
+            "dose_pump_readable",
+            "gauge",
+            "1 if the record of the pump can be read.",
+            is(|view| view.error.is_none()),
+        ),
+        (
+            "dose_pump_ordered",
+            "gauge",
+            "1 while the pump carries out an order.",
+            is(|view| view.order.is_some()),
+        ),
+        (
+            "dose_pump_silent",
+            "gauge",
+            "1 while the process of an order is silent although its motor turned.",
+            is(|view| view.silent_since.is_some()),
+        ),
         (
             "dose_tube_volume_ml_total",
             "counter",
             "Volume that the tube has pumped, in mL.",
             service.pumps().map(|pump| (pump.name().to_owned(), pump.tube_ml())).collect(),
         ),
+        (
+            "dose_stands",
+            "gauge",
+            "1 if the pump stands at a safety limit or by order, or the guard holds it.",
+            stands.collect(),
+        ),
+    ];
+    metrics.extend(of_records(&views));
+    let mut text = String::new();
+    for (name, kind, help, values) in metrics {
+        let _ = write!(text, "# HELP {name} {help}\n# TYPE {name} {kind}\n");
+        for (pump, value) in values {
+            let pump = pump.replace('\\', "\\\\").replace('"', "\\\"");
+            let _ = writeln!(text, "{name}{{pump=\"{pump}\"}} {value}");
+        }
+    }
+    ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], text)
+}
+
+/// Returns the numbers of the pumps' records.
+fn of_records(views: &[PumpView]) -> [Metric; 6] {
+    let of = |value: fn(&pump_bench::report::Status) -> f64| {
+        let values = views.iter().filter_map(|view| Some((view.name.clone(), value(view.status.as_ref()?))));
+        values.collect()
+    };
+    [
         (
             "dose_day_ml",
             "gauge",
@@ -63,20 +107,5 @@ pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
             "1 if a dose is unfinished.",
             of(|status| f64::from(u8::from(status.unfinished.is_some()))),
         ),
-        (
-            "dose_stands",
-            "gauge",
-            "1 if the pump stands at a safety limit or by order.",
-            of(|status| f64::from(u8::from(status.safety.stand.is_some()))),
-        ),
-    ];
-    let mut text = String::new();
-    for (name, kind, help, values) in metrics {
-        let _ = write!(text, "# HELP {name} {help}\n# TYPE {name} {kind}\n");
-        for (pump, value) in values {
-            let pump = pump.replace('\\', "\\\\").replace('"', "\\\"");
-            let _ = writeln!(text, "{name}{{pump=\"{pump}\"}} {value}");
-        }
-    }
-    ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], text)
+    ]
 }

@@ -50,12 +50,6 @@ struct ReasonBody {
     key: Option<String>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct KeyBody {
-    key: Option<String>,
-}
-
 impl Asked {
     /// Reads the payload of a command, or says what is wrong with it.
     pub(super) fn read(word: &str, payload: &[u8]) -> Result<Self, String> {
@@ -84,8 +78,8 @@ impl Asked {
                 Ok(Self::Order { task: Task::Resume, options, key })
             }
             "accept" if is_json => {
-                let KeyBody { key } = json(text)?;
-                Ok(Self::Order { task: Task::Accept, options: Options::new(), key })
+                let OptionsBody { options, key } = json(text)?;
+                Ok(Self::Order { task: Task::Accept, options, key })
             }
             "resume" if text == word || text == PRESS => plain(Task::Resume),
             "accept" if text == word || text == PRESS => plain(Task::Accept),
@@ -117,7 +111,7 @@ fn allowed(word: &str) -> &'static str {
             "allowed: a volume as 25mL, or {\"volume\": \"25mL\", \"options\": {}, \"key\": \"...\"}"
         }
         "resume" => "allowed: resume, or {\"options\": {}, \"key\": \"...\"}",
-        "accept" => "allowed: accept, or {\"key\": \"...\"}",
+        "accept" => "allowed: accept, or {\"options\": {}, \"key\": \"...\"}",
         "clear" => "allowed: {\"reason\": \"...\", \"by\": \"...\", \"key\": \"...\"}; `by` names the person",
         "volume" => "allowed: a number above 0, in mL",
         _ => "see docs/mqtt.md",

@@ -17,6 +17,7 @@ use crate::guard::Guard;
 use crate::history::{Key, OrderState};
 use crate::order::{Order, OrderId, Origin, Task};
 use crate::service::{Placed, Refusal, Service, error_report};
+use crate::shell::Failed;
 
 /// Answers that wait at a time. Commands beyond them are not carried out; stops are.
 const WAITING: usize = 64;
@@ -36,6 +37,7 @@ pub(super) struct Hearer<'a> {
     client: AsyncClient,
     retained: &'a mut Retained,
     room: Arc<Semaphore>,
+    alarms: Arc<Semaphore>,
     has_told_flood: bool,
 }
 
@@ -47,8 +49,8 @@ impl<'a> Hearer<'a> {
         client: AsyncClient,
         retained: &'a mut Retained,
     ) -> Self {
-        let room = Arc::new(Semaphore::new(WAITING));
-        Self { service, guard, topics, client, retained, room, has_told_flood: false }
+        let (room, alarms) = (Arc::new(Semaphore::new(WAITING)), Arc::new(Semaphore::new(1)));
+        Self { service, guard, topics, client, retained, room, alarms, has_told_flood: false }
     }
 
     /// Takes what has happened on the connection.
@@ -98,7 +100,7 @@ impl<'a> Hearer<'a> {
             return answer.refuse("retained", &retained_words(topic));
         }
         if let Some(Err(refusal)) = command.pump.map(|pump| self.service.pump(pump)) {
-            return answer.give(refusal.report());
+            return answer.fail(refusal.report());
         }
         let asked = match Asked::read(command.word, &message.payload) {
             Ok(asked) => asked,
@@ -115,7 +117,10 @@ impl<'a> Hearer<'a> {
     async fn carry_out(&mut self, command: Command<'_>, asked: Asked, answer: Answer) {
         let pump = command.pump.unwrap_or_default().to_owned();
         match asked {
-            Asked::Stop => answer.give(json!({"stopped": self.stop(command)})),
+            Asked::Stop => {
+                let (service, asked) = (self.service.clone(), self.stop(command));
+                tokio::spawn(async move { answer.give(service.stopped(&asked).await) });
+            }
             Asked::Volume(volume_ml) => match keep(self.service.history(), &pump, volume_ml) {
                 Ok(text) => {
                     let topic = self.topics.of(&pump, "volume");
@@ -174,8 +179,8 @@ impl<'a> Hearer<'a> {
         // The first poll records the order and starts its command; the rest waits for its first motion.
         tokio::select! {
             biased;
-            placed = &mut placing => answer.give(told(placed)),
-            () = ready(()) => drop(tokio::spawn(async move { answer.give(told(placing.await)) })),
+            placed = &mut placing => answer.tell(placed),
+            () = ready(()) => drop(tokio::spawn(async move { answer.tell(placing.await) })),
         }
     }
 }
@@ -191,22 +196,17 @@ fn retained_words(topic: &str) -> String {
 }
 
 /// Returns the answer to an order: `order/1`, or the `error/1` of one that was refused before anything moved.
-fn told(placed: Result<Placed, Refusal>) -> Value {
-    match placed {
-        Ok(Placed { record, repeated }) if record.state != OrderState::Refused => {
-            let mut answer = json!(record.brief());
-            if let Some(answer) = answer.as_object_mut() {
-                answer.insert("repeated".to_owned(), repeated.into());
-            }
-            answer
-        }
-        Ok(Placed { record, .. }) => {
-            let code = record.code.and_then(|code| u8::try_from(code).ok()).unwrap_or(2);
-            let unknown = || error_report(code, "command", "the command was refused without a reason");
-            record.error.unwrap_or_else(unknown)
-        }
-        Err(refusal) => refusal.report(),
+fn told(Placed { record, repeated }: Placed) -> Value {
+    if record.state == OrderState::Refused {
+        let code = record.code.and_then(|code| u8::try_from(code).ok()).unwrap_or(2);
+        let unknown = || error_report(code, "command", "the command was refused without a reason");
+        return record.error.unwrap_or_else(unknown);
     }
+    let mut answer = json!(record.brief());
+    if let Some(answer) = answer.as_object_mut() {
+        answer.insert("repeated".to_owned(), repeated.into());
+    }
+    answer
 }
 
 /// Answer to one command.
@@ -216,16 +216,46 @@ struct Answer {
     word: String,
     key: Option<String>,
     room: OwnedSemaphorePermit,
+    service: Service,
+    pump: String,
+    /// Room of the one refusal that a person is told of at a time: a broken program may send many.
+    alarms: Arc<Semaphore>,
 }
 
 impl Answer {
     fn new(hearer: &Hearer<'_>, command: Command<'_>, room: OwnedSemaphorePermit) -> Self {
         let (client, topic) = (hearer.client.clone(), hearer.topics.answer(command));
-        Self { client, topic, word: command.word.to_owned(), key: None, room }
+        let (word, pump) = (command.word.to_owned(), command.pump.unwrap_or_default().to_owned());
+        let (service, alarms) = (hearer.service.clone(), hearer.alarms.clone());
+        Self { client, topic, word, key: None, room, service, pump, alarms }
     }
 
     fn refuse(self, kind: &str, message: &str) {
-        self.give(error_report(2, kind, message));
+        self.fail(error_report(2, kind, message));
+    }
+
+    /// Answers with the refusal of an order that no command was begun for, and tells a person of it.
+    fn fail(self, report: Value) {
+        if self.word != "volume"
+            && let Ok(permit) = self.alarms.clone().try_acquire_owned()
+        {
+            let (service, pump) = (self.service.clone(), self.pump.clone());
+            let (report, delivered_ml) = (report.clone(), Some((0.0, 0.0)));
+            let failed = Failed { pump, rack: String::new(), report, delivered_ml };
+            tokio::spawn(async move {
+                service.on_fail("mqtt", failed).await;
+                drop(permit);
+            });
+        }
+        self.give(report);
+    }
+
+    /// Answers with an order, or its refusal. The command of one that was begun has told a person itself.
+    fn tell(self, placed: Result<Placed, Refusal>) {
+        match placed {
+            Ok(placed) => self.give(told(placed)),
+            Err(refusal) => self.fail(refusal.report()),
+        }
     }
 
     fn give(self, answer: Value) {
@@ -234,7 +264,7 @@ impl Answer {
 
     /// Sends the answer with its command and its key, and a retained message beside it.
     fn give_beside(self, mut answer: Value, beside: Option<(String, String)>) {
-        let Self { client, topic, word, key, room } = self;
+        let Self { client, topic, word, key, room, .. } = self;
         if let Some(answer) = answer.as_object_mut() {
             answer.insert("command".to_owned(), word.into());
             answer.insert("key".to_owned(), key.into());

@@ -32,6 +32,8 @@ pub(crate) fn read_options<'de, D: Deserializer<'de>>(from: D) -> Result<Options
     let read = |(name, value): (String, Value)| match value {
         Value::String(text) => Ok((name, Choice::Text(text))),
         Value::Bool(on) => Ok((name, Choice::Switch(on))),
+        // The log and the view of a pump have the number of a dose as a number.
+        Value::Number(number) if name == "dose" => Ok((name, Choice::Text(number.to_string()))),
         other => {
             let instead = match name.as_str() {
                 "rate" => "write a text with its unit, as \"5mL/min\"",
@@ -71,12 +73,12 @@ impl Task {
             Self::Run => of(&["for", "volume"]),
             Self::Resume => {
                 let not = |name: &&str| *name != "start-angle";
-                OF_MOTIONS.into_iter().filter(not).chain(["fluid", "temperature", "finish"]).collect()
+                OF_MOTIONS.into_iter().filter(not).chain(["fluid", "temperature", "finish", "dose"]).collect()
             }
             Self::Rack { .. } => vec!["unfinished", "max-per-day"],
             Self::Calibrate { .. } => vec!["dose", "scale"],
-            Self::Accept
-            | Self::Stand { .. }
+            Self::Accept => vec!["dose"],
+            Self::Stand { .. }
             | Self::Clear { .. }
             | Self::Emptied
             | Self::UseCalibration { .. }

@@ -6,17 +6,19 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use jiff::Timestamp;
+use pump_bench::report::ErrorKind;
 use serde_json::{Value, json};
 use thiserror::Error;
 use tokio::task::JoinSet;
 
 use super::doubt::doubt;
 use super::loaded::Loaded;
-use super::run::{KIND, Run, in_turn};
+use super::run::{KIND, Run, in_turn, order};
 use super::trial::{Files, Seen, Trial};
 use crate::history::HistoryError;
 use crate::schedule::{Entry, Missed, ScheduleError};
-use crate::service::Service;
+use crate::service::{Service, error_report};
+use crate::shell::Failed;
 
 /// Time between two looks at the clock and at the file.
 const LOOK: Duration = Duration::from_millis(500);
@@ -227,6 +229,8 @@ impl Runner {
             }
         };
         self.service.note(KIND, entry.action().pump(), &text);
+        let report = error_report(1, ErrorKind::Missed.as_str(), &text);
+        self.service.alarm(KIND, Failed::of(&order(entry), report, Some((0.0, 0.0))));
         Ok(())
     }
 

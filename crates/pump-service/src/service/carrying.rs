@@ -13,7 +13,9 @@ use crate::worker::{Ended, Line, Worker, message_of};
 impl Service {
     /// Carries an order out to its end, and records that.
     pub(super) async fn carry_out(&self, id: OrderId, worker: Worker, stops: UnboundedReceiver<String>) {
-        let ended = worker.run(stops, |line, text| self.hear(&id, line, text)).await;
+        let (hear, heed) =
+            (|line: &Line, text: &str| self.hear(&id, line, text), |sign| self.heed(&id, sign));
+        let ended = worker.run_watched(stops, hear, heed).await;
         let ended = ended.unwrap_or_else(|error| {
             let text = format!("the end of the command cannot be learned: {error}");
             self.hear(&id, &Line::Message(text.clone()), &text);
@@ -146,6 +148,7 @@ impl Service {
                 }
                 self.tell("progress", &value);
             }
+            Line::Ending => {}
             Line::Report(_) | Line::Words(_) | Line::Message(_) | Line::Error(_) | Line::Failed(_) => {
                 self.tell("order", &order.shown().brief());
             }
@@ -157,6 +160,14 @@ impl Service {
         let named = |pump: &&Pump| id.is_some_and(|id| pump.bench().file().pump.id == id);
         let of_id = || self.pumps().find(named).map(|pump| pump.name().to_owned());
         if self.pump(ordered).is_ok() { ordered.to_owned() } else { of_id().unwrap_or_default() }
+    }
+
+    /// Runs the configuration's `on_fail` beside what else goes on.
+    pub(crate) fn alarm(&self, kind: &'static str, failed: Failed) {
+        if self.config().on_fail().is_some() {
+            let service = self.clone();
+            tokio::spawn(async move { service.on_fail(kind, failed).await });
+        }
     }
 
     /// Runs the configuration's `on_fail` for a failure that no process of the command tells. A failure of its own is

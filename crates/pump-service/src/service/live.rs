@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use jiff::Timestamp;
 use serde_json::Value;
 use tokio::sync::mpsc::UnboundedSender;
 
@@ -36,6 +37,10 @@ pub(super) struct Live {
     hearer: Option<UnboundedSender<(Line, String)>>,
     /// True once the first motion began, or the command told its end.
     pub(super) has_begun: bool,
+    /// Time since which its process is silent although a motor turns.
+    pub(super) silent_since: Option<Timestamp>,
+    /// Time at which it was first asked to stop.
+    pub(super) stop_asked: Option<Timestamp>,
 }
 
 impl Live {
@@ -44,12 +49,13 @@ impl Live {
         stops: UnboundedSender<String>,
         hearer: Option<UnboundedSender<(Line, String)>>,
     ) -> Self {
-        let (plans, progress, announced) = Default::default();
-        Self { record, plans, progress, announced, stops, hearer, has_begun: false }
+        let (plans, progress, announced, silent_since, stop_asked) = Default::default();
+        Self { record, plans, progress, announced, stops, hearer, has_begun: false, silent_since, stop_asked }
     }
 
     /// Asks the command to stop for this reason.
-    pub(super) fn stop(&self, reason: &str) {
+    pub(super) fn stop(&mut self, reason: &str) {
+        self.stop_asked.get_or_insert_with(Timestamp::now);
         // A command that has ended hears nothing any more.
         let _ = self.stops.send(reason.to_owned());
     }
@@ -122,6 +128,7 @@ impl Live {
                 }
                 self.record.reports.push(report.clone());
             }
+            Line::Ending => {}
             Line::Words(text) | Line::Message(text) if text.is_empty() => {}
             Line::Words(text) | Line::Message(text) => {
                 if self.record.messages.len() == MOST_MESSAGES {

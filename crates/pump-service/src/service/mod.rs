@@ -4,6 +4,7 @@ mod begin;
 mod carrying;
 mod error;
 mod event;
+mod hung;
 mod live;
 mod placing;
 mod pump;

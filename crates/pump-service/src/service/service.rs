@@ -8,9 +8,10 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 use pump_bench::config::Config;
+use serde_json::{Value, json};
 use tokio::sync::broadcast::{self, Receiver, Sender};
 use tokio::sync::mpsc::UnboundedSender;
-use tokio::time::{Instant, sleep_until};
+use tokio::time::{Instant, sleep, sleep_until};
 
 use super::begin::{Asked, Begun};
 use super::error::ServiceError;
@@ -31,6 +32,9 @@ const BEHIND: usize = 1024;
 
 /// Longest wait for the begin of an order's first motion, before its taker is answered.
 const BEGINS_WITHIN: Duration = Duration::from_secs(2);
+
+/// Longest wait for the end of orders that were asked to stop, before whoever asked is answered.
+const ANSWERED_WITHIN: Duration = Duration::from_secs(1);
 
 /// Longest key, in bytes.
 const LONGEST_KEY: usize = 200;
@@ -95,8 +99,14 @@ impl Service {
             service.take_over()?;
         }
         for cut in service.history().cut_off(Timestamp::now())? {
+            // The process of a service that was killed may still decelerate, and records its end then.
+            let pump = service.pump(&cut.order.pump).ok().filter(|pump| !pump.bench().is_held());
+            let delivered = pump.and_then(|pump| pump.bench().delivered_by(cut.id.as_str())).map_or_else(
+                || "the pump's record has what was delivered".to_owned(),
+                |((least_ml, most_ml), _)| format!("it has delivered {least_ml:.4} to {most_ml:.4} mL"),
+            );
             let text = format!(
-                "the service ended before order {} ({}) did; the pump's record has what was delivered",
+                "the service ended before order {} ({}) did; {delivered}",
                 cut.id,
                 cut.order.task.name()
             );
@@ -156,8 +166,8 @@ impl Service {
     /// Returns what people are shown of a pump, with the order that it carries out.
     pub fn view(&self, pump: &Pump) -> PumpView {
         let mut view = pump.view();
-        if let Some(last) = view.last.as_mut().and_then(serde_json::Value::as_object_mut) {
-            let order = last.get("order").and_then(serde_json::Value::as_str);
+        if let Some(last) = view.last.as_mut().and_then(Value::as_object_mut) {
+            let order = last.get("order").and_then(Value::as_str);
             let origin = order.and_then(|order| self.history().origin(order).ok()?);
             last.insert("origin".to_owned(), origin.into());
         }
@@ -167,6 +177,7 @@ impl Service {
             view.order = Some(order.record.id.clone());
             view.task = Some(order.record.order.task.name());
             (view.plan, view.progress) = order.of_pump(id);
+            (view.silent_since, view.stop_asked) = (order.silent_since, order.stop_asked);
         }
         view
     }
@@ -174,6 +185,11 @@ impl Service {
     /// Returns true while a pump carries out an order.
     pub(crate) fn is_ordered(&self, pump: &Pump) -> bool {
         self.live().values().any(|order| order.is_of(pump.name(), &pump.bench().file().pump.id))
+    }
+
+    /// Returns true while the guard holds a pump still, also before that is on the pump's record.
+    pub(crate) fn is_kept_still(&self, pump: &Pump) -> bool {
+        self.0.still.has(pump.name())
     }
 
     /// Returns true while a pump carries out an order that turns its motor.
@@ -270,12 +286,12 @@ impl Service {
     }
 
     /// Stops the orders of a pump, or all orders. Returns the orders that were asked to stop. Each motor decelerates,
-    /// and stands with its volume on record.
+    /// and stands with its volume on record. The process of an order that does not answer is ended.
     pub fn stop(&self, pump: Option<&str>, reason: &str) -> Vec<OrderId> {
-        let live = self.live();
+        let mut live = self.live();
         let id = pump.and_then(|name| self.0.pumps.get(name)).map(|pump| &pump.bench().file().pump.id);
         let stopped = live
-            .values()
+            .values_mut()
             .filter(|order| pump.is_none_or(|name| order.may_be_of(name, id.map_or(name, String::as_str))));
         stopped
             .map(|order| {
@@ -287,8 +303,24 @@ impl Service {
 
     /// Stops one order. Returns false if it is not carried out now.
     pub fn stop_order(&self, id: &OrderId, reason: &str) -> bool {
-        let live = self.live();
-        live.get(id).map(|order| order.stop(reason)).is_some()
+        let mut live = self.live();
+        live.get_mut(id).map(|order| order.stop(reason)).is_some()
+    }
+
+    /// Waits until orders that were asked to stop have ended, 1 s at most. Returns the answer to a stop: the orders that
+    /// were `asked`, and those that have `stopped`.
+    pub(crate) async fn stopped(&self, asked: &[OrderId]) -> Value {
+        let until = Instant::now() + ANSWERED_WITHIN;
+        loop {
+            let ended: Vec<OrderId> = {
+                let live = self.live();
+                asked.iter().filter(|id| !live.contains_key(*id)).cloned().collect()
+            };
+            if ended.len() == asked.len() || Instant::now() >= until {
+                return json!({"asked": asked, "stopped": ended});
+            }
+            sleep(Duration::from_millis(10)).await;
+        }
     }
 
     /// Begins nothing any more, stops every order, and waits until all motors stand, `longest` at most. Returns true if
@@ -301,7 +333,7 @@ impl Service {
             if Instant::now() >= until {
                 return false;
             }
-            tokio::time::sleep(Duration::from_millis(10)).await;
+            sleep(Duration::from_millis(10)).await;
         }
         true
     }

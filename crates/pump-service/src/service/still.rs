@@ -27,6 +27,11 @@ impl Still {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = pumps;
     }
 
+    /// Returns true if the pump of this name is kept still.
+    pub(super) fn has(&self, pump: &str) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).contains_key(pump)
+    }
+
     /// Refuses an order that would move a pump that is kept still, and the clearing of one whose input is not well. A
     /// stand is never refused. An order of several pumps is refused while a stand is not on record yet: afterwards the
     /// record of each pump refuses by itself.

@@ -1,5 +1,6 @@
 //! A pump as people and programs are shown it.
 
+use jiff::Timestamp;
 use pump_bench::report::Status;
 use pump_model::units::degrees;
 use serde::Serialize;
@@ -49,6 +50,10 @@ pub struct PumpView {
     pub plan: Option<Value>,
     /// Last line of progress, `progress/1`; null while none is known.
     pub progress: Option<Value>,
+    /// Time since which the process of the order is silent although its motor turned; null while it speaks.
+    pub silent_since: Option<Timestamp>,
+    /// Time at which the order was asked to stop; null if it was not.
+    pub stop_asked: Option<Timestamp>,
 }
 
 impl PumpView {
@@ -80,6 +85,8 @@ impl PumpView {
             task: None,
             plan: None,
             progress: None,
+            silent_since: None,
+            stop_asked: None,
         }
     }
 }

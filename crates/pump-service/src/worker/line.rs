@@ -17,12 +17,15 @@ pub enum Line {
     Error(Value),
     /// The reason of a failure, `error/1`, of a command that has told it to a person in words.
     Failed(Value),
+    /// The motion is over, and the command tells a person of its failure before it ends.
+    Ending,
 }
 
 impl Line {
     /// Reads a line of standard output: a report or progress in JSON, or else words.
     pub(super) fn of_output(line: &str) -> Self {
         match object(line) {
+            Some(value) if has_schema(&value, "progress/1") && value["state"] == "ending" => Self::Ending,
             Some(mut value) if has_schema(&value, "progress/1") => match value.get_mut("error") {
                 Some(error) => Self::Failed(error.take()),
                 None => Self::Progress(value),

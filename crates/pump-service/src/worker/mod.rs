@@ -8,10 +8,12 @@ mod line;
 mod output;
 mod program;
 mod report;
+mod watch;
 mod worker;
 
 pub use self::line::Line;
 pub(crate) use self::output::{LogFormat, log_words, output};
 pub use self::program::Program;
-pub(crate) use self::report::{error_report, message_of};
+pub(crate) use self::report::{error_report, message_of, silent};
+pub(crate) use self::watch::{ANSWERS_WITHIN, SILENT_AFTER, Sign};
 pub use self::worker::{Ended, Seat, Worker};

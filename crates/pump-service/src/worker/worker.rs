@@ -3,14 +3,17 @@
 use std::io;
 use std::path::PathBuf;
 
+use pump_bench::shell::ask_to_end;
 use serde_json::Value;
 use tokio::io::{AsyncBufReadExt, AsyncRead, AsyncWriteExt, BufReader};
 use tokio::process::{Child, ChildStdin};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::time::{Instant, MissedTickBehavior, interval};
 
 use super::line::Line;
 use super::program::Program;
-use super::report::{killed, message_of};
+use super::report::{ended_by_service, killed, message_of};
+use super::watch::{LOOK, Sign, Watch};
 
 /// Longest line that a process may tell, in bytes.
 const LONGEST_LINE: usize = 4 << 20;
@@ -99,20 +102,40 @@ impl Worker {
     ///
     /// The system's error if the end of the process cannot be learned.
     pub async fn run(
+        self,
+        stops: UnboundedReceiver<String>,
+        tell: impl FnMut(&Line, &str),
+    ) -> io::Result<Ended> {
+        self.run_watched(stops, tell, |_| {}).await
+    }
+
+    /// Carries the order out as [`Worker::run`] does. `sign` hears that the process is silent or does not answer a
+    /// stop; such a one is ended.
+    pub(crate) async fn run_watched(
         mut self,
         mut stops: UnboundedReceiver<String>,
         mut tell: impl FnMut(&Line, &str),
+        mut sign: impl FnMut(Sign),
     ) -> io::Result<Ended> {
         let mut error = None;
         let mut can_stop = true;
+        let mut watch = Watch::new(Instant::now());
+        let mut looks = interval(LOOK);
+        looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             tokio::select! {
+                // Lines that wait are heard before the clock.
+                biased;
                 reason = stops.recv(), if can_stop => match reason {
-                    Some(reason) => self.stop(&reason).await,
+                    Some(reason) => {
+                        watch.stop(Instant::now());
+                        self.stop(&reason).await;
+                    }
                     None => can_stop = false,
                 },
                 line = self.lines.recv() => match line {
                     Some((line, text)) => {
+                        watch.hear(&line, Instant::now()).into_iter().for_each(&mut sign);
                         tell(&line, &text);
                         if let Line::Error(value) | Line::Failed(value) = line {
                             error = Some(value);
@@ -120,16 +143,32 @@ impl Worker {
                     }
                     None => break,
                 },
+                _ = looks.tick() => {
+                    if let Some(told) = watch.look(Instant::now()) {
+                        self.heed(told);
+                        sign(told);
+                    }
+                }
             }
         }
         let status = self.child.wait().await?;
         let was_killed = status.code().is_none();
         if was_killed {
-            let report = killed(status);
+            let report = if watch.has_ended_it() { ended_by_service() } else { killed(status) };
             tell(&Line::Error(report.clone()), &format!("error: {}", message_of(&report)));
             error = Some(report);
         }
         Ok(Ended { code: status.code().unwrap_or(1), error, was_killed })
+    }
+
+    /// Ends a process that does not answer.
+    fn heed(&mut self, sign: Sign) {
+        match sign {
+            Sign::Unanswered => self.child.id().into_iter().for_each(ask_to_end),
+            // One that has ended meanwhile cannot be killed.
+            Sign::Killed => drop(self.child.start_kill()),
+            Sign::Silent(_) | Sign::Speaks | Sign::GoesOn => {}
+        }
     }
 
     /// Stops the motion. A process that has ended hears nothing.

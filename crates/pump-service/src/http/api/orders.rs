@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use super::super::bodies::{StopBody, body};
 use super::super::failure::Failure;
 use super::super::shared::Shared;
+use super::pumps::STOPPED;
 use crate::history::{EventRecord, OrderRecord, OrderState};
 use crate::order::OrderId;
 use crate::service::Refusal;
@@ -110,7 +111,7 @@ fn bounds(shared: &Shared, record: &OrderRecord) -> Result<Value, Failure> {
 /// Stops one order.
 #[utoipa::path(post, path = "/api/v1/orders/{id}/stop", tag = "stop", request_body = StopBody,
     params(("id" = String, Path, description = "Name of the order")),
-    responses((status = 200, description = "Name of the order, if it was carried out now", body = Object),
+    responses((status = 200, description = STOPPED, body = Object),
         (status = 404, description = "`error/1`")))]
 pub(in super::super) async fn stop(
     State(shared): State<Shared>,
@@ -120,8 +121,8 @@ pub(in super::super) async fn stop(
     let StopBody { reason } = body(&bytes)?;
     let record = find(&shared, &id)?;
     let reason: String = reason.unwrap_or_else(|| STOP.to_owned()).chars().take(MOST_REASON).collect();
-    let stopped = shared.service.stop_order(&record.id, &reason);
-    Ok(Json(json!({"stopped": stopped.then_some(record.id).as_slice()})))
+    let asked = shared.service.stop_order(&record.id, &reason);
+    Ok(Json(shared.service.stopped(asked.then_some(record.id).as_slice()).await))
 }
 
 /// Notes of what a person should know, the latest first.

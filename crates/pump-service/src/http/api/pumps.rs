@@ -15,6 +15,9 @@ use crate::history::{Key, OrderState};
 use crate::order::{Options, Order, Origin, Task};
 use crate::service::PumpView;
 
+/// Description of the answer to a stop.
+pub(super) const STOPPED: &str = "`asked`: names of the orders that were asked to stop; `stopped`: those of them that have ended within 1 s";
+
 /// Header with the key of an order.
 const KEY: &str = "idempotency-key";
 
@@ -101,7 +104,7 @@ pub(in super::super) async fn run(
     place(&shared, &name, Task::Run, options, &headers).await
 }
 
-/// Makes the rest of a dose that was stopped or cut off.
+/// Makes the rest of a dose that was stopped or cut off. The option `dose` names that dose; 409 if it is another one.
 #[utoipa::path(post, path = "/api/v1/pumps/{name}/resume", tag = "orders", request_body = OptionsBody,
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
     responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
@@ -115,16 +118,20 @@ pub(in super::super) async fn resume(
     place(&shared, &name, Task::Resume, options, &headers).await
 }
 
-/// Accepts a dose that was stopped or cut off as it is.
-#[utoipa::path(post, path = "/api/v1/pumps/{name}/accept", tag = "orders",
+/// Accepts a dose that was stopped or cut off as it is. The option `dose` names that dose; 409 if it is another one.
+#[utoipa::path(post, path = "/api/v1/pumps/{name}/accept", tag = "orders", request_body = OptionsBody,
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
-    responses((status = 202, description = "`order/1`", body = Object), (status = 422, description = "`error/1`")))]
+    responses((status = 202, description = "`order/1`", body = Object),
+        (status = 409, description = "`error/1`: another dose is unfinished than `dose`, or none (kind `changed`)"),
+        (status = 422, description = "`error/1`")))]
 pub(in super::super) async fn accept(
     State(shared): State<Shared>,
     Path(name): Path<String>,
     headers: HeaderMap,
+    bytes: Bytes,
 ) -> Result<Response, Failure> {
-    place(&shared, &name, Task::Accept, Options::new(), &headers).await
+    let OptionsBody { options } = body(&bytes)?;
+    place(&shared, &name, Task::Accept, options, &headers).await
 }
 
 /// Puts a pump to stand until a person clears it, for a reason on record.
@@ -185,24 +192,23 @@ pub(in super::super) async fn calibrate(
     place(&shared, &name, Task::Calibrate { reading }, options, &headers).await
 }
 
-/// Stops a pump: its motor decelerates and stands, and its volume is on record.
+/// Stops a pump: its motor decelerates and stands, and its volume is on record. A process that does not answer is ended.
 #[utoipa::path(post, path = "/api/v1/pumps/{name}/stop", tag = "stop",
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
-    responses((status = 200, description = "Names of the orders that stop", body = Object),
-        (status = 404, description = "`error/1`")))]
+    responses((status = 200, description = STOPPED, body = Object), (status = 404, description = "`error/1`")))]
 pub(in super::super) async fn stop(
     State(shared): State<Shared>,
     Path(name): Path<String>,
 ) -> Result<Json<Value>, Failure> {
     shared.service.pump(&name)?;
-    Ok(Json(json!({"stopped": shared.service.stop(Some(&name), "the service's stop")})))
+    Ok(Json(shared.service.stopped(&shared.service.stop(Some(&name), "the service's stop")).await))
 }
 
 /// Stops every pump.
 #[utoipa::path(post, path = "/api/v1/stop", tag = "stop",
-    responses((status = 200, description = "Names of the orders that stop", body = Object)))]
+    responses((status = 200, description = STOPPED, body = Object)))]
 pub(in super::super) async fn stop_all(State(shared): State<Shared>) -> Json<Value> {
-    Json(json!({"stopped": shared.service.stop(None, "the service's stop of all pumps")}))
+    Json(shared.service.stopped(&shared.service.stop(None, "the service's stop of all pumps")).await)
 }
 
 /// Runs a rack of the configuration.
