@@ -58,6 +58,10 @@ class Laboratory:
         """Run the command to its end, and return what it printed."""
         return subprocess.run(**self._words(words), check=True, capture_output=True, text=True, timeout=PATIENCE).stdout
 
+    def start(self, *words):
+        """Start the command, and return its process."""
+        return subprocess.Popen(**self._words(words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
     def log(self, pump):
         """Return the doses of a pump on record."""
         lines = self.run("log", "--pump", pump, "--format", "json").splitlines()
@@ -132,6 +136,15 @@ class Service:
     def view(self, pump):
         """Return what a pump's record says and what it does now."""
         return self.get(f"/api/v1/pumps/{quote(pump)}")
+
+    def worker(self):
+        """Return the process that moves the service's only pump."""
+        for entry in Path("/proc").glob("[0-9]*/stat"):
+            with contextlib.suppress(OSError):
+                stat = entry.read_text().rpartition(") ")[2].split()
+                if int(stat[1]) == self.child.pid:
+                    return int(entry.parent.name)
+        return None
 
     def ended(self, pump):
         """Wait until a pump has ended its order."""

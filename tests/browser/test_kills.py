@@ -40,3 +40,34 @@ def test_an_unfinished_dose_is_accepted(service, open_page):
     page.get_by_role("dialog").get_by_role("button", name="Accept", exact=True).click()
     expect(state(page, "acid")).to_have_text("Ready")
     expect(page.get_by_role("dialog")).to_have_count(0)
+
+
+def test_the_dialog_accepts_the_dose_that_it_was_opened_for_alone(service, open_page):
+    page = open_page(service.url)
+    service.dose("acid", "60mL", rate="5mL/s")
+    service.post("/api/v1/pumps/acid/stop")
+    page.get_by_role("button", name="Accept…").click()
+    box = page.get_by_role("dialog")
+    expect(box).to_contain_text(re.compile(r"[\d.]+ mL delivered of 60 mL asked; unfinished; begun \d{4}-"))
+    # Another watcher resumes it to its end, and has another dose stopped.
+    service.post("/api/v1/pumps/acid/resume", {"options": {"rate": "max"}})
+    service.ended("acid")
+    service.dose("acid", "40mL", rate="5mL/s")
+    service.post("/api/v1/pumps/acid/stop")
+    service.ended("acid")
+    expect(box).to_contain_text("This dose is not unfinished any more")
+    expect(box.get_by_role("button", name="Accept", exact=True)).to_have_count(0)
+    assert service.view("acid")["status"]["unfinished"]["requested_ml"] == 40
+
+
+def test_a_refusal_goes_with_its_cause(service, open_page):
+    page = open_page(service.url)
+    form = page.get_by_role("form", name="Dose with acid")
+    for volume in ("60mL", "2mL"):
+        form.get_by_label("Volume").fill(volume)
+        form.get_by_role("button", name="Dose").click()
+        expect(state(page, "acid")).to_have_text("Dosing")
+    expect(form.locator(".said")).to_contain_text("In use: pump acid is dosing 60mL")
+    page.get_by_role("button", name="Stop acid").click()
+    expect(state(page, "acid")).to_have_text("A dose is unfinished")
+    expect(form.locator(".said")).to_have_text("")

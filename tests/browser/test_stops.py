@@ -1,5 +1,6 @@
 """Every stop of the page, over a good network and a bad one."""
 
+import os
 import re
 import signal
 
@@ -34,7 +35,7 @@ def test_all_pumps_stop_at_one_press(how, service, open_page, capsys):
     else:
         page.keyboard.press("Escape")
         page.keyboard.press("Escape")
-    expect(page.locator("#stop-said")).to_have_text("The service is stopping 1 order.")
+    expect(page.locator("#stop-said")).to_have_text("Stopped 1 order.")
     expect(state(page, "acid")).to_have_text("A dose is unfinished", timeout=5000)
     page.mouse.up()
     page.wait_for_timeout(100)
@@ -81,7 +82,7 @@ def test_all_pumps_stop_at_a_tap(service, open_page):
     page = open_page(service.url, size=PHONE, has_touch=True)
     wait_for_dose(page, service, "acid")
     page.locator("#stop").tap()
-    expect(page.locator("#stop-said")).to_have_text("The service is stopping 1 order.")
+    expect(page.locator("#stop-said")).to_have_text("Stopped 1 order.")
     expect(state(page, "acid")).to_have_text("A dose is unfinished")
 
 
@@ -92,7 +93,7 @@ def test_the_stop_works_while_the_events_are_lost(service, make_network, open_pa
     network.has_events = False
     expect(page.locator("#link")).to_contain_text("Reconnecting… Values as of ")
     page.locator("#stop").click()
-    expect(page.locator("#stop-said")).to_have_text("The service is stopping 1 order.")
+    expect(page.locator("#stop-said")).to_have_text("Stopped 1 order.")
     wait_for("the dose to end", lambda: service.get("/api/v1/orders")[0]["state"] != "running", 5)
     network.has_events = True
     expect(state(page, "acid")).to_have_text("A dose is unfinished")
@@ -107,7 +108,7 @@ def test_a_stop_that_reaches_nobody_says_so_and_tries_again(service, make_networ
     expect(page.locator("#stop-said")).to_contain_text("NOT stopped")
     expect(page.locator("#alert")).to_contain_text("Connection lost")
     network.is_down = False
-    expect(page.locator("#stop-said")).to_have_text("The service is stopping 1 order.")
+    expect(page.locator("#stop-said")).to_have_text("Stopped 1 order.")
     expect(state(live(page), "acid")).to_have_text("A dose is unfinished")
 
 
@@ -129,5 +130,34 @@ def test_a_service_that_hangs_is_not_taken_for_a_stop(service, open_page):
     page.locator("#stop").click()
     expect(page.locator("#stop-said")).to_contain_text("NOT stopped", timeout=8000)
     service.signal(signal.SIGCONT)
-    expect(page.locator("#stop-said")).to_contain_text("The service is stopping 1 order.")
+    expect(page.locator("#stop-said")).to_contain_text("Stopped 1 order.")
+    expect(state(page, "acid")).to_have_text("A dose is unfinished")
+
+
+def test_a_process_that_hangs_is_seen_and_a_stop_of_it_has_an_outcome(service, open_page):
+    page = open_page(service.url)
+    wait_for_dose(page, service, "acid", volume="200mL")
+    os.kill(service.worker(), signal.SIGSTOP)
+    expect(state(page, "acid")).to_have_text(re.compile(r"^No word from its worker for [5-9] s$"), timeout=9000)
+    page.get_by_role("button", name="Stop acid").click()
+    said = page.locator("#stop-said")
+    expect(said).to_have_text("NOT stopped yet: acid. The service ends what does not answer.")
+    expect(said).to_have_text("Did not answer, and was ended: acid. Look whether the motor stands.")
+    expect(state(page, "acid")).to_have_text("A dose is unfinished")
+    expect(page.locator(".notices").first).to_contain_text("the service ended the process of the order")
+    expect(page.locator(".read .big").first).to_have_text(re.compile(r"^[\d.]+ to [\d.]+ mL$"))
+    # The log has no row of it yet, and says so.
+    page.goto(service.url + "/#/log")
+    expect(page.locator("main")).to_contain_text(re.compile(r"acid: cut off, [\d.]+ to [\d.]+ mL delivered of 200 mL"))
+    assert service.view("acid")["status"]["unfinished"]["number"] == 1
+
+
+def test_a_pump_that_another_program_moves_is_not_said_to_be_unfinished(service, laboratory, open_page):
+    page = open_page(service.url)
+    with laboratory.start("200mL", "--pump", "acid", "--no-service", "--pace", "real") as other:
+        expect(state(page, "acid")).to_contain_text("Another program moves it: ")
+        expect(page.locator(".read .what").first).to_have_text("delivered of 200 mL asked; another program moves it")
+        page.get_by_role("button", name="Stop acid").click()
+        expect(page.locator("#stop-said")).to_contain_text("In use by another program, which this page cannot stop: acid.")
+        other.send_signal(signal.SIGINT)
     expect(state(page, "acid")).to_have_text("A dose is unfinished")

@@ -10,7 +10,7 @@ function fill(node, props, kids) {
 	for (const [name, value] of Object.entries(props || {})) {
 		if (value == null || value === false) continue;
 		if (name === 'text') node.textContent = value;
-		else if (name.startsWith('on')) node.addEventListener(name.slice(2), value);
+		else if (name.startsWith('on')) on(node, name.slice(2), value);
 		else node.setAttribute(name, value === true ? '' : value);
 	}
 	node.append(...kids.flat(Infinity).filter((kid) => kid != null && kid !== false && kid !== ''));
@@ -29,6 +29,7 @@ const alarm = (text) => line('error', text, { role: 'alert' });
 const head2 = (text) => h('h2', { text });
 const inRow = (...kids) => div('row', kids);
 const head1 = (text) => h('h1', { tabindex: '-1', text });
+const on = (node, ...what) => node.addEventListener(...what);
 const formOf = (send, props, ...kids) => h('form', { novalidate: true, ...props, onsubmit: (event) => { event.preventDefault(); send(); } }, kids);
 const press = (text, onclick, more) => h('button', { text, onclick, ...more });
 const firstly = (text, onclick) => press(text, onclick, { class: 'first' });
@@ -39,7 +40,6 @@ const danger = (...kids) => div('notice bad', kids);
 const inPath = encodeURIComponent;
 const block = (...kids) => h('section', { class: 'panel' }, kids);
 
-/** Replaces the children of a node. */
 const place = (node, ...kids) => node.replaceChildren(...kids);
 function say(node, text) {
 	if (node.textContent !== text) node.textContent = text;
@@ -54,6 +54,8 @@ function remake(node, key, make) {
 	node.made = key;
 	place(node, ...[make()].flat().filter(Boolean));
 }
+const main = $('main');
+const looks = document.body.classList;
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 let ids = 0;
 const newId = () => `n${++ids}`;
@@ -66,6 +68,7 @@ const fixed = (value, decimals) => minus(value.toFixed(decimals));
 const decimalsOf = (u) => (u > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u)))) : 2);
 const short = (value, digits = 4) => minus(String(Number(value.toPrecision(digits))));
 const ml = (value, u) => (value == null ? '–' : u > 0 ? fixed(value, decimalsOf(u)) : short(value));
+const range = (least, most) => `${fixed(least, 2)} to ${fixed(most, 2)}`;
 const spread = (u) => fixed(u, decimalsOf(u));
 const small = (value) => (Math.abs(value) >= 1 ? `${fixed(value, 2)} mL` : `${fixed(value * 1000, 1).replace(/^−(0\.0)$/, '$1')} µL`);
 const local = new Intl.DateTimeFormat('sv', { dateStyle: 'short', timeStyle: 'medium' });
@@ -136,9 +139,6 @@ async function give(path, body) {
 		await sleep(400 * 2 ** tries);
 	}
 }
-const LOST = 'The service did not answer, so the page does not know whether the order began. Look at the pump. ' +
-	'Pressing the same button asks again and does not dose twice.';
-
 async function ended(order) {
 	while (order.state === 'running') {
 		await sleep(400);
@@ -154,11 +154,14 @@ const ofPump = (name, rest) => `/api/v1/pumps/${inPath(name)}/${rest}`;
 /* What is known. */
 
 const pumps = new Map();
+const all = () => [...pumps.values()];
 let racks = [];
 let version = '';
 let notes = [];
+/** Milliseconds since 1970. */
+const ms = () => Date.now();
 let isLive = false;
-let heard = Date.now();
+let heard = ms();
 let source = null;
 let retryMs = 500;
 let retryTimer = 0;
@@ -209,7 +212,7 @@ function takeProgress(told) {
 		Object.assign(motion, { plan: told.plan, progress: null, wait: null });
 		forget(pump);
 	} else if (told.state === 'waiting') {
-		motion.wait = { until: Date.now() + told.next_s * 1000, number: told.number, count: told.count };
+		motion.wait = { until: ms() + told.next_s * 1000, number: told.number, count: told.count };
 		motion.progress = null;
 	} else if (told.state === 'moving') {
 		if (motion.progress?.steps === told.steps && told.steps === told.of_steps) return;
@@ -257,10 +260,10 @@ function takeOrder(order) {
 		return refresh(own);
 	}
 	tellEnd(order);
-	const of = own ? [own] : [...pumps.values()].filter((pump) => pump.motion?.order === order.id);
+	const of = own ? [own] : all().filter((pump) => pump.motion?.order === order.id);
 	for (const pump of of) {
 		if (pump.motion?.order === order.id) pump.motion = null;
-		if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null });
+		if (pump.view.order === order.id) Object.assign(pump.view, { order: null, task: null, plan: null, progress: null, silent_since: null, stop_asked: null });
 		const { error } = order;
 		if (order.state === 'failed' && error && error.kind !== 'stopped') {
 			pump.fault = { time: order.ended, message: plain(error.message) };
@@ -280,9 +283,9 @@ function forget(pump) {
 	for (const said of pump.refused.keys()) place(said);
 	pump.refused.clear();
 }
-const isDry = (order) => Boolean(order.options && order.options['dry-run']);
+const isDry = (order) => order.options?.['dry-run'];
 
-/** Forms that were told that their order was taken, by the order: its end is told there too. */
+/** Forms that tell the end of their order, by the order. */
 const taken = new Map();
 function tellTaken(said, order, words) {
 	if (order.state === 'failed') throw orderError(order);
@@ -301,7 +304,8 @@ function tellEnd(order) {
 	const { last } = pump || {};
 	const volume = order.state !== 'done' && last?.order === order.id ? `; ${volumeWords(last.report)}` : '';
 	say(form.line, `${how}: ${form.words}${volume}.`);
-	if (!pump || order.state === 'done') return;
+	// A later refusal has taken the line's place.
+	if (!pump || order.state === 'done' || !form.line.isConnected) return;
 	// The rest is offered above the form, where a phone does not show it.
 	pump.leads = isStopped;
 	pump.refused.set(form.said, {});
@@ -340,7 +344,7 @@ async function readLast() {
 let politeAt = 0;
 function politely(text, isNews) {
 	// Progress is told rarely, and the end of an order at once.
-	const now = Date.now();
+	const now = ms();
 	if (!isNews && now - politeAt < 10000) return;
 	politeAt = now;
 	say($('polite'), text);
@@ -349,8 +353,8 @@ function alertOf(text) {
 	place($('alert'), para(text));
 }
 function tellProgress() {
-	if (Date.now() - politeAt < 10000) return;
-	const moving = [...pumps.values()].filter((pump) => pump.motion?.progress);
+	if (ms() - politeAt < 10000) return;
+	const moving = all().filter((pump) => pump.motion?.progress);
 	politely(moving.map((pump) => `${pump.name}: ${readOf(pump).words}`).join('. '));
 }
 
@@ -360,20 +364,20 @@ function connect() {
 	clearTimeout(retryTimer);
 	source?.close();
 	source = new EventSource('/events');
-	const on = (name, take) => source.addEventListener(name, (event) => {
-		heard = Date.now();
+	const hear = (name, take) => on(source, name, (event) => {
+		heard = ms();
 		take(event.data ? JSON.parse(event.data) : null);
 	});
-	on('hello', hello);
-	on('pump', (view) => {
+	hear('hello', hello);
+	hear('pump', (view) => {
 		refresh(take(view));
 		onLog?.();
 	});
-	on('progress', takeProgress);
-	on('order', takeOrder);
-	on('note', takeNote);
-	on('input', () => { onInputs?.(); });
-	on('alive', () => {});
+	hear('progress', takeProgress);
+	hear('order', takeOrder);
+	hear('note', takeNote);
+	hear('input', () => { onInputs?.(); });
+	hear('alive', () => {});
 	source.onerror = () => {
 		lose();
 		if (source.readyState === EventSource.CLOSED) retry();
@@ -397,24 +401,22 @@ async function begin() {
 	}
 }
 function lose(isExpected) {
-	if (!isExpected && !document.body.classList.contains('lost')) alertOf('Connection lost. Reconnecting.');
+	if (!isExpected && !looks.contains('lost')) alertOf('Connection lost. Reconnecting.');
 	isLive = false;
-	document.body.classList.add('lost');
+	looks.add('lost');
 	showLink();
 }
 function showLink() {
-	const text = isLive ? 'Live' : pumps.size
-		? `Reconnecting… Values as of ${date(heard).slice(11)}` : 'Reconnecting…';
-	say($('link').firstElementChild, text);
+	say($('link').firstElementChild, isLive ? 'Live' : `Reconnecting…${pumps.size ? ` Values as of ${date(heard).slice(11)}` : ''}`);
 }
 function hello(told) {
-	if (document.body.classList.contains('lost')) {
+	if (looks.contains('lost')) {
 		politely('Connected again.', true);
 		place($('alert'));
 	}
 	isLive = true;
 	retryMs = 500;
-	document.body.classList.remove('lost');
+	looks.remove('lost');
 	const names = told.pumps.map((pump) => pump.name);
 	const isSame = names.join('\n') === [...pumps.keys()].join('\n') && racks.join('\n') === told.racks.join('\n');
 	for (const name of pumps.keys()) if (!names.includes(name)) pumps.delete(name);
@@ -428,7 +430,7 @@ function hello(told) {
 	onInputs?.();
 	onLog?.();
 	if (onNotes) watchNotes(100, onNotes);
-	if (isSame && $('main').dataset.view) pumps.forEach(refresh);
+	if (isSame && main.dataset.view) pumps.forEach(refresh);
 	else show();
 	showLink();
 }
@@ -456,21 +458,21 @@ function watchNotes(most, showNotes, fail = () => {}) {
 
 // A stream can end without a word, as when a phone leaves its network. Silence is asked about.
 setInterval(async () => {
-	if (!isLive || document.hidden || Date.now() - heard < 2500) return;
+	if (!isLive || document.hidden || ms() - heard < 2500) return;
 	try {
 		await call('GET', '/login', { timeout: 1500 });
-		if (Date.now() - heard > 20000) connect();
+		if (ms() - heard > 20000) connect();
 	} catch {
 		lose();
 		connect();
 	}
 }, 1000);
-addEventListener('offline', () => lose());
-addEventListener('pageshow', (event) => { if (event.persisted) begin(); });
-addEventListener('online', () => { if (!isLive) begin(); });
+on(window, 'offline', () => lose());
+on(window, 'pageshow', (event) => { if (event.persisted) begin(); });
+on(window, 'online', () => { if (!isLive) begin(); });
 // A hidden page leaves its connection to the others: a browser has six for a service.
 let hiddenTimer = 0;
-document.addEventListener('visibilitychange', () => {
+on(document, 'visibilitychange', () => {
 	clearTimeout(hiddenTimer);
 	if (document.hidden) {
 		hiddenTimer = setTimeout(() => { source?.close(); source = null; }, 20000);
@@ -483,22 +485,33 @@ document.addEventListener('visibilitychange', () => {
 /* Stop. */
 
 let stopRun = 0;
-async function stopAll() {
+/** Stops a pump, or all, and tells what has come of it. */
+async function stopAll(pump) {
 	const run = ++stopRun;
 	const tell = (text, isBad) => {
-		if (run === stopRun) place($('stop-said'), h('p', { text, class: isBad ? 'bad' : null }));
+		if (run === stopRun) place($('stop-said'), line(isBad ? 'bad' : '', text));
 	};
 	tell('Stopping…');
 	for (let tries = 1; run === stopRun; tries += 1) {
 		try {
-			const answer = await call('POST', '/api/v1/stop', { body: '{}', timeout: 1500 });
-			const count = answer.stopped.length;
-			const others = [...pumps.values()].filter((pump) => !pump.motion && pump.view.status?.in_use_by);
-			const also = others.length
-				? ` In use by another program, which this page cannot stop: ${others.map((pump) => pump.name).join(', ')}.` : '';
-			const told = count ? `The service is stopping ${count} ${count === 1 ? 'order' : 'orders'}.` : 'Nothing was moving.';
-			tell(told + also, others.length > 0);
-			await sleep(others.length ? 30000 : 6000);
+			const { asked, stopped } = await call('POST', pump ? ofPump(pump.name, 'stop') : '/api/v1/stop', { body: '{}', timeout: 2500 });
+			const others = (pump ? [pump] : all()).filter((one) => !one.motion && one.view.status?.in_use_by).map((one) => one.name).join(', ');
+			const also = others && ` In use by another program, which this page cannot stop: ${others}.`;
+			let orders = [];
+			let left = asked.length > stopped.length;
+			const named = (is) => orders.filter(is).map((order) => order.pump || order.rack).join(', ');
+			while (left && run === stopRun) {
+				orders = await Promise.all(asked.map((id) => get(`orders/${id}`)));
+				left = named(({ state }) => state === 'running');
+				if (!left) break;
+				tell(`NOT stopped yet: ${left}. The service ends what does not answer.${also}`, true);
+				await sleep(400);
+			}
+			const killed = named(({ error }) => error?.kind === 'killed');
+			const isBad = killed || also;
+			tell((killed ? `Did not answer, and was ended: ${killed}. Look whether the motor stands.`
+				: asked.length ? `Stopped ${asked.length} order${asked.length > 1 ? 's' : ''}.` : 'Nothing was moving.') + also, isBad);
+			await sleep(isBad ? 30000 : 6000);
 			if (run === stopRun) place($('stop-said'));
 			return;
 		} catch (error) {
@@ -520,21 +533,21 @@ function stopButton(text, act, isCalm) {
 /** A stop acts when it is pressed, not when it is let go. A finger on a button that scrolls away may mean to scroll. */
 function bindStop(button, act) {
 	let pressed = 0;
-	button.addEventListener('pointerdown', (event) => {
+	on(button, 'pointerdown', (event) => {
 		if (event.button !== 0 || (event.pointerType === 'touch' && button.id !== 'stop')) return;
-		pressed = Date.now();
+		pressed = ms();
 		act();
 	});
-	button.addEventListener('click', () => {
-		if (Date.now() - pressed > 1000) act();
+	on(button, 'click', () => {
+		if (ms() - pressed > 1000) act();
 		pressed = 0;
 	});
 }
 bindStop($('stop'), stopAll);
 let escapeAt = 0;
-document.addEventListener('keydown', (event) => {
+on(document, 'keydown', (event) => {
 	if (event.key !== 'Escape' || event.repeat || event.isComposing) return;
-	const now = Date.now();
+	const now = ms();
 	if (now - escapeAt < 1000) {
 		escapeAt = 0;
 		stopAll();
@@ -550,10 +563,7 @@ const calm = matchMedia('(prefers-reduced-motion: reduce)');
 /** Longest time for which a head turns on without a new measurement, in ms. */
 const GUESSED = 500;
 
-/**
- * A head that turns at the rate that was measured. Each measurement begins a new animation from the angle that is
- * shown now. The browser's compositor carries it out, so a busy page does not make it jerk, and it ends by itself.
- */
+/** A head that turns at the measured rate, from what is shown now. The browser's compositor does not let a busy page make it jerk. */
 class Head {
 	constructor(rollers) {
 		this.pitch = 360 / rollers;
@@ -575,7 +585,6 @@ class Head {
 		this.el = h('div', { class: 'head', role: 'img' }, bed, this.rotor);
 	}
 
-	/** Shows the rollers, or a hatched ring where their angle is unknown. */
 	know(known) {
 		if (this.known === known) return;
 		this.known = known;
@@ -586,10 +595,8 @@ class Head {
 		}
 		const parts = [];
 		for (let i = 0; i < this.rollers; i += 1) {
-			const [x, y] = [Math.cos(2 * Math.PI * i / this.rollers), Math.sin(2 * Math.PI * i / this.rollers)];
-			parts.push(s('line', { class: 'arm', x2: 33 * x, y2: 33 * y }),
-				s('circle', { class: 'roller', r: 7.5, cx: 34 * x, cy: 34 * y }),
-				s('circle', { class: 'pin', r: 1.8, cx: 34 * x, cy: 34 * y }));
+			parts.push(s('g', { transform: `rotate(${i * this.pitch})` }, s('line', { class: 'arm', x2: 33 }),
+				s('circle', { class: 'roller', r: 7.5, cx: 34 }), s('circle', { class: 'pin', r: 1.8, cx: 34 })));
 		}
 		place(this.wheel, ...parts, s('circle', { class: 'hub', r: 9 }));
 	}
@@ -675,9 +682,11 @@ function stateOf(pump) {
 	const { view, motion } = pump;
 	const { status } = view;
 	if (motion) {
+		if (view.silent_since) return ['fault', `No word from its worker for ${span((ms() - new Date(view.silent_since)) / 1000)}`];
+		if (view.stop_asked) return ['fault', 'Not stopped yet'];
 		if (motion.isPlan) return ['wait', 'Planning'];
 		if (motion.wait) {
-			const left = span((motion.wait.until - Date.now()) / 1000);
+			const left = span((motion.wait.until - ms()) / 1000);
 			return ['wait', `Waiting: dose ${motion.wait.number} of ${motion.wait.count} begins in ${left}`];
 		}
 		const purpose = motion.task === 'dose' || motion.task === 'rack' ? motion.plan?.purpose : null;
@@ -686,7 +695,7 @@ function stateOf(pump) {
 		return ['wait', STANDING.includes(motion.task) || motion.task === 'rack' ? word : `${word}: beginning`];
 	}
 	if (!status) return ['fault', 'The record cannot be read'];
-	if (status.in_use_by) return ['wait', `In use by ${status.in_use_by}`];
+	if (status.in_use_by) return ['wait', `${status.unfinished ? 'Another program moves it' : 'In use'}: ${status.in_use_by}`];
 	if (status.safety.stand) return ['stand', status.safety.stand.limit === 'ordered' ? 'Put to stand' : 'Stands at a limit'];
 	if (status.unfinished) return ['open', `A ${unfinishedWord(view)} is unfinished`];
 	return ['ready', 'Ready'];
@@ -720,8 +729,8 @@ function endWords({ motion: { plan, progress } }) {
 }
 /** The time of day so many seconds from now, with its date if that is another one. */
 function endOf(seconds) {
-	const text = date(Date.now() + 1000 * seconds);
-	return text.slice(0, 10) === date(Date.now()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
+	const text = date(ms() + 1000 * seconds);
+	return text.slice(0, 10) === date(ms()).slice(0, 10) ? text.slice(11, 16) : text.slice(0, 16);
 }
 function readOf(pump) {
 	const { view, motion, last } = pump;
@@ -749,7 +758,7 @@ function readOf(pump) {
 		const { delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked } = unfinished;
 		const isSure = Math.abs(most - least) < 0.0005 * Math.max(1, Math.abs(most));
 		const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL asked`;
-		return { figure: isSure ? fixed(most, 2) : `${fixed(least, 2)} to ${fixed(most, 2)}`, below: `${what}; unfinished`,
+		return { figure: isSure ? fixed(most, 2) : range(least, most), below: `${what}; ${view.status.in_use_by ? 'another program moves it' : 'unfinished'}`,
 			bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
 	}
 	const done = newest(view.last, last);
@@ -759,17 +768,18 @@ function readOf(pump) {
 		const isRest = done.resumed && !whole;
 		const what = `${isRest ? 'the rest of' : `last ${purposeWord(done.purpose)}:`} ${askedWords({ ...done, requested_ml: asked })}${isRest || isEndless(done) ? '' : ' asked'}`;
 		const parts = whole ? `; ${ml(whole.before_ml, u)} mL before and ${ml(done.delivered_ml, u)} mL now` : '';
-		return { figure: least == null ? ml(at, u) : `${fixed(least, 2)} to ${fixed(most, 2)}`,
+		return { figure: least == null ? ml(at, u) : range(least, most),
 			below: `${what}${least == null && u ? `, ${plusMinus(whole || done)}` : ''}${ENDS[done.end] || ''}${parts}; began ${date(time)}`,
 			bar: isRest || done.purpose === 'run' ? null : { at, asked, of: asked, u: u || 0 } };
 	}
 	return { figure: '–', below: 'no dose is on record' };
 }
 
-const between = (least, most, u) => (least == null ? 'unknown: the pump file does not describe this line'
-	: `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`);
-const pressuresOf = (plan, when) => ['inlet', 'outlet'].map((port) => [`${port === 'inlet' ? 'Inlet' : 'Outlet'}${when}`,
-	between(plan[`${port}_min_kpa`], plan[`${port}_max_kpa`], plan[`${port}_pressure_uncertainty_kpa`])]);
+const pressuresOf = (plan, when) => ['Inlet', 'Outlet'].map((name) => {
+	const [least, most, u] = ['min', 'max', 'pressure_uncertainty'].map((of) => plan[`${name.toLowerCase()}_${of}_kpa`]);
+	return [name + when, least == null ? 'unknown: the pump file does not describe this line'
+		: `${fixed(least, 1)} to ${fixed(most, 1)} kPa${u == null ? '' : ` ± ${fixed(u, 1)}`}`];
+});
 
 function angleWords({ view, motion }) {
 	const { status } = view;
@@ -794,7 +804,7 @@ function factsOf(pump, isWide) {
 	facts.push(['Tube', life.length ? life.map(([of, used, unit]) => `${short(used)} of ${short(of)} ${unit}`).join(', ')
 		: `${short(wear.volume_ml)} mL pumped, ${short(wear.revolutions)} rev; no life stated`]);
 	const limit = (used, left, of) => `${used}${of == null ? '; no limit' : `, ${short(left)} mL left of ${short(of)} mL`}`;
-	facts.push(['Last 24 h', limit(`${short(safety.day_ml)} mL pumped`, safety.day_left_ml, safety.max_ml_per_day)],
+	facts.push([safety.cleared ? `Since it was cleared, ${date(safety.cleared)}` : 'Last 24 h', limit(`${short(safety.day_ml)} mL pumped`, safety.day_left_ml, safety.max_ml_per_day)],
 		['Vessel', limit(`${short(safety.received_ml)} mL received`, safety.vessel_left_ml, safety.vessel_ml)]);
 	if (safety.under_way_ml) facts.push(['Under way', `up to ${short(safety.under_way_ml)} mL more`]);
 	if (safety.clock_behind_s) facts.push(['Clock', `${span(safety.clock_behind_s)} behind the record: no volume becomes free`]);
@@ -821,16 +831,14 @@ function showFacts(list, facts) {
 /* Forms. */
 
 const isBusy = ({ motion, view: { status } }) => Boolean(motion || status?.in_use_by);
-function showError(said, error, name) {
-	const pump = pumps.get(name);
+function showError(said, error, pump) {
 	const kids = [];
-	if (!(error instanceof Refused)) kids.push(bad(LOST));
+	if (!(error instanceof Refused)) kids.push(bad('The service did not answer, so the order may have begun: look at the pump. The same button asks again, and does not dose twice.'));
 	else {
-		const lead = error.code === 3 ? 'In use: ' : '';
-		kids.push(bad(lead + error.message));
+		kids.push(bad((error.code === 3 ? 'In use: ' : '') + error.message));
 		if (pump && error.code === 4) kids.push(...unfinishedActions(pump));
 		if (pump && error.code === 5) kids.push(...standActions(pump));
-		if (error.kind === 'changed') kids.push(inRow(firstly('Dose again', () => { closeAll(); calibrate(pump); })));
+		if (/weighed/.test(error.message) && error.kind === 'changed') kids.push(inRow(firstly('Dose again', () => { closeAll(); calibrate(pump); })));
 	}
 	place(said, h('div', { class: 'notice bad', role: 'alert' }, kids));
 	if (!pump) return;
@@ -838,20 +846,18 @@ function showError(said, error, name) {
 	refresh(pump);
 }
 
-/** Acts unless the button is at it already. */
 async function once(button, act, fail) {
 	if (button.getAttribute('aria-disabled') === 'true') return;
 	attr(button, 'aria-disabled', 'true');
 	await act().catch(fail);
 	attr(button, 'aria-disabled', 'false');
 }
-/** Sends an order from a form or button, and shows its answer in `said`. */
-const send = (button, said, name, path, body, done) => once(button, async () => {
-	pumps.get(name)?.refused.delete(said);
+const send = (button, said, pump, word, body, done) => once(button, async () => {
+	pump?.refused.delete(said);
 	place(said, para('Sent…'));
-	await done(await give(path, body));
+	await done(await give(pump ? ofPump(pump.name, word) : word, body));
 	// A pump does not stand for a plan that is refused, so there is nothing to clear.
-}, (error) => showError(said, error, body.options?.['dry-run'] && error.code === 5 ? null : name));
+}, (error) => showError(said, error, body.options?.['dry-run'] && error.code === 5 ? null : pump));
 const saidBox = () => h('div', { class: 'said', 'aria-live': 'polite' });
 async function completed(order) {
 	order = await ended(order);
@@ -863,12 +869,12 @@ function orderError(order) {
 	return new Refused(error, 422);
 }
 
-function field(label, props = {}) {
+function field(label, placeholder, props = {}) {
 	const id = newId();
 	const hintId = props.hint ? `${id}h` : null;
 	const { hint, ...rest } = props;
 	const input = h('input', { type: 'text', id, name: label.toLowerCase(), autocomplete: 'off', autocapitalize: 'off',
-		spellcheck: 'false', 'aria-describedby': hintId, ...rest });
+		spellcheck: 'false', 'aria-describedby': hintId, placeholder: placeholder || null, ...rest });
 	const el = div('grow', h('label', { for: id, text: label }), input,
 		hint && line('hint', hint, { id: hintId }));
 	return { el, input };
@@ -928,11 +934,10 @@ function roughly(pump, { volume, options }) {
 }
 /** Doses, but plans one that may be long first, and asks once more before one that takes over an hour: it may be a slip. */
 function sendDose(button, said, pump, body, done) {
-	const go = (by) => send(by, said, pump.name, ofPump(pump.name, 'dose'), body, done);
+	const go = (by) => send(by, said, pump, 'dose', body, done);
 	if (roughly(pump, body) < 1200) return go(button);
 	const { repeat, every, ...options } = body.options;
-	const path = ofPump(pump.name, 'dose');
-	return send(button, said, pump.name, path, { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
+	return send(button, said, pump, 'dose', { volume: body.volume, options: { ...options, 'dry-run': true } }, async (order) => {
 		const [{ report }] = dosesOf(await completed(order));
 		const [count, one] = [Number(repeat) || 1, report.motion_s + (report.settle_s || 0)];
 		const lasts = one + (count - 1) * Math.max(one, quantity(every, SECONDS) || 0);
@@ -943,7 +948,7 @@ function sendDose(button, said, pump, body, done) {
 }
 
 function doseForm(pump, isWide) {
-	const volume = field('Volume', { required: true, placeholder: '25mL', hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
+	const volume = field('Volume', '25mL', { required: true, hint: isWide ? 'A number alone is in mL. 25g doses by mass; a minus sign reverses.' : null });
 	const said = saidBox();
 	const button = submit('Dose');
 	const parts = { rate: null };
@@ -951,22 +956,21 @@ function doseForm(pump, isWide) {
 	let plan = null;
 	if (isWide) {
 		Object.assign(parts, {
-			rate: field('Rate', { placeholder: `${short(pump.view.default_flow_ml_s)}mL/s`, hint: 'A number alone is in mL/s; max is the fastest.' }),
-			within: field('Within', { placeholder: '10s' }), retract: field('Retract', { placeholder: '0.1mL' }),
-			temperature: field('Temperature', { placeholder: '20degC' }), fluid: field('Fluid', { placeholder: 'water' }),
-			repeat: field('Number of doses', { placeholder: '5' }), every: field('One every', { placeholder: '30s' }),
-			'max-per-day': field('Most in 24 h', { placeholder: '50mL' }),
+			rate: field('Rate', `${short(pump.view.default_flow_ml_s)}mL/s`, { hint: 'A number alone is in mL/s; max is the fastest.' }),
+			within: field('Within', '10s'), retract: field('Retract', '0.1mL'),
+			temperature: field('Temperature', '20degC'), fluid: field('Fluid', 'water'),
+			repeat: field('Number of doses', '5'), every: field('One every', '30s'),
+			'max-per-day': field('Most in 24 h', '50mL'),
 			finish: choice('End', [['', 'as configured'], ['any', 'anywhere'], ['low-flow', 'at low flow']]),
 			ramps: choice('Ramps', [['', 'as configured'], ['line', 'gentle on the line'], ['fastest', 'fastest']]),
 		});
 		parts.smooth = check('Smooth flow');
 		parts.reverse = check('Reverse');
 		const { rate, smooth, ...others } = parts;
-		more = moreOf(
-			fields(Object.values(others).map((part) => part.el)));
+		more = moreOf(fields(Object.values(others).map((part) => part.el)));
 		plan = press('Plan', () => {
 			if (isEmpty()) return;
-			send(plan, said, pump.name, ofPump(pump.name, 'dose'), body(true), async (order) => {
+			send(plan, said, pump, 'dose', body(true), async (order) => {
 				showPlans(said, await completed(order));
 			});
 		});
@@ -993,7 +997,7 @@ function doseForm(pump, isWide) {
 	}, { 'aria-label': `Dose with ${pump.name}` }, isWide ? fields(volume.el, parts.rate.el) : inRow(volume.el, button),
 	isWide && parts.smooth.el, more, isWide && inRow(button, plan), said);
 }
-/** Asks before `sure`, a button, does what may be a slip. */
+/** Asks before a button does what may be a slip. */
 function askFirst(said, words, sure) {
 	place(said, div('notice', para(words), inRow(sure)));
 	sure.focus();
@@ -1009,7 +1013,7 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
 	return formOf(() => {
 		const missing = boxes.find((box) => box.input.required && !text(box));
 		if (missing) return needs(missing, said, 'Fill this in first.');
-		send(button, said, pump.name, ofPump(pump.name, word), bodyOf(), (order) => {
+		send(button, said, pump, word, bodyOf(), (order) => {
 			tellTaken(said, order, word);
 		});
 	}, { 'aria-label': `${label}: ${pump.name}` }, h('h3', { text: label }), aside(hint),
@@ -1018,16 +1022,18 @@ function plainForm(pump, word, label, hint, boxes, bodyOf) {
 
 function orderButton(pump, word, label, isFirst, bodyOf, done) {
 	const said = saidBox();
-	const button = press(label, () => send(button, said, pump.name, ofPump(pump.name, word), bodyOf ? bodyOf() : {}, (order) => {
+	const button = press(label, () => send(button, said, pump, word, bodyOf ? bodyOf() : {}, (order) => {
 		tellTaken(said, order, word);
 		if (done) done(order);
 	}), { class: isFirst && 'first' });
 	return { button, said };
 }
+/** The dose that a button was made for, so that no other one is resumed or accepted. */
+const meant = (open) => () => ({ options: open?.number ? { dose: open.number } : {} });
 function unfinishedActions(pump) {
 	const unfinished = pump.view.status?.unfinished;
 	const isOverTime = unfinished?.over_time;
-	const resume = orderButton(pump, 'resume', 'Resume', true);
+	const resume = orderButton(pump, 'resume', 'Resume', true, meant(unfinished));
 	const accept = press('Accept…', () => askAccept(pump));
 	const words = isOverTime ? 'Its time has passed, so the rest cannot be delivered. Accept leaves it as it is.'
 		: unfinished?.until_stopped ? 'Resume goes on with the run. Accept leaves it as it is.'
@@ -1048,25 +1054,28 @@ function dialog(title, kids, first) {
 	const id = newId();
 	const box = h('dialog', { 'aria-labelledby': id }, h('h2', { id, text: title }), kids,
 		div('row stops', first, press('Close', () => box.close()), stopButton('Stop all', stopAll)));
-	box.addEventListener('close', () => box.remove());
+	on(box, 'close', () => box.remove());
 	document.body.append(box);
 	box.showModal();
 	return box;
 }
 const closeAll = () => document.querySelectorAll('dialog').forEach((box) => box.close());
-const pumpStop = (pump) => async () => {
-	try {
-		await call('POST', ofPump(pump.name, 'stop'), { body: '{}', timeout: 1500 });
-	} catch {
-		// The stop of all tries again, and says so.
-		stopAll();
-	}
-};
 
+/** The volume and the time of an unfinished dose. */
+const openWords = (pump) => `${readOf(pump).figure} mL ${readOf(pump).below}; begun ${date(1000 * pump.view.status.unfinished.began_unix_s)}.`;
 function askAccept(pump) {
-	const accept = orderButton(pump, 'accept', 'Accept', true, null, () => box.close());
-	const box = dialog(`Accept the ${pump.view.status?.unfinished ? unfinishedWord(pump.view) : 'dose'} of ${pump.name}?`, [
-		para('The rest is not delivered, and the carry starts again at 0.'), inRow(accept.button), accept.said]);
+	const open = pump.view.status?.unfinished;
+	const { button, said } = orderButton(pump, 'accept', 'Accept', true, meant(open), () => box.close());
+	const step = div('step', open && para(openWords(pump)),
+		para('The rest is not delivered, and the carry starts again at 0.'), inRow(button), said);
+	const box = dialog(`Accept the ${open ? unfinishedWord(pump.view) : 'dose'} of ${pump.name}?`, [step]);
+	on(box, 'close', () => { onPump = null; });
+	onPump = () => {
+		const isIt = !isBusy(pump) && pump.view.status?.unfinished?.number === open?.number;
+		if (isIt || button.ariaDisabled === 'true') return;
+		onPump = null;
+		place(step, bad('This dose is not unfinished any more: somebody has resumed or accepted it.'));
+	};
 }
 function askEmptied(pump) {
 	const act = orderButton(pump, 'emptied', 'The vessel is empty', true, null, () => box.close());
@@ -1075,9 +1084,9 @@ function askEmptied(pump) {
 		inRow(act.button), act.said]);
 }
 function askClear(pump) {
-	const name = field('Name of the pump', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
-	const reason = field('Reason', { required: true, placeholder: 'the tank was changed' });
-	const by = field('Your name', { required: true });
+	const name = field('Name of the pump', '', { required: true, hint: `Type ${pump.name}, so that no other pump is cleared.` });
+	const reason = field('Reason', 'the tank was changed', { required: true });
+	const by = field('Your name', '', { required: true });
 	const said = saidBox();
 	const button = submit('Clear the pump');
 	const box = dialog(`Clear ${pump.name}`, [para(pump.view.status?.safety.stand ? standWords(pump) : ''),
@@ -1108,19 +1117,18 @@ async function askCalibration(pump, old) {
 	}
 }
 
-/** Guided calibration: dose, weigh, enter the reading, and see the factor. */
 function calibrate(pump) {
 	const step = div('step');
 	const box = dialog(`Calibrate ${pump.name}`, [step]);
 	const steps = 3;
-	box.addEventListener('close', () => { onPump = null; });
+	on(box, 'close', () => { onPump = null; });
 	const put = (number, title, ...kids) => {
 		const heading = h('h3', { text: `${number ? `Step ${number} of ${steps}: ` : ''}${title}`, tabindex: '-1' });
 		place(step, heading, ...kids.flat().filter(Boolean));
 		heading.focus();
 	};
 	const first = () => {
-		const volume = field('Volume', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
+		const volume = field('Volume', '', { value: '10mL', required: true, hint: 'The more revolutions the head makes, the better the calibration.' });
 		const said = saidBox();
 		const button = submit('Dose');
 		const logged = pump.view.last;
@@ -1143,7 +1151,7 @@ function calibrate(pump) {
 		} catch (error) {
 			const said = saidBox();
 			put(2, 'it is not known how the dose ended', said);
-			return showError(said, error, pump.name);
+			return showError(said, error, pump);
 		} finally {
 			clearInterval(timer);
 		}
@@ -1153,7 +1161,7 @@ function calibrate(pump) {
 			return third(report, order.id, volumeWords(report));
 		}
 		const said = saidBox();
-		const resume = firstly('Resume', () => send(resume, said, pump.name, ofPump(pump.name, 'resume'), {}, second));
+		const resume = firstly('Resume', () => send(resume, said, pump, 'resume', {}, second));
 		put(2, 'the dose was not completed', bad(orderError(order).message),
 			order.state === 'failed' && inRow(resume, press('Accept…', () => { box.close(); askAccept(pump); })), said);
 	};
@@ -1165,7 +1173,7 @@ function calibrate(pump) {
 			put(0, 'Another dose was made since', bad(`${loggedWords(other)}. A reading would be of both.`),
 				para('Empty the vessel, and tare the scale.'), inRow(firstly('Dose again', first)));
 		};
-		const reading = field('Reading', { required: true, placeholder: '23.8g', hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
+		const reading = field('Reading', '23.8g', { required: true, hint: 'Type every digit that the scale shows: the last one tells how fine the scale is. A number alone is in g.' });
 		const anyway = check(ANYWAY);
 		const anew = check('Start a new calibration with it');
 		const said = saidBox();
@@ -1175,7 +1183,7 @@ function calibrate(pump) {
 				if (!text(reading)) return needs(reading, said, 'Enter the reading, such as 23.8g.');
 				const body = { reading: text(reading, 'g'), options: { dose, anyway: anyway.input.checked, anew: anew.input.checked, 'dry-run': true } };
 				const old = pump.view.status?.calibration?.version;
-				const go = (by) => send(by, said, pump.name, ofPump(pump.name, 'calibrate'), body, async (order) => {
+				const go = (by) => send(by, said, pump, 'calibrate', body, async (order) => {
 					const made = (await completed(order)).reports.find((one) => one?.schema === 'calibration/1');
 					if (!body.options['dry-run']) return last(made, old);
 					body.options['dry-run'] = false;
@@ -1242,14 +1250,14 @@ class Panel {
 		const top = [div('titled', title, this.sim), line('what', view.title), this.state,
 			this.notice, div('face', this.head.el,
 				div('read', this.figure, this.bar, this.below, this.time))];
-		const stop = this.stop = stopButton(`Stop ${pump.name}`, pumpStop(pump), true);
+		const stop = this.stop = stopButton(`Stop ${pump.name}`, () => stopAll(pump), true);
 		if (!isWide) {
 			this.el = h('article', { class: 'panel', 'aria-label': pump.name }, top, doseForm(pump, false),
 				inRow(stop, h('a', { class: 'button', href: `#/pump/${inPath(pump.name)}`, text: 'Prime, run, calibrate, plan' })), this.facts);
 			return;
 		}
-		const [prime, purge] = [1, 2].map(() => field('Volume', { required: true, placeholder: '20mL' }));
-		const [rate, time] = [field('Rate', { placeholder: `${short(view.default_flow_ml_s)}mL/s` }), field('For', { placeholder: '10min', hint: 'With its unit: s, min or h.' })];
+		const [prime, purge] = [1, 2].map(() => field('Volume', '20mL', { required: true }));
+		const [rate, time] = [field('Rate', `such as ${short(view.default_flow_ml_s)}mL/s`, { required: true }), field('For', '10min', { hint: 'With its unit: s, min or h.' })];
 		const log = h('div');
 		this.log = pumpLog([pump.name], log, '30d', 10);
 		this.el = div('wide', h('p', {}, h('a', { href: '#/', text: '← All pumps' })),
@@ -1265,8 +1273,7 @@ class Panel {
 					plainForm(pump, 'prime', 'Prime', 'Fills the line. The carry stays as it is.', [prime], () => ({ volume: text(prime, 'mL'), options: {} })),
 					plainForm(pump, 'purge', 'Purge', 'Empties the line. A negative volume runs backwards.', [purge], () => ({ volume: text(purge, 'mL'), options: {} })),
 					plainForm(pump, 'run', 'Run', 'Runs at a rate for a time. Without a time it runs until it is stopped.', [rate, time], () => {
-						const options = {};
-						if (text(rate)) options.rate = text(rate, 'mL/s');
+						const options = { rate: text(rate, 'mL/s') };
 						if (text(time)) options.for = text(time);
 						return { options };
 					}))),
@@ -1366,8 +1373,8 @@ function refresh(pump) {
 	for (const panel of pump.panels) panel.update();
 	onPump?.();
 }
-// What counts down by itself: a batch that waits.
-setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait) refresh(pump); }), 1000);
+// What counts by itself: a batch that waits, and a silence.
+setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait || pump.view.silent_since) refresh(pump); }), 1000);
 
 const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);
 
@@ -1410,7 +1417,7 @@ async function readLog(path, most) {
 function logRow(dose, name) {
 	const u = dose.expanded_uncertainty_ml;
 	const volume = dose.delivered_least_ml == null ? `${ml(dose.delivered_ml, u)}${u == null ? '' : ` ± ${spread(u)}`} mL`
-		: `${fixed(dose.delivered_least_ml, 2)} to ${fixed(dose.delivered_most_ml, 2)} mL`;
+		: `${range(dose.delivered_least_ml, dose.delivered_most_ml)} mL`;
 	const asked = dose.asked || (dose.requested_ml == null ? '' : `${short(dose.requested_ml)} mL`);
 	const what = [dose.weighed ? 'calibration' : purposeWord(dose.purpose), dose.resumed && '(rest)', dose.rack && `(rack ${dose.rack})`].filter(Boolean).join(' ');
 	const end = [dose.cause ? `${dose.end}: ${dose.cause}` : dose.end, dose.accepted && `accepted by ${giver({ origin: dose.accepted })}`];
@@ -1439,12 +1446,12 @@ function pumpLog(names, box, since, most) {
 			// The log of one pump has its order, whatever its clock said.
 			if (another) rows.sort((a, b) => b.at - a.at).splice(most);
 			const which = `${count > rows.length ? `The last ${rows.length} of ${count} doses` : 'Doses'} of ${another ? 'all pumps' : name}`;
-			place(box, rows.length ? table(`${which}, latest first; ± is k = 2`, another ? ['Pump', ...heads] : heads, rows.map(({ cells }) => cells))
+			const cut = names.map((of) => pumps.get(of)).filter(({ motion, view: { last, status } }) => !motion && status?.unfinished && !(last?.number >= status.unfinished.number));
+			place(box, ...cut.map((pump) => bad(`${pump.name}: cut off, ${openWords(pump)} It has its row once the pump is used again.`)), rows.length ? table(`${which}, latest first; ± is k = 2`, another ? ['Pump', ...heads] : heads, rows.map(({ cells }) => cells))
 				: para('No dose is on record in this time.'), links);
 		} catch (error) {
 			if (mine !== run) return;
-			const words = error instanceof Refused ? error.message : 'The log cannot be read: the service does not answer.';
-			place(box, bad(words), links);
+			place(box, bad(wordsOf(error, 'The log cannot be read: the service does not answer.')), links);
 		}
 	};
 }
@@ -1460,7 +1467,7 @@ function guardSection() {
 		if (!inputs || !section.isConnected) return;
 		section.hidden = inputs.length === 0;
 		const rows = inputs.map(({ name, state, reason, last, pumps: guarded }) => {
-			const row = [name, SAYS[state] + (reason || '').replace(`${name}: `, ''), last ? `${span((Date.now() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
+			const row = [name, SAYS[state] + (reason || '').replace(`${name}: `, ''), last ? `${span((ms() - new Date(last)) / 1000)} ago` : 'none yet', guarded.join(', ')];
 			row.isBad = state === 'bad' || state === 'silent';
 			return row;
 		});
@@ -1471,7 +1478,7 @@ function guardSection() {
 setInterval(() => { if (onInputs && isLive && !document.hidden) onInputs(); }, 5000);
 
 function viewPumps() {
-	const cards = [...pumps.values()].map((pump) => panelOf(pump, false).el);
+	const cards = all().map((pump) => panelOf(pump, false).el);
 	const rackCards = racks.map((name) => {
 		const said = saidBox();
 		const path = `/api/v1/racks/${inPath(name)}/run`;
@@ -1535,8 +1542,8 @@ function viewLog() {
 		shown = lasts();
 		read();
 	};
-	which.input.addEventListener('change', load);
-	since.input.addEventListener('change', load);
+	on(which.input, 'change', load);
+	on(since.input, 'change', load);
 	const list = h('div');
 	const showNotes = () => {
 		place(list, notes.length ? table('Events of the service, latest first', ['Time', 'Kind', 'Pump', 'Event'],
@@ -1550,10 +1557,11 @@ function viewLog() {
 		block(head2('Events'), list)]];
 }
 
+const optionWords = (entry, is) => Object.entries(entry.options || {}).map(([name, value]) => (value === true ? name : name + is + value));
 function entryWords(entry) {
 	const what = entry.dose ? `${entry.pump}: dose ${entry.dose}` : entry.prime ? `${entry.pump}: prime ${entry.prime}` : `rack ${entry.rack}`;
 	const batch = entry.batch ? `, ${entry.batch.repeat} times${entry.batch.every ? `, one every ${entry.batch.every}` : ''}` : '';
-	const options = Object.entries(entry.options || {}).map(([name, value]) => (value === true ? name : `${name} ${value}`));
+	const options = optionWords(entry, ' ');
 	return what + batch + (options.length ? ` (${options.join(', ')})` : '');
 }
 const listed = (value) => (Array.isArray(value) ? value.join(', ') : value || '');
@@ -1567,7 +1575,7 @@ function timeWords(entry, zone) {
 }
 const ownZone = () => Intl.DateTimeFormat().resolvedOptions().timeZone || 'this device';
 const ofEntry = (name) => `/api/v1/schedule/entries/${inPath(name)}`;
-const wordsOf = (error) => (error instanceof Refused ? error.message : 'The service did not answer: look at the schedule before you try again.');
+const wordsOf = (error, lost = 'The service did not answer: look at the schedule before you try again.') => (error instanceof Refused ? error.message : lost);
 
 function viewSchedule() {
 	const box = h('div', {}, para('Reading…'));
@@ -1588,7 +1596,7 @@ function viewSchedule() {
 	const rowOf = ({ doubt: own, ...entry }, one) => {
 		const at = one?.at ? new Date(one.at) : null;
 		const isOff = entry.enabled === false;
-		const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - Date.now()) / 1000)}`;
+		const when = isOff ? 'switched off' : !at ? 'no further run' : `${date(at)}, in ${span((at - ms()) / 1000)}`;
 		const word = [entry.missed && `missed: ${entry.missed}${entry.missed_within ? ` within ${entry.missed_within}` : ''}`,
 			entry.unfinished && `unfinished: ${entry.unfinished}`, entry.busy && `in use: ${entry.busy}`].filter(Boolean).join(', ');
 		const doubt = own || one?.doubt;
@@ -1637,21 +1645,21 @@ const FIELDS = { dose: 'volume', prime: 'volume', batch: 'repeat', 'repeat of ba
 function editEntry(told, entry, done) {
 	const old = entry || {};
 	const parts = {
-		name: field('Name', { hint: '1 to 64 of a-z, 0-9, - and _' }),
+		name: field('Name', '', { hint: '1 to 64 of a-z, 0-9, - and _' }),
 		what: choice('It makes', [['dose', 'a dose'], ['prime', 'a prime'], ['rack', 'a run of a rack']]),
 		pump: choice('Pump', pairs(pumps.keys(), old.pump)), rack: choice('Rack', pairs(racks, old.rack)),
-		volume: field('Volume', { placeholder: '25mL' }), repeat: field('Number of doses', { placeholder: '1', inputmode: 'numeric' }),
-		apart: field('One every', { placeholder: '30s' }), options: field('Options', { placeholder: 'rate=5mL/s, smooth' }),
+		volume: field('Volume', '25mL'), repeat: field('Number of doses', '1', { inputmode: 'numeric' }),
+		apart: field('One every', '30s'), options: field('Options', 'rate=5mL/s, smooth'),
 		when: choice('When', [['at', 'at times of day'], ['between', 'every so often in a window of the day'], ['anchor', 'every so often from a moment on']]),
-		at: field('Times of day', { placeholder: '06:00, 18:00' }), every: field('Every', { placeholder: '30min' }),
-		between: field('Window', { placeholder: '08:00, 20:00', hint: 'Its first and its last time of day' }),
-		anchor: field('First run', { placeholder: '2026-03-01 06:30' }),
+		at: field('Times of day', '06:00, 18:00'), every: field('Every', '30min'),
+		between: field('Window', '08:00, 20:00', { hint: 'Its first and its last time of day' }),
+		anchor: field('First run', '2026-03-01 06:30'),
 		days: { input: h('fieldset', { tabindex: '-1' }, h('legend', { text: 'Days; none is every day' })) },
-		dates: field('Dates, in place of days', { placeholder: '2026-03-01' }),
-		from: field('First date', { placeholder: '2026-03-01' }), until: field('Last date', { placeholder: '2026-05-31' }),
-		zone: field('Time zone', { placeholder: told.schedule.zone || 'Europe/Berlin', hint: 'Without one: that of the file or of the service’s machine' }),
+		dates: field('Dates, in place of days', '2026-03-01'),
+		from: field('First date', '2026-03-01'), until: field('Last date', '2026-05-31'),
+		zone: field('Time zone', told.schedule.zone || 'Europe/Berlin', { hint: 'Without one: that of the file or of the service’s machine' }),
 		missed: choice('Missed runs', [['', 'are left out'], ['once', 'are made up for by one'], ['all', 'are all made up for']]),
-		missed_within: field('At most so late', { placeholder: '2h' }),
+		missed_within: field('At most so late', '2h'),
 		unfinished: choice('An interrupted dose', [['', 'has the run refused'], ['resume', 'is delivered first'], ['accept', 'is accepted']]),
 		busy: choice('A pump that moves', [['', 'has the run left out'], ['wait', 'is waited for']]),
 		enabled: check('Switched on'),
@@ -1663,7 +1671,7 @@ function editEntry(told, entry, done) {
 	parts.days.input.append(inRow(days.map(([, part]) => part.el)));
 	const kind = old.rack ? 'rack' : old.prime ? 'prime' : 'dose';
 	const batch = old.batch || {};
-	const options = Object.entries(old.options || {}).map(([name, text]) => (text === true ? name : `${name}=${text}`)).join(', ');
+	const options = optionWords(old, '=').join(', ');
 	const shown = { ...old, what: kind, volume: old[kind], repeat: batch.repeat, apart: batch.every, options,
 		when: old.anchor ? 'anchor' : old.between ? 'between' : 'at' };
 	for (const [key, part] of Object.entries(parts)) if (shown[key] && key !== 'days') part.input.value = listed(shown[key]);
@@ -1775,7 +1783,7 @@ function editEntry(told, entry, done) {
 		const sure = firstly(`Remove ${old.name}`, () => ask(async () => {
 			await call('DELETE', ofEntry(old.name), { match: told.etag });
 			close(`${old.name} is removed.`);
-			$('main').querySelector('h1').focus();
+			main.querySelector('h1').focus();
 		}));
 		askFirst(said, 'The file loses the entry and the comment above it.', sure);
 	};
@@ -1792,28 +1800,28 @@ function editEntry(told, entry, done) {
 }
 
 function showLogin() {
-	if ($('main').dataset.view === 'login') return;
+	if (main.dataset.view === 'login') return;
 	closeAll();
 	source?.close();
 	source = null;
 	clearTimeout(retryTimer);
 	isLive = false;
-	$('main').dataset.view = 'login';
-	document.body.classList.remove('lost');
+	main.dataset.view = 'login';
+	looks.remove('lost');
 	say($('link').firstElementChild, 'Not logged in');
-	const token = field('Token', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with (--token-file).' });
+	const token = field('Token', '', { type: 'password', required: true, autocomplete: 'current-password', hint: 'It is in the file that the service was started with.' });
 	const said = saidBox();
 	const button = submit('Log in');
 	const form = formOf(async () => {
 		try {
 			await call('POST', '/login', { body: JSON.stringify({ token: token.input.value }) });
-			delete $('main').dataset.view;
+			delete main.dataset.view;
 			begin();
 		} catch (error) {
-			needs(token, said, error instanceof Refused ? error.message : 'The service does not answer.');
+			needs(token, said, wordsOf(error, 'The service does not answer.'));
 		}
 	}, {}, token.el, inRow(button), said);
-	place($('main'), h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
+	place(main, h('h1', { text: 'Log in' }), h('section', { class: 'panel', 'aria-label': 'Log in' }, form));
 	document.title = 'Log in · pump-dose';
 	token.input.focus();
 }
@@ -1826,8 +1834,8 @@ function show(isMoved) {
 	let name = null;
 	try { name = path.startsWith('/pump/') ? decodeURIComponent(path.slice(6)) : null; } catch { /* No name. */ }
 	const [title, kids] = name != null ? viewPump(name) : path === '/log' ? viewLog() : path === '/schedule' ? viewSchedule() : viewPumps();
-	$('main').dataset.view = path;
-	place($('main'), ...kids.flat().filter(Boolean));
+	main.dataset.view = path;
+	place(main, ...kids.flat().filter(Boolean));
 	onInputs?.();
 	document.title = `${title} · pump-dose`;
 	for (const link of document.querySelectorAll('nav a')) {
@@ -1838,18 +1846,18 @@ function show(isMoved) {
 	if (isMoved !== true) return;
 	closeAll();
 	scrollTo(0, 0);
-	const heading = $('main').querySelector('h1');
+	const heading = main.querySelector('h1');
 	heading?.focus({ preventScroll: true });
 }
 // The address names the view, so the link to the content must not change it.
-document.querySelector('.skip').addEventListener('click', (event) => {
+on(document.querySelector('.skip'), 'click', (event) => {
 	event.preventDefault();
-	$('main').focus();
+	main.focus();
 });
-addEventListener('hashchange', () => { if ($('main').dataset.view !== 'login') show(true); });
-$('logout').addEventListener('click', async () => {
+on(window, 'hashchange', () => { if (main.dataset.view !== 'login') show(true); });
+on($('logout'), 'click', async () => {
 	await call('POST', '/logout', { body: '{}' }).catch(() => {});
 	showLogin();
 });
-calm.addEventListener('change', () => { if (version) show(); });
+on(calm, 'change', () => { if (version) show(); });
 begin();
