@@ -158,6 +158,6 @@ def test_a_pump_that_another_program_moves_is_not_said_to_be_unfinished(service,
         expect(state(page, "acid")).to_contain_text("Another program moves it: ")
         expect(page.locator(".read .what").first).to_have_text("delivered of 200 mL asked; another program moves it")
         page.get_by_role("button", name="Stop acid").click()
-        expect(page.locator("#stop-said")).to_contain_text("In use by another program, which this page cannot stop: acid.")
+        expect(page.locator("#stop-said")).to_contain_text("another program, which this page cannot stop: acid.")
         other.send_signal(signal.SIGINT)
     expect(state(page, "acid")).to_have_text("A dose is unfinished")

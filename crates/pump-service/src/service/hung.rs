@@ -28,7 +28,8 @@ impl Service {
         let what = format!("order {id} ({})", order.task.name());
         let text = match sign {
             Sign::Silent(_) => format!(
-                "no word from the process of {what} for {} s; its motor may turn or stand: look at the pump, and stop it",
+                "no word from the process of {what} for {} s; its motor may turn or stand: look at the pump, and stop \
+                 it",
                 SILENT_AFTER.as_secs()
             ),
             Sign::Speaks => {

@@ -307,8 +307,8 @@ impl Service {
         live.get_mut(id).map(|order| order.stop(reason)).is_some()
     }
 
-    /// Waits until orders that were asked to stop have ended, 1 s at most. Returns the answer to a stop: the orders that
-    /// were `asked`, and those that have `stopped`.
+    /// Waits until orders that were asked to stop have ended, 1 s at most. Returns the answer to a stop: the orders
+    /// that were `asked`, and those that have `stopped`.
     pub(crate) async fn stopped(&self, asked: &[OrderId]) -> Value {
         let until = Instant::now() + ANSWERED_WITHIN;
         loop {

@@ -16,7 +16,8 @@ use crate::order::{Options, Order, Origin, Task};
 use crate::service::PumpView;
 
 /// Description of the answer to a stop.
-pub(super) const STOPPED: &str = "`asked`: names of the orders that were asked to stop; `stopped`: those of them that have ended within 1 s";
+pub(super) const STOPPED: &str =
+    "`asked`: the orders that were asked to stop; `stopped`: those of them that have ended within 1 s";
 
 /// Header with the key of an order.
 const KEY: &str = "idempotency-key";
@@ -192,7 +193,8 @@ pub(in super::super) async fn calibrate(
     place(&shared, &name, Task::Calibrate { reading }, options, &headers).await
 }
 
-/// Stops a pump: its motor decelerates and stands, and its volume is on record. A process that does not answer is ended.
+/// Stops a pump: its motor decelerates and stands, and its volume is on record. A process that does not answer is
+/// ended.
 #[utoipa::path(post, path = "/api/v1/pumps/{name}/stop", tag = "stop",
     params(("name" = String, Path, description = "Name of the pump in the configuration")),
     responses((status = 200, description = STOPPED, body = Object), (status = 404, description = "`error/1`")))]
