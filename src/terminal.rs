@@ -155,15 +155,15 @@ pub(crate) fn announcing<'a, T>(
     let (failed, warnings) = (Arc::clone(&untold), warnings.to_vec());
     let told = Arc::new(AtomicBool::new(false));
     let tells = Arc::clone(&told);
-    session.before_motion(move || match announce(bench, json) {
-        Ok(()) => {
-            warn(&warnings);
-            tells.store(true, Ordering::Relaxed);
-            ControlFlow::Continue(())
-        }
-        Err(failure) => {
-            *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
-            ControlFlow::Break(())
+    session.before_motion(move || {
+        warn(&warnings);
+        tells.store(true, Ordering::Relaxed);
+        match announce(bench, json) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(failure) => {
+                *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
+                ControlFlow::Break(())
+            }
         }
     });
     let ended = motion(session);

@@ -25,7 +25,7 @@ pub use prepared::Prepared;
 pub(crate) use prepared::{cruise_of, settle_of_s};
 pub use request::{DoseRequest, RunBound, RunEnd};
 pub use retraction::Retraction;
-pub(crate) use ripple::{PulseErrors, SureRipples, sure_ripples, unsure_smooth};
+pub(crate) use ripple::{PulseErrors, SureRipples, sure_ripples};
 pub use ripple::{RippleAt, RippleReport};
 pub use schedule::{MAX_DOSES, Missed, Schedule, ScheduleAction, ScheduleError};
 pub(crate) use stands::Stands;

@@ -16,6 +16,7 @@ use super::error::DoseError;
 use super::planner::{Planner, SpeedPlan};
 use super::request::{DoseRequest, RunBound, RunEnd};
 use super::retraction::Retraction;
+use super::ripple::unsure_smooth;
 use super::stands::Stands;
 use super::swept::Swept;
 use super::uncertainty::Budget;
@@ -376,6 +377,7 @@ impl PlanningBasis<'_> {
         warnings.extend(unweighed.and_then(|text| warnings::unweighed_speed(text, &budget())));
         let of_retraction = retraction.iter().flat_map(|retraction| retraction.warnings.clone());
         warnings.extend(of_speed.into_iter().chain(of_retraction).map(Notice::from));
+        warnings.extend(unsure_smooth(self.file, model, plan, applied.as_ref()));
         Ok(warnings)
     }
 }

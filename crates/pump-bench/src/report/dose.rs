@@ -24,7 +24,7 @@ use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
 use crate::calibration::{Applied, Weighing};
 use crate::dosing::{
     Prepared, PulseErrors, RippleAt, RippleReport, Share, SureRipples, pressure_uncertainty_kpa,
-    sure_ripples, unsure_smooth, weighed_shares,
+    sure_ripples, weighed_shares,
 };
 use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
@@ -289,10 +289,7 @@ impl DoseReport {
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),
             limits_not_checked: file.not_checked(&prepared.limits),
-            warnings: warnings(prepared, delivered)
-                .into_iter()
-                .chain(unsure_smooth(plan, &SureRipples { rollers, line_end }))
-                .collect(),
+            warnings: warnings(prepared, delivered),
             completed: delivered.is_some_and(|end| end.completed || is_ended_run(prepared, end)),
             by_weight: None,
             run: RunReport::of(prepared, delivered),

@@ -9,4 +9,4 @@ mod unsure;
 pub(crate) use pulse_errors::PulseErrors;
 pub use ripple::{RippleAt, RippleReport};
 pub(crate) use ripple::{SureRipples, sure_ripples};
-pub(crate) use unsure::unsure_smooth;
+pub(super) use unsure::unsure_smooth;
