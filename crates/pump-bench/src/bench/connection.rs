@@ -134,15 +134,19 @@ impl<'a> Session<'a> {
         let cut_off = self.cut_off.is_some_and(|(_, part)| part.made_least < part.made_most);
         let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0 || cut_off);
         let event = told.or(starts_anew.then_some(Disturbance::Reset));
-        if stands.released && event != Some(Disturbance::OtherAxis) {
+        let counts_anyhow = matches!(event, Some(Disturbance::OtherAxis | Disturbance::EmergencyStop));
+        if stands.released && !counts_anyhow {
             met = self.meet_released(count, notes);
         } else if let Some(event) = event {
-            met = stands.disturbed(self.bench.fall_rad(), model);
+            met = stands.after_event(event, self.bench.fall_rad(), model);
             if was_known {
-                let now = if met.phase().is_known(pitch_rad) {
-                    "known less well, by two full steps of the motor"
-                } else {
-                    "unknown: that was the second time since it was found"
+                let now = match event {
+                    _ if met.phase().is_known(pitch_rad) => "known less well, by two full steps of the motor",
+                    Disturbance::EmergencyStop => {
+                        "unknown, because people may have turned the rotor meanwhile"
+                    }
+                    _ if met.disturbances > 1 => "unknown: that was the second time since it was found",
+                    _ => "unknown: two full steps of the motor more, and it may be any angle of a pitch",
                 };
                 let text = format!("{event}: the rollers' angle is {now}");
                 notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
@@ -204,6 +208,7 @@ impl<'a> Session<'a> {
         }
         let mut notes = Vec::new();
         let met = self.meet(device.drive.as_mut(), &mut notes);
+        let met = PumpState { released: device.drive.is_without_current(), ..met };
         self.notes.append(&mut notes);
         let met_is_recorded = if met == self.stands() { Ok(()) } else { self.met(met) };
         if met_is_recorded.is_ok() && self.written {

@@ -164,11 +164,12 @@ impl<'a> Session<'a> {
         let (fall_rad, model) = (self.bench.fall_rad(), self.bench.model());
         let is_let_go = event == Disturbance::Disabled;
         if !is_let_go {
-            self.notes.push(format!("{event}: the rollers' angle is known less well").into());
+            let now = if event == Disturbance::EmergencyStop { "unknown" } else { "known less well" };
+            self.notes.push(format!("{event}: the rollers' angle is {now}").into());
         }
         let rests = pauses.filter(|_| is_let_go || lets_go);
         let rests = rests.map_or(0, |pauses| u32::from(pauses).max(device.drive.rests()).min(MOST_RESTS));
-        (0..=rests).fold(state, |state, _| state.disturbed(fall_rad, model))
+        (0..=rests).fold(state, |state, _| state.after_event(event, fall_rad, model))
     }
 }
 

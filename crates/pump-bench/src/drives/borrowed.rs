@@ -39,6 +39,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::disturbed(self)
     }
 
+    fn is_without_current(&self) -> bool {
+        T::is_without_current(self)
+    }
+
     fn recorded(&mut self) {
         T::recorded(self);
     }

@@ -75,8 +75,8 @@ impl DriveLimits {
 
 /// Event that the rotor's angle may not have survived.
 ///
-/// Each event widens the angle by two full steps of the motor: a released rotor may fall that far before it
-/// is caught again.
+/// Each event but one widens the angle by two full steps of the motor: a released rotor may fall that far before it
+/// is caught again. After an emergency stop the angle is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Disturbance {
     /// The device was reset, or switched on.
@@ -85,6 +85,8 @@ pub enum Disturbance {
     Disabled,
     /// The device was out of reach in motion.
     LinkLost,
+    /// The emergency stop has cut the current of every motor of the device. People may have turned the rotor meanwhile.
+    EmergencyStop,
     /// Another axis of the device turns the motor than before. Its count says nothing of this rotor, which was without
     /// current while it was connected to the other axis.
     OtherAxis,
@@ -96,6 +98,9 @@ impl Display for Disturbance {
             Self::Reset => "the device was reset",
             Self::Disabled => "the motor was without current",
             Self::LinkLost => "the device was out of reach in motion",
+            Self::EmergencyStop => {
+                "the emergency stop was pressed, and each motor of the board was without current"
+            }
             Self::OtherAxis => {
                 "the motor is at another axis of the board than before, which counts from elsewhere"
             }
@@ -197,6 +202,12 @@ pub trait Drive: Debug + Send {
     /// Returns the last disturbance of the rotor since this was last asked, or since the drive was opened.
     fn disturbed(&mut self) -> Option<Disturbance> {
         None
+    }
+
+    /// Returns true if the last check found the motor without current. Once the disturbance that was told last is on
+    /// record, to give it current again is no further one.
+    fn is_without_current(&self) -> bool {
+        false
     }
 
     /// Says that the disturbances which [`Self::disturbed`] has told are on record. A disk may be full in between.

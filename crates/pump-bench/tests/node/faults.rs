@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use pump_bench::drives::{CommonBegin, Disturbance, Drive, NodeBoard, NodeError};
+use pump_bench::drives::{CommonBegin, Disturbance, Drive, Node, NodeBoard, NodeError};
+use pump_bench::pump_file::PinsTable;
 
 use crate::rig::{Rig, dose, go, node_error, run, worst};
 use crate::several::{PATIENT, Shared, counts, pour};
@@ -131,8 +132,66 @@ fn an_emergency_stop_loses_the_angle() {
     assert!(matches!(node_error(&refused), NodeError::Estop), "{refused:?}");
     rig.world.hardware(|hardware| hardware.estop = false);
     drive.connect().unwrap();
-    assert_eq!(drive.disturbed(), Some(Disturbance::Disabled));
+    assert_eq!(drive.disturbed(), Some(Disturbance::EmergencyStop));
     run(&mut drive, &dose(1.0, 4.0, false));
+}
+
+#[test]
+fn an_emergency_stop_at_rest_is_told_too_while_the_board_is_met_and_before() {
+    let rig = Rig::new();
+    let plan = dose(1.0, 4.0, false);
+    let mut drive = rig.open();
+    run(&mut drive, &plan);
+    assert_eq!(drive.disturbed(), Some(Disturbance::Reset));
+    let press = |is_pressed| {
+        rig.world.hardware(|hardware| hardware.estop = is_pressed);
+        rig.world.pass(10);
+    };
+    press(true);
+    press(false);
+    let refused = drive.check(&plan).unwrap_err();
+    assert!(matches!(node_error(&refused), NodeError::Estop), "{refused:?}");
+    assert_eq!((drive.disturbed(), drive.is_without_current()), (Some(Disturbance::EmergencyStop), true));
+    drop(drive);
+    let mut drive = rig.open();
+    assert_eq!((drive.disturbed(), drive.is_without_current()), (Some(Disturbance::EmergencyStop), false));
+    drive.check(&plan).unwrap();
+}
+
+#[test]
+fn a_fault_of_the_stepper_driver_that_stays_is_named_and_is_one_disturbance() {
+    let rig = Rig::new();
+    let mut pins = PinsTable::default();
+    pins.driver_fault = Some(true);
+    let table = Rig::table().with_pins(pins);
+    let open = || rig.open_by(&table, &rig.opening()).unwrap();
+    let plan = dose(1.0, 4.0, false);
+    let mut drive = open();
+    run(&mut drive, &plan);
+    assert_eq!(drive.disturbed(), Some(Disturbance::Reset));
+    let fault = |reports| {
+        rig.world.hardware(|hardware| hardware.has_driver_fault = reports);
+        rig.world.pass(10);
+    };
+    let refused = |drive: &mut Node| {
+        rig.world.pass(10);
+        let refused = drive.check(&plan).unwrap_err();
+        assert!(matches!(node_error(&refused), NodeError::Driver), "{refused:?}");
+        assert!(drive.is_without_current());
+    };
+    // The fault comes while the drive is open, and stays.
+    fault(true);
+    refused(&mut drive);
+    assert_eq!(drive.disturbed(), Some(Disturbance::Disabled));
+    drive.connect().unwrap();
+    assert_eq!(drive.disturbed(), Some(Disturbance::Disabled));
+    // The motor cannot be given current, so nothing more has disturbed it.
+    refused(&mut drive);
+    assert_eq!(drive.disturbed(), None);
+    fault(false);
+    drive.connect().unwrap();
+    run(&mut drive, &plan);
+    assert!(!drive.is_without_current());
 }
 
 #[test]

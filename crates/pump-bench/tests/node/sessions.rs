@@ -5,11 +5,13 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pump_bench::drives::Node;
+use pump_bench::pump_file::PinsTable;
 use pump_bench::record::{LogEnd, LogEntry, LogLine};
-use pump_bench::{Bench, DoseRequest, Session, built_in};
-use pump_ctl::plan::{Cruise, Phase};
+use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
+use pump_ctl::plan::{Cruise, Phase, PlanError};
 
 use crate::rig::Rig;
+use crate::world::Hardware;
 
 fn request() -> DoseRequest {
     DoseRequest::dose(4.0).with_cruise(Some(Cruise::Flow { ml_s: 4.0 })).with_smooth(true)
@@ -96,4 +98,56 @@ fn a_part_that_a_killed_process_made_is_logged_as_sure_as_one_that_was_stopped()
         let [killed_ml, stopped_ml] = [killed, stopped].map(|dose| dose.expanded_uncertainty_ml.unwrap());
         assert!((killed_ml - stopped_ml).abs() < 1e-9, "{killed_ml} {stopped_ml}");
     }
+}
+
+#[test]
+fn a_fault_that_stays_is_one_disturbance_and_an_emergency_stop_at_rest_makes_the_angle_unknown() {
+    let (rig, folder) = (Rig::new(), tempfile::tempdir().unwrap());
+    let mut pins = PinsTable::default();
+    pins.driver_fault = Some(true);
+    let open = || rig.open_by(&Rig::table().with_pins(pins), &rig.opening()).unwrap();
+    let bench = bench(folder.path(), &open());
+    let hand = |change: fn(&mut Hardware)| {
+        rig.world.hardware(change);
+        rig.world.pass(10);
+    };
+    let set = |angle_rad| {
+        let mut session = Session::with_drive(&bench, Box::new(open())).unwrap();
+        session.connect().unwrap();
+        session.set_angle(Some(Phase::known(angle_rad))).unwrap();
+    };
+    // Each command opens the drive anew.
+    let dose = |smooth| {
+        let mut session = Session::with_drive(&bench, Box::new(open())).unwrap();
+        session.connect().unwrap();
+        rig.world.pass(10);
+        let request = DoseRequest::dose(1.0).with_smooth(smooth);
+        let made =
+            session.prepare(request).and_then(|plan| session.run(&plan, |_| ControlFlow::Continue(())));
+        let state = *session.state().unwrap();
+        (made, state, session.notes())
+    };
+    set(0.0);
+    hand(|hardware| hardware.has_driver_fault = true);
+    for _ in 0..3 {
+        let (made, state, _) = dose(false);
+        let said = pump_bench::report::with_sources(&made.unwrap_err());
+        assert!(said.contains("the stepper driver reported a fault"), "{said}");
+        assert_eq!((state.disturbances, state.unfinished), (1, None));
+        assert!(state.half_width_rad > 0.0 && state.half_width_rad < 0.1, "{state:?}");
+    }
+    hand(|hardware| hardware.has_driver_fault = false);
+    let (made, state, _) = dose(true);
+    assert!(made.unwrap().completed && state.disturbances == 1);
+    // The stop is released before the next command, which says it before anything moves.
+    set(0.0);
+    hand(|hardware| hardware.estop = true);
+    hand(|hardware| hardware.estop = false);
+    let (made, state, notes) = dose(true);
+    assert!(matches!(made, Err(DoseError::Plan(PlanError::SmoothWithoutAngle { .. }))), "{made:?}");
+    assert!(
+        state.half_width_rad > 3.0 && notes.iter().any(|note| note.text().contains("emergency stop was"))
+    );
+    set(0.0);
+    assert!(dose(true).0.unwrap().completed);
 }

@@ -293,6 +293,7 @@ fn take_over(
     let status = rest(board)?;
     let was_configured = holds && status.revision != 0;
     let disturbed = match () {
+        () if status.unread.estop > 0 => Some(Disturbance::EmergencyStop),
         () if !was_configured => Some(Disturbance::Reset),
         () if status.angle_lost || !status.energised => Some(Disturbance::Disabled),
         () => None,

@@ -317,10 +317,13 @@ pub enum NodeError {
     )]
     FlowPaused,
     /// The stepper driver reported a fault.
-    #[error("the stepper driver reported a fault; check its temperature, its supply and the motor's cable")]
+    #[error(
+        "the stepper driver reported a fault, so the motor is without current; check the stepper driver's temperature, \
+         its supply and the motor's cable, and switch it off and on"
+    )]
     Driver,
     /// The emergency stop was pressed.
-    #[error("the emergency stop is pressed, or was pressed in motion; see that it is safe, and release it")]
+    #[error("the emergency stop is pressed, or was pressed meanwhile; see that it is safe, and release it")]
     Estop,
     /// The board was stopped by somebody else.
     #[error("the board was stopped by another program; find out why before the rest is made")]

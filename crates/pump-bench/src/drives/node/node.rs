@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use pump_ctl::plan::{FlowMotion, Motor, Plan, PlannedMotion};
 use pump_ctl::step::Brake;
+use pump_link::message::FaultCounts;
 
 use super::board::Board;
 use super::connect::{self, Met, Terms};
@@ -45,6 +46,7 @@ pub struct Node {
     /// Count of the board at rest. `None` if nobody knows it until the board is met anew.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
+    current: Current,
     /// True if the record says that the pump's journal counts by this axis.
     is_axis_recorded: bool,
     notes: Vec<Notice>,
@@ -52,6 +54,18 @@ pub struct Node {
     place: Option<BeginPlace>,
     /// What the plan asks for that was looked at last.
     last_asked: LastAsked,
+}
+
+/// Current of the motor, as far as its want has disturbed the rotor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+enum Current {
+    /// The motor has held since it was met, or has moved since.
+    #[default]
+    Held,
+    /// The meeting told a disturbance, and the motor has not moved since.
+    Told,
+    /// The motor was found without current, and that was told.
+    Missing,
 }
 
 /// Place of the link to the board.
@@ -101,6 +115,7 @@ impl Node {
             at: At::Apart(Box::new(link)),
             stands: None,
             disturbed: None,
+            current: Current::Held,
             is_axis_recorded: false,
             notes: Vec::new(),
             place: None,
@@ -127,6 +142,7 @@ impl Node {
                 self.at = At::Met { board: Box::new(board), brake: Box::new(brake) };
                 self.stands = Some(position);
                 self.disturbed = disturbed;
+                self.current = if disturbed.is_some() { Current::Told } else { Current::Held };
                 self.notes.extend(faults_noted(unread));
                 Ok(())
             }
@@ -151,7 +167,7 @@ impl Node {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
         if status.angle_lost || !status.energised {
-            return Err(NodeError::LetGo);
+            return Err(self.found_without_current(status.unread));
         }
         let expected = self.stands.replace(status.position);
         if let Some(expected) = expected.filter(|expected| *expected != status.position) {
@@ -168,6 +184,23 @@ impl Node {
             (lane.needs_bytes_s, lane.needs_steps_s) = (task.needs_bytes_s, task.needs_steps_s);
         }
         Ok(task)
+    }
+
+    /// Notes that the motor is without current, and returns the cause by the faults that the board has counted.
+    ///
+    /// A motor that was met without current and could not be given any, because its stepper driver still reports a
+    /// fault, was disturbed once.
+    fn found_without_current(&mut self, unread: FaultCounts) -> NodeError {
+        let (event, error) = match unread {
+            FaultCounts { estop: 1.., .. } => (Disturbance::EmergencyStop, NodeError::Estop),
+            FaultCounts { driver: 1.., .. } => (Disturbance::Disabled, NodeError::Driver),
+            _ => (Disturbance::Disabled, NodeError::LetGo),
+        };
+        if self.current == Current::Held || event == Disturbance::EmergencyStop {
+            self.disturbed = Some(event);
+        }
+        self.current = Current::Missing;
+        error
     }
 
     /// Gives up the part of the line and of the board's steps that a task has.
@@ -232,6 +265,9 @@ impl Node {
     ) -> Result<Made, DriveFault> {
         self.be_deaf(false);
         self.needs_nothing();
+        if self.current == Current::Told {
+            self.current = Current::Held;
+        }
         let known = match &made {
             Ok(made) => Some(made.steps as i64),
             Err(fault) => fault.known(),
@@ -275,6 +311,10 @@ impl Drive for Node {
 
     fn disturbed(&mut self) -> Option<Disturbance> {
         self.disturbed.take()
+    }
+
+    fn is_without_current(&self) -> bool {
+        self.current == Current::Missing
     }
 
     fn recorded(&mut self) {

@@ -74,6 +74,8 @@ fn of_node(error: &NodeError) -> Option<ErrorFacts> {
         NodeError::LineFull { needed_bytes_s, free_bytes_s, .. } => drive
             .value(format!("{needed_bytes_s} bytes/s"))
             .allowed(format!("{free_bytes_s} bytes/s at most")),
+        NodeError::Estop => drive.value("emergency stop"),
+        NodeError::Driver => drive.value("fault of the stepper driver"),
         NodeError::Count { counted, expected } => {
             drive.value(format!("{counted} steps")).allowed(format!("{expected} steps"))
         }

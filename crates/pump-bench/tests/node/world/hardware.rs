@@ -23,6 +23,8 @@ pub(crate) struct Motor {
 pub(crate) struct Hardware {
     pub(super) now: u64,
     pub(crate) estop: bool,
+    /// True while every stepper driver reports a fault.
+    pub(crate) has_driver_fault: bool,
     /// Count of the motor at which the index sensor becomes active.
     pub(crate) index_at: Option<i64>,
     pub(crate) motors: [Motor; 4],
@@ -100,6 +102,6 @@ impl Pins for SimulatedPins {
     }
 
     fn driver_fault_is_high(&mut self) -> bool {
-        true
+        !self.0.0.lock().unwrap().has_driver_fault
     }
 }

@@ -5,6 +5,6 @@ mod misread;
 mod shared_world;
 mod world;
 
-pub(crate) use hardware::TICK_HZ;
+pub(crate) use hardware::{Hardware, TICK_HZ};
 pub(crate) use shared_world::SharedWorld;
 pub(crate) use world::Event;
