@@ -7,6 +7,7 @@ use super::session::Session;
 use crate::dosing::{DoseRequest, Prepared};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
+use crate::pump_file::DriverName;
 
 /// Part of the planned time by which a motion may take longer.
 const PART: f64 = 0.02;
@@ -55,6 +56,9 @@ impl Session<'_> {
                 "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}",
                 self.journal.path().display()
             );
+        } else if self.bench.drive_id() == DriverName::Node.as_str() {
+            text += "the board made each step at its time, and other programs held this computer up, or its line to the \
+                     board was late";
         } else if self.bench.identity().abilities.step_times {
             text += "other programs held this computer up, or its line to the motor was late";
         } else {

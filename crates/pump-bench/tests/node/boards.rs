@@ -120,7 +120,10 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted
     assert_eq!(refused.remedies(), [Remedy::WriteSettingsAnew]);
     assert_eq!(refused.facts().value.as_deref(), Some("axis X"));
     let notes = open("other", Axis::X, true).unwrap().notes();
-    assert!(notes.iter().any(|note| note.text().contains("turned pump `acid`: accepted")), "{notes:?}");
+    assert!(
+        notes.iter().any(|note| note.text().contains("turned pump `acid` by the record; it turns this pump")),
+        "{notes:?}"
+    );
     // The pump that made place is refused in its turn, and the others are not.
     drop(open("other", Axis::X, false).unwrap());
     drop(open("base", Axis::Y, false).unwrap());

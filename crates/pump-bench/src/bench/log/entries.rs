@@ -166,7 +166,15 @@ impl Session<'_> {
             let left = self.log.unlogged.take()?;
             let found = self.found(&left, why, state);
             let before = self.stands();
-            let mut entry = self.entry_of(&found, LogEnd::CutOff);
+            let all = found.intent.steps.abs();
+            let is_whole = (found.made_least, found.made_most) == (all, all);
+            let mut entry = match is_whole && found.intent.purpose.is_delivery() {
+                true => LogEntry {
+                    cause: Some("by the board alone, after the process ended".to_owned()),
+                    ..self.entry_of(&found, LogEnd::Done)
+                },
+                false => self.entry_of(&found, LogEnd::CutOff),
+            };
             // The first stretch of a dose by weight began it.
             if let Some(last) = before.last.filter(|_| left.intent.terms.by_weight) {
                 entry.time.unix_s = last.unix_s;

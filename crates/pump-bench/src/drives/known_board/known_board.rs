@@ -38,6 +38,8 @@ pub(in crate::drives) struct KnownBoard {
 pub(in crate::drives) struct MadePlace {
     /// Words for the board that was on record, if it is another one.
     pub(in crate::drives) board: Option<String>,
+    /// True if this board is on record now. Otherwise it is from the pump's first motion on.
+    is_recorded: bool,
     /// Pumps that the axis turned by their records.
     pumps: Vec<String>,
 }
@@ -45,8 +47,15 @@ pub(in crate::drives) struct MadePlace {
 impl MadePlace {
     /// Returns the notes of what was accepted.
     pub(in crate::drives) fn notes(&self) -> impl Iterator<Item = Notice> {
-        let board = self.board.iter().map(|board| format!("another board was on record, {board}: accepted"));
-        let pumps = self.pumps.iter().map(|pump| format!("the axis turned pump `{pump}`: accepted"));
+        let now = match self.is_recorded {
+            true => "the one at the port is on record now",
+            false => "the one at the port is on record from the first motion on",
+        };
+        let board =
+            self.board.iter().map(move |board| format!("another board was on record, {board}; {now}"));
+        let pumps = self.pumps.iter().map(|pump| {
+            format!("the axis turned pump `{pump}` by the record; it turns this pump on record now")
+        });
         board.chain(pumps).map(Notice::from)
     }
 }
@@ -157,7 +166,9 @@ impl KnownBoard {
         if recorded.as_ref() != Some(self) && !opening.records_later {
             self.write(&path)?;
         }
-        Ok(MadePlace { board: another, pumps: others.into_iter().map(|other| other.pump).collect() })
+        let is_recorded = !opening.records_later;
+        let pumps = others.into_iter().map(|other| other.pump).collect();
+        Ok(MadePlace { board: another, is_recorded, pumps })
     }
 
     /// Returns the other pumps that the axis turns by their records.
