@@ -7,9 +7,11 @@ use std::process::{ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use pump_bench::report::ErrorKind;
 use pump_bench::shell::{end_with_its_group, shell_command};
 
 use crate::failure::Failure;
+use crate::progress::supervised;
 use crate::terminal::warn;
 
 /// Longest time that the command has.
@@ -49,7 +51,8 @@ impl OnFail {
 
     /// Runs the command with the reason of a failure. Its own failure is a warning: the dose has failed anyway.
     pub(crate) fn tell(&self, failure: &Failure) {
-        if self.only_faults && failure.is_any_refusal() {
+        let is_stop = failure.kind_word() == ErrorKind::Stopped.as_str();
+        if self.only_faults && failure.is_any_refusal() || is_stop && supervised::is_seen() {
             return;
         }
         let warned = match self.run(failure) {

@@ -8,6 +8,7 @@ use std::cell::Cell;
 use std::env;
 use std::io::{self, BufRead};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -33,6 +34,14 @@ const ALIVE: Duration = Duration::from_secs(1);
 /// Whether a supervising program is told lines; empty while none supervises this one.
 static TELLS: OnceLock<bool> = OnceLock::new();
 
+/// True once the person who stops the command sees its end.
+static SEEN: AtomicBool = AtomicBool::new(false);
+
+/// True if the person who stopped the command sees its end.
+pub(crate) fn is_seen() -> bool {
+    SEEN.load(Ordering::Relaxed)
+}
+
 /// Begins to listen to the supervising program, if there is one.
 pub(crate) fn begin() {
     let tells = match env::var("DOSE_SUPERVISED").as_deref() {
@@ -46,7 +55,9 @@ pub(crate) fn begin() {
     thread::spawn(|| {
         for line in io::stdin().lock().lines() {
             let Ok(line) = line else { break };
-            if let Some(reason) = line.strip_prefix("stop") {
+            if line == "seen" {
+                SEEN.store(true, Ordering::Relaxed);
+            } else if let Some(reason) = line.strip_prefix("stop") {
                 interrupt::stop_for(reason.trim());
             }
         }

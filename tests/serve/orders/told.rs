@@ -145,3 +145,21 @@ fn a_run_for_a_time_that_was_stopped_is_no_dose() {
     let message = refused["message"].as_str().unwrap();
     assert!(message.starts_with("a run of continuous flow is unfinished: "), "{message}");
 }
+
+#[test]
+fn a_stop_at_the_page_alarms_nobody_and_one_by_a_program_does() {
+    let laboratory = Laboratory::new(&["acid"], "");
+    laboratory.tell_failures();
+    let service = laboratory.serve(&[]);
+    let slow = json!({"rate": "0.5mL/s", "unfinished": "accept"});
+    let stopped = |headers: &[(&str, &str)]| {
+        let id = service.dose("acid", "50mL", &slow);
+        service.moves("acid");
+        let (status, told) = service.post_with("/api/v1/pumps/acid/stop", &json!({}), headers);
+        assert_eq!((status, &told["asked"]), (200, &json!([id])), "{told}");
+        assert_eq!(service.ended(&id)["code"], 143);
+        laboratory.told()
+    };
+    assert!(stopped(&[("origin", &service.url)]).is_empty(), "the person at the page is there");
+    assert_eq!(stopped(&[]), ["acid 143 stopped"]);
+}

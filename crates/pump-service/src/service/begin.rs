@@ -8,7 +8,7 @@ use super::placing::Refusal;
 use super::service::Service;
 use crate::history::{Key, OrderRecord, OrderState};
 use crate::order::{Choice, Order, OrderId, Origin, Task, option};
-use crate::worker::{Ended, Line, Seat, Worker};
+use crate::worker::{Ended, Line, Seat, Stop, Worker};
 
 /// An order as it was asked for.
 pub(super) struct Asked<'a> {
@@ -21,7 +21,7 @@ pub(super) struct Asked<'a> {
 
 /// An order that was begun, now or before by the same key.
 pub(super) enum Begun {
-    New { id: OrderId, stops: UnboundedReceiver<String>, worker: Box<Worker> },
+    New { id: OrderId, stops: UnboundedReceiver<Stop>, worker: Box<Worker> },
     Before(Box<OrderRecord>),
 }
 

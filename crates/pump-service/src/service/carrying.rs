@@ -8,11 +8,11 @@ use super::service::Service;
 use crate::history::{Marks, OrderRecord, OrderState};
 use crate::order::{OrderId, Origin, Task};
 use crate::shell::{Failed, on_fail};
-use crate::worker::{Ended, Line, Worker, message_of};
+use crate::worker::{Ended, Line, Stop, Worker, message_of};
 
 impl Service {
     /// Carries an order out to its end, and records that.
-    pub(super) async fn carry_out(&self, id: OrderId, worker: Worker, stops: UnboundedReceiver<String>) {
+    pub(super) async fn carry_out(&self, id: OrderId, worker: Worker, stops: UnboundedReceiver<Stop>) {
         let (hear, heed) =
             (|line: &Line, text: &str| self.hear(&id, line, text), |sign| self.heed(&id, sign));
         let ended = worker.run_watched(stops, hear, heed).await;

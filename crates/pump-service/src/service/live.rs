@@ -8,7 +8,7 @@ use tokio::sync::mpsc::UnboundedSender;
 
 use crate::history::OrderRecord;
 use crate::order::OrderId;
-use crate::worker::Line;
+use crate::worker::{Line, Stop};
 
 /// Most messages of an order that are kept.
 const MOST_MESSAGES: usize = 100;
@@ -32,7 +32,7 @@ pub(super) struct Live {
     progress: BTreeMap<String, Value>,
     /// Pumps whose motion was planned and has told nothing yet, by their ids.
     announced: BTreeSet<String>,
-    stops: UnboundedSender<String>,
+    stops: UnboundedSender<Stop>,
     /// Hearer of each line of a command, with its text.
     hearer: Option<UnboundedSender<(Line, String)>>,
     /// True once the first motion began, or the command told its end.
@@ -46,18 +46,18 @@ pub(super) struct Live {
 impl Live {
     pub(super) fn new(
         record: OrderRecord,
-        stops: UnboundedSender<String>,
+        stops: UnboundedSender<Stop>,
         hearer: Option<UnboundedSender<(Line, String)>>,
     ) -> Self {
         let (plans, progress, announced, silent_since, stop_asked) = Default::default();
         Self { record, plans, progress, announced, stops, hearer, has_begun: false, silent_since, stop_asked }
     }
 
-    /// Asks the command to stop for this reason.
-    pub(super) fn stop(&mut self, reason: &str) {
+    /// Asks the command to stop.
+    pub(super) fn stop(&mut self, stop: &Stop) {
         self.stop_asked.get_or_insert_with(Timestamp::now);
         // A command that has ended hears nothing any more.
-        let _ = self.stops.send(reason.to_owned());
+        let _ = self.stops.send(stop.clone());
     }
 
     /// Returns true if the order is for a pump of this name and id, alone or in a rack.

@@ -25,7 +25,7 @@ use super::taken_over;
 use super::view::PumpView;
 use crate::history::{EventRecord, History, Key, OrderRecord};
 use crate::order::{Order, OrderId, Origin, Task};
-use crate::worker::{Line, Program, Seat};
+use crate::worker::{Line, Program, Seat, Stop};
 
 /// Events that a slow watcher may be behind before it is told everything anew.
 const BEHIND: usize = 1024;
@@ -288,6 +288,11 @@ impl Service {
     /// Stops the orders of a pump, or all orders. Returns the orders that were asked to stop. Each motor decelerates,
     /// and stands with its volume on record. The process of an order that does not answer is ended.
     pub fn stop(&self, pump: Option<&str>, reason: &str) -> Vec<OrderId> {
+        self.stop_by(pump, &Stop { reason: reason.to_owned(), is_seen: false })
+    }
+
+    /// Stops as [`Service::stop`] does, by a word that says whether a person sees the end.
+    pub(crate) fn stop_by(&self, pump: Option<&str>, stop: &Stop) -> Vec<OrderId> {
         let mut live = self.live();
         let id = pump.and_then(|name| self.0.pumps.get(name)).map(|pump| &pump.bench().file().pump.id);
         let stopped = live
@@ -295,7 +300,7 @@ impl Service {
             .filter(|order| pump.is_none_or(|name| order.may_be_of(name, id.map_or(name, String::as_str))));
         stopped
             .map(|order| {
-                order.stop(reason);
+                order.stop(stop);
                 order.record.id.clone()
             })
             .collect()
@@ -303,8 +308,8 @@ impl Service {
 
     /// Stops one order. Returns false if it is not carried out now.
     pub fn stop_order(&self, id: &OrderId, reason: &str) -> bool {
-        let mut live = self.live();
-        live.get_mut(id).map(|order| order.stop(reason)).is_some()
+        let stop = Stop { reason: reason.to_owned(), is_seen: false };
+        self.live().get_mut(id).map(|order| order.stop(&stop)).is_some()
     }
 
     /// Waits until orders that were asked to stop have ended, 1 s at most. Returns the answer to a stop: the orders

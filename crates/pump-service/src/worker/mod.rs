@@ -16,4 +16,4 @@ pub(crate) use self::output::{LogFormat, log_words, output};
 pub use self::program::Program;
 pub(crate) use self::report::{error_report, message_of, silent};
 pub(crate) use self::watch::{ANSWERS_WITHIN, SILENT_AFTER, Sign};
-pub use self::worker::{Ended, Seat, Worker};
+pub use self::worker::{Ended, Seat, Stop, Worker};

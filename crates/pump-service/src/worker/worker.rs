@@ -44,6 +44,15 @@ pub struct Seat {
     pub order: Option<String>,
 }
 
+/// Word that stops a motion.
+#[derive(Debug, Clone)]
+pub struct Stop {
+    /// Reason, as the log keeps it.
+    pub reason: String,
+    /// True if whoever stops is a person who sees the end: nobody else is told of it.
+    pub is_seen: bool,
+}
+
 /// A line, and its text.
 type Told = (Line, String);
 
@@ -95,7 +104,7 @@ impl Worker {
         self.child.id()
     }
 
-    /// Carries the order out. `tell` hears each line, and its text; each text of `stops` stops the motion for that
+    /// Carries the order out. `tell` hears each line, and its text; each of `stops` stops the motion for its
     /// reason.
     ///
     /// # Errors
@@ -103,7 +112,7 @@ impl Worker {
     /// The system's error if the end of the process cannot be learned.
     pub async fn run(
         self,
-        stops: UnboundedReceiver<String>,
+        stops: UnboundedReceiver<Stop>,
         tell: impl FnMut(&Line, &str),
     ) -> io::Result<Ended> {
         self.run_watched(stops, tell, |_| {}).await
@@ -113,7 +122,7 @@ impl Worker {
     /// stop; such a one is ended.
     pub(crate) async fn run_watched(
         mut self,
-        mut stops: UnboundedReceiver<String>,
+        mut stops: UnboundedReceiver<Stop>,
         mut tell: impl FnMut(&Line, &str),
         mut sign: impl FnMut(Sign),
     ) -> io::Result<Ended> {
@@ -126,10 +135,10 @@ impl Worker {
             tokio::select! {
                 // Lines that wait are heard before the clock.
                 biased;
-                reason = stops.recv(), if can_stop => match reason {
-                    Some(reason) => {
+                stop = stops.recv(), if can_stop => match stop {
+                    Some(stop) => {
                         watch.stop(Instant::now());
-                        self.stop(&reason).await;
+                        self.stop(&stop).await;
                     }
                     None => can_stop = false,
                 },
@@ -172,10 +181,11 @@ impl Worker {
     }
 
     /// Stops the motion. A process that has ended hears nothing.
-    async fn stop(&mut self, reason: &str) {
-        let reason: String = reason.chars().filter(|c| !c.is_control()).collect();
+    async fn stop(&mut self, stop: &Stop) {
+        let reason: String = stop.reason.chars().filter(|c| !c.is_control()).collect();
         if let Some(input) = &mut self.input {
-            let word = format!("stop {reason}\n");
+            let seen = if stop.is_seen { "seen\n" } else { "" };
+            let word = format!("{seen}stop {reason}\n");
             let written = input.write_all(word.as_bytes()).await;
             if written.is_err() || input.flush().await.is_err() {
                 // The end of its input stops a process that reads no line.

@@ -14,6 +14,7 @@ use super::super::shared::Shared;
 use crate::history::{Key, OrderState};
 use crate::order::{Options, Order, Origin, Task};
 use crate::service::PumpView;
+use crate::worker::Stop;
 
 /// Description of the answer to a stop.
 pub(super) const STOPPED: &str =
@@ -201,16 +202,24 @@ pub(in super::super) async fn calibrate(
 pub(in super::super) async fn stop(
     State(shared): State<Shared>,
     Path(name): Path<String>,
+    headers: HeaderMap,
 ) -> Result<Json<Value>, Failure> {
     shared.service.pump(&name)?;
-    Ok(Json(shared.service.stopped(&shared.service.stop(Some(&name), "the service's stop")).await))
+    let asked = shared.service.stop_by(Some(&name), &word("the service's stop", &headers));
+    Ok(Json(shared.service.stopped(&asked).await))
 }
 
 /// Stops every pump.
 #[utoipa::path(post, path = "/api/v1/stop", tag = "stop",
     responses((status = 200, description = STOPPED, body = Object)))]
-pub(in super::super) async fn stop_all(State(shared): State<Shared>) -> Json<Value> {
-    Json(shared.service.stopped(&shared.service.stop(None, "the service's stop of all pumps")).await)
+pub(in super::super) async fn stop_all(State(shared): State<Shared>, headers: HeaderMap) -> Json<Value> {
+    let asked = shared.service.stop_by(None, &word("the service's stop of all pumps", &headers));
+    Json(shared.service.stopped(&asked).await)
+}
+
+/// Returns the word of a stop. A person at the page sees its end.
+fn word(reason: &str, headers: &HeaderMap) -> Stop {
+    Stop { reason: reason.to_owned(), is_seen: headers.contains_key(ORIGIN) }
 }
 
 /// Runs a rack of the configuration.
