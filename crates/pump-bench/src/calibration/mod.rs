@@ -2,6 +2,7 @@
 
 mod applied;
 mod calibration;
+mod checked;
 mod date;
 mod default_rate;
 mod drift;

@@ -198,7 +198,7 @@ impl Calibrations {
             Err(source) => return Err(CalibrationError::File { action: "read", path, source }),
         };
         match serde_json::from_str::<Calibration>(&text) {
-            Ok(calibration) => match calibration.check_schema() {
+            Ok(calibration) => match calibration.check() {
                 Ok(()) => Ok(Stored { version, calibration }),
                 Err(message) => Err(CalibrationError::Damaged { path, message }),
             },

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel._pumpmodel import Pump, _cavitation, _numbers, _steady_states
+from pumpmodel._results import checks
 from pumpmodel._results.optional import optional
 from pumpmodel._results.tables import COLUMNS
 from pumpmodel.choices import SteadyQuantity
@@ -189,8 +190,8 @@ def sweep(
     """Compute the periodic steady state of every pump at every speed.
 
     All cores of this machine compute in Rust while other Python threads run. Ctrl-C ends a sweep within
-    0.2 s. With an executor its workers compute instead, on one core each, and the numbers agree to the last
-    bit.
+    about 0.2 s, and later where gigabytes of results are given back. With an executor its workers compute
+    instead, on one core each, and the numbers agree to the last bit.
 
     Parameters
     ----------
@@ -233,7 +234,10 @@ def sweep(
     >>> result.outlet_max_kpa.shape
     (2, 3)
     """
-    pumps = (pumps,) if isinstance(pumps, Pump) else tuple(pumps)
+    pumps = (pumps,) if isinstance(pumps, Pump) else tuple(checks.items("pumps", pumps, Pump))
+    if not isinstance(progress, bool):
+        checks.function("progress", progress, "the points done and their total, True or False")
+    _check_executor(executor)
     name, speeds = _speeds(speed_rpm, speed_rad_s)
     found, warning = _swept(pumps, name, speeds, executor, _show if progress is True else progress or None)
     if warning:
@@ -296,14 +300,18 @@ def sweep_in_parts(
     [(2, 161), (2, 161), (1, 161)]
     """
     name, speeds = _speeds(speed_rpm, speed_rad_s)
-    if isinstance(points, bool) or not isinstance(points, int | np.integer):
-        message = f"points must be an integer, not {type(points).__name__}"
+    points = checks.whole("points", points, 1)
+    _check_executor(executor)
+    if not isinstance(pumps, Iterable | Pump) or isinstance(pumps, str | type):
+        message = f"pumps must be a Pump or an iterable of Pumps, not {checks.told(pumps)}"
         raise TypeError(message)
-    if points < 1:
-        message = f"points is {points}; allowed: 1 or more"
-        raise ValueError(message)
-    rows = max(1, int(points) // max(1, len(speeds)))
+    rows = min(sys.maxsize, max(1, points // max(1, len(speeds))))
     return _parts(iter((pumps,) if isinstance(pumps, Pump) else pumps), name, speeds, rows, executor)
+
+
+def _check_executor(executor: object) -> None:
+    if executor is not None:
+        checks.having("executor", executor, "submit", "an Executor, as a ProcessPoolExecutor")
 
 
 def _parts(
@@ -342,7 +350,7 @@ def _swept(
     """Return the steady states of pumps, the first of which has the number `first`, and a warning."""
     for number, pump in enumerate(pumps, start=first):
         if not isinstance(pump, Pump):
-            message = f"pumps[{number}] must be a Pump, not {type(pump).__name__}"
+            message = f"pumps[{number}] must be a Pump, not {checks.told(pump)}"
             raise TypeError(message)
     if executor is None:
         results = _compute(pumps, name, speeds, first=first, progress=progress)

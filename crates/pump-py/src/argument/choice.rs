@@ -3,8 +3,11 @@
 use std::fmt::Display;
 
 use pump_ctl::plan::{Finish, Ramps};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 
+use super::object::told_of;
 use crate::python::errors::value;
 
 /// Returns the value of the word that was given for `name`. Any other word is refused with the list of those allowed.
@@ -23,12 +26,24 @@ pub(crate) fn word<T: Copy + Display>(name: &str, given: &str, all: &[T]) -> PyR
     choice(name, given, &named)
 }
 
+/// Returns the text of the argument `name`.
+///
+/// # Errors
+///
+/// `TypeError` for anything else.
+pub(crate) fn told<'a>(name: &str, given: &'a Bound<'_, PyAny>) -> PyResult<&'a str> {
+    match given.cast::<PyString>() {
+        Ok(text) => text.to_str(),
+        Err(_) => Err(PyTypeError::new_err(format!("{name} must be a text, not {}", told_of(given)?))),
+    }
+}
+
 /// Reads where in a pitch a dose may end.
 pub(crate) fn finish_named(name: &str) -> PyResult<Finish> {
-    name.parse().map_err(value)
+    word("finish", name, &Finish::ALL)
 }
 
 /// Reads the ramps in which a dose starts and stops.
 pub(crate) fn ramps_named(name: &str) -> PyResult<Ramps> {
-    name.parse().map_err(value)
+    word("ramps", name, &Ramps::ALL)
 }

@@ -6,7 +6,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDict, PyFloat, PyList, PyString, PyTuple};
 
 use super::number::{in_unit, number};
 use super::object::told_of;
@@ -68,8 +68,10 @@ impl Floats {
         // NumPy would read the text "100" as 100.0.
         let kind: String = array.getattr(intern!(py, "dtype"))?.getattr(intern!(py, "kind"))?.extract()?;
         if !matches!(kind.as_str(), "f" | "i" | "u") {
-            if argument.is_instance_of::<PyInt>() && !argument.is_instance_of::<PyBool>() {
-                return number(name, argument).map(Self::One);
+            if kind == "O"
+                && let Some(floats) = Self::of_objects(name, argument, &array)?
+            {
+                return Ok(floats);
             }
             return Err(no_numbers(name, argument, &array)?);
         }
@@ -93,6 +95,31 @@ impl Floats {
             ([], [number]) => Self::One(*number),
             (shape, _) => Self::Many { shape: shape.to_vec(), values },
         })
+    }
+
+    /// Reads an array of objects that each become a float, as whole numbers beyond 64 bits and those of `decimal` and
+    /// `fractions`. Returns none if something else is among them.
+    fn of_objects(
+        name: &str,
+        argument: &Bound<'_, PyAny>,
+        array: &Bound<'_, PyAny>,
+    ) -> PyResult<Option<Self>> {
+        let py = argument.py();
+        let shape: Vec<usize> = array.getattr(intern!(py, "shape"))?.extract()?;
+        if shape.is_empty() {
+            let is_number = argument.hasattr("__float__")? || argument.hasattr("__index__")?;
+            return is_number.then(|| number(name, argument).map(Self::One)).transpose();
+        }
+        let mut values = Vec::new();
+        reserve(&mut values, array.getattr(intern!(py, "size"))?.extract()?)?;
+        for item in array.getattr(intern!(py, "flat"))?.try_iter()? {
+            let item = item?;
+            if item.is_instance_of::<PyBool>() || !item.hasattr("__float__")? {
+                return Ok(None);
+            }
+            values.push(number(name, &item)?);
+        }
+        Ok(Some(Self::Many { shape, values }))
     }
 
     /// Returns the numbers in C order.

@@ -12,7 +12,7 @@ mod quantity;
 pub(crate) mod speed;
 mod whole;
 
-pub(crate) use choice::{choice, finish_named, ramps_named, word};
+pub(crate) use choice::{choice, finish_named, ramps_named, told, word};
 pub(crate) use cruise::cruise;
 pub(crate) use flag::flag;
 pub(crate) use floats::{_numbers, Floats};

@@ -1,8 +1,8 @@
 //! A bench: one pump with its driver, its record, and the thread that holds it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use pump_bench::calibration::Weighing;
 use pump_bench::config::Config;
@@ -14,7 +14,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 use super::request::AskedDose;
-use super::worker::{Call, Named, Signal, Worker};
+use super::worker::{Call, Named, Signal, Worker, lock};
 use crate::argument::{choice, quantity, word};
 use crate::pump::Pump;
 use crate::python::advice;
@@ -34,6 +34,8 @@ pub(crate) struct Bench {
     pub(super) worker: Worker,
     /// True once the notes of an opened session have become warnings.
     is_noted: AtomicBool,
+    /// JSON of the dose or run that ended last.
+    last: Mutex<Option<String>>,
 }
 
 /// A dose that was run: the command's JSON, and the note for an interrupted caller.
@@ -105,7 +107,7 @@ impl Bench {
             PyOSError::new_err(format!("no thread could be started for the bench: {error}"))
         })?;
         let fluid = (fluid.map(str::to_owned), degc);
-        Ok(Self { bench, fluid, worker, is_noted: AtomicBool::new(false) })
+        Ok(Self { bench, fluid, worker, is_noted: AtomicBool::new(false), last: Mutex::default() })
     }
 
     /// Pump, with the changes made when the bench was opened.
@@ -222,6 +224,12 @@ impl Bench {
         self.worker.stop()
     }
 
+    /// JSON of the dose or run that ended last, also of one that was interrupted; None if the last one did not move.
+    #[getter]
+    fn last(&self) -> Option<String> {
+        lock(&self.last).clone()
+    }
+
     /// Gives the pump back.
     fn close(&self, py: Python<'_>) {
         py.detach(|| self.worker.close());
@@ -229,6 +237,11 @@ impl Bench {
 }
 
 impl Bench {
+    /// Keeps the JSON of a dose or run that has ended.
+    pub(super) fn keep_last(&self, json: Option<&String>) {
+        *lock(&self.last) = json.cloned();
+    }
+
     pub(super) fn weighing(&self) -> Weighing<'_> {
         Weighing::of(self.bench.file())
     }
@@ -259,12 +272,16 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
         prepare: impl FnOnce(&mut Session<'_>, &Arc<Signal>) -> Result<Prepared, DoseError> + Send + 'static,
     ) -> PyResult<String> {
+        self.keep_last(None);
         self.warn_before(py, name)?;
         let ran = self.worker.call(
             py,
             Named::Motion(name),
             progress,
-            |ran: &Ran| ran.note.clone(),
+            |ran: &Ran| {
+                self.keep_last(Some(&ran.json));
+                ran.note.clone()
+            },
             move |held, signal| {
                 let bench = held.bench;
                 let session = held.session()?;
@@ -275,6 +292,7 @@ impl Bench {
                 Ok(Ran { json: report.json(), note: note(&delivered), early })
             },
         )?;
+        self.keep_last(Some(&ran.json));
         let Some(early) = ran.early else { return Ok(ran.json) };
         let error = errors::dose(py, early);
         error.value(py).call_method1("add_note", (ran.note,))?;

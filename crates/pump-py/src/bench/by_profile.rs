@@ -55,12 +55,16 @@ impl Bench {
     ) -> PyResult<String> {
         let request = asked.request(Purpose::Run, &self.weighing())?;
         let profile = self::profile(profile, request.volume_ml < 0.0)?;
+        self.keep_last(None);
         self.warn_before(py, "run")?;
         let ran = self.worker.call(
             py,
             Named::Motion("run"),
             progress,
-            |ran: &Ran| ran.note.clone(),
+            |ran: &Ran| {
+                self.keep_last(Some(&ran.json));
+                ran.note.clone()
+            },
             move |held, signal| {
                 let bench = held.bench;
                 let session = held.session()?;
@@ -79,6 +83,7 @@ impl Bench {
                 Ok(Ran { json: report.json(), note: note(&delivered), early: None })
             },
         )?;
+        self.keep_last(Some(&ran.json));
         Ok(ran.json)
     }
 }

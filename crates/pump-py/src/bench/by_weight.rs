@@ -118,12 +118,16 @@ impl Bench {
         + 'static,
     ) -> PyResult<String> {
         let (scale, device) = (by_weight.scale()?, by_weight.balance.get().device()?);
+        self.keep_last(None);
         self.warn_before(py, "dose")?;
         let (json, _) = self.worker.call(
             py,
             Named::Motion("dose"),
             progress,
-            |(_, delivered): &(String, DeliveredByWeight)| note(delivered),
+            |(json, delivered): &(String, DeliveredByWeight)| {
+                self.keep_last(Some(json));
+                note(delivered)
+            },
             move |held, signal| {
                 let bench = held.bench;
                 let session = held.session()?;
@@ -148,6 +152,7 @@ impl Bench {
                 Ok((report.worded(advice::words).json(), delivered))
             },
         )?;
+        self.keep_last(Some(&json));
         Ok(json)
     }
 }

@@ -9,13 +9,16 @@ use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::pump_file::PumpFile;
 use pump_model::units::radians;
 use pump_model::{ModelError, Pump as Model};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::weighed::{expected_of, fit_named, runs_of};
-use crate::argument::{Argument, Floats, speed};
+use crate::argument::{Argument, Floats, speed, told_of, whole};
 use crate::pump::{Pump, pump_given};
 use crate::python::SignalCheck;
 use crate::python::errors::{self, value};
+use crate::python::plain;
 
 /// Volume that a pump really displaces, from weighed runs, with its uncertainty.
 ///
@@ -265,15 +268,30 @@ impl Calibration {
     /// Parameters
     /// ----------
     /// data : dict
-    ///     Data that `to_dict` returned.
+    ///     Data that `to_dict` returned. Numbers and arrays of NumPy are taken too.
     ///
     /// Raises
     /// ------
+    /// TypeError
+    ///     If `data` is no dict, or holds something that is no plain data.
     /// ValueError
-    ///     If the data are no calibration.
+    ///     If the data are no calibration, or a number is none that weighed runs give. The message has the key.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::_rebuild(&data.py().import("json")?.call_method1("dumps", (data,))?.extract::<String>()?)
+        let Ok(data) = data.cast::<PyDict>() else {
+            return Err(PyTypeError::new_err(format!("data must be a dict, not {}", told_of(data)?)));
+        };
+        let data = data.copy()?;
+        let version = data.get_item("version")?.ok_or_else(|| {
+            value(
+                "these are not the data of a calibration: version is missing; allowed: 0 or a bench's number",
+            )
+        })?;
+        let version = whole("version", &version, 0, u32::MAX.into())?;
+        data.del_item("version")?;
+        let parse = |json: &str| serde_json::from_str::<DoseCalibration>(json);
+        let calibration = plain::read("a calibration", &data, MOST_TABLE_BYTES, parse, value)?;
+        Self::checked(version, calibration)
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
@@ -306,13 +324,20 @@ impl Calibration {
         let version =
             version.and_then(|version| version.as_u64()).and_then(|version| version.try_into().ok());
         let version = version.ok_or_else(|| none(&"`version` must be a whole number"))?;
-        let calibration: DoseCalibration = serde_json::from_value(data).map_err(|error| none(&error))?;
-        calibration.check_schema().map_err(|error| none(&error))?;
-        Ok(Self(Stored::new(version, calibration)))
+        Self::checked(version, serde_json::from_value(data).map_err(|error| none(&error))?)
     }
 }
 
 impl Calibration {
+    /// Refuses numbers that weighed runs do not give.
+    fn checked(version: u32, calibration: DoseCalibration) -> PyResult<Self> {
+        let checked = calibration.check();
+        checked.map_err(|error| {
+            value(format_args!("these are not the data of a calibration: {error}; to_dict() gives such data"))
+        })?;
+        Ok(Self(Stored::new(version, calibration)))
+    }
+
     /// Fits runs to a pump.
     fn of(
         file: &PumpFile,

@@ -53,21 +53,23 @@ pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Opt
 
 /// Converts `WeighedRun`s to runs.
 pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<CalibrationRun>> {
-    runs.try_iter()?
-        .map(|run| {
-            let run = run?;
-            let json = run.getattr("_json").ok().filter(|_| !run.is_instance_of::<PyType>());
-            let Some(json) = json else {
-                return Err(PyTypeError::new_err(format!(
-                    "runs must be WeighedRuns, not {}",
-                    told_of(&run)?
-                )));
-            };
-            let json: String = json.call0()?.extract()?;
-            serde_json::from_str(&json)
-                .map_err(|error| value(format_args!("these are not the data of a weighed run: {error}")))
-        })
-        .collect()
+    let Ok(runs) = runs.try_iter() else {
+        return Err(PyTypeError::new_err(format!(
+            "runs must be a sequence of WeighedRuns, not {}",
+            told_of(runs)?
+        )));
+    };
+    runs.map(|run| {
+        let run = run?;
+        let json = run.getattr("_json").ok().filter(|_| !run.is_instance_of::<PyType>());
+        let Some(json) = json else {
+            return Err(PyTypeError::new_err(format!("runs must be WeighedRuns, not {}", told_of(&run)?)));
+        };
+        let json: String = json.call0()?.extract()?;
+        serde_json::from_str(&json)
+            .map_err(|error| value(format_args!("these are not the data of a weighed run: {error}")))
+    })
+    .collect()
 }
 
 /// Reads the curve that is fitted to weighed runs.

@@ -3,11 +3,12 @@
 use pump_bench::calibration::Weighing;
 use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
-use pump_ctl::plan::Phase;
+use pump_ctl::plan::{Finish, Phase, Ramps};
 use pyo3::prelude::*;
 
 use super::doser::Doser;
 use super::plan::Plan;
+use crate::argument::told;
 use crate::argument::{Argument, cruise, finish_named, flag, optional, quantity, ramps_named, retracted_ml};
 use crate::python::errors::value;
 
@@ -62,7 +63,7 @@ impl Doser {
     ///     If the pump cannot make the dose, for example because its rate or pressure is beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
-        volume, *, rate=None, speed=None, within=None, smooth=None, finish="any", ramps="line", retract=None,
+        volume, *, rate=None, speed=None, within=None, smooth=None, finish=None, ramps=None, retract=None,
         start_angle_rad=None, start_half_width_rad=None, carry_in_ml=None
     ), text_signature = "($self, volume, *, rate=None, speed=None, within=None, smooth=False, finish=\"any\", \
         ramps=\"line\", retract=None, start_angle_rad=None, start_half_width_rad=0.0, carry_in_ml=0.0)")]
@@ -73,8 +74,8 @@ impl Doser {
         speed: Option<&Bound<'_, PyAny>>,
         within: Option<&Bound<'_, PyAny>>,
         smooth: Argument<'_, '_>,
-        finish: &str,
-        ramps: &str,
+        finish: Argument<'_, '_>,
+        ramps: Argument<'_, '_>,
         retract: Option<&Bound<'_, PyAny>>,
         start_angle_rad: Argument<'_, '_>,
         start_half_width_rad: Argument<'_, '_>,
@@ -92,8 +93,8 @@ impl Doser {
         )
         .with_cruise(cruise(rate, speed, within)?)
         .with_smooth(flag("smooth", smooth)?)
-        .with_finish(finish_named(finish)?)
-        .with_ramps(ramps_named(ramps)?)
+        .with_finish(finish.map_or(Ok(Finish::Any), |finish| finish_named(told("finish", finish)?))?)
+        .with_ramps(ramps.map_or(Ok(Ramps::LineAware), |ramps| ramps_named(told("ramps", ramps)?))?)
         .with_retraction(retracted_ml(retract)?)
         .with_pressures(doser.limits.pressures())
         .with_start_angle(start_angle_rad, start_half_width_rad);

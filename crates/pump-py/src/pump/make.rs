@@ -1,26 +1,30 @@
 //! Pumps from names, drawings and plain data, and variations of a pump.
 
+use std::ops::RangeInclusive;
+
 use pump_bench::catalogue::{BoughtPump, DrawnPump, unusual};
 use pump_bench::config::Config;
 use pump_bench::files::MOST_PUMP_FILE_BYTES;
 use pump_bench::head_print;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
 use pump_bench::report::pump_check;
-use pump_model::Geometry;
 use pump_model::units::radians;
+use pump_model::{Geometry, Shown};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyType};
 
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
-use crate::argument::{Argument, Items, number, optional, told_of, whole};
+use crate::argument::{Argument, Items, number, optional, told, told_of, whole};
 use crate::line::optional_line;
 use crate::python::advice::worded;
 use crate::python::errors::{self, value};
 use crate::python::plain;
 use crate::python::warnings::warn;
 
+/// Volumes of a revolution that a pump file takes, mL.
+const ML_PER_REV: RangeInclusive<f64> = 1e-6..=1e5;
 /// Most bytes of a pump's id.
 const MOST_ID_BYTES: usize = 64;
 
@@ -95,7 +99,7 @@ impl Pump {
     ))]
     fn from_drawing(
         py: Python<'_>,
-        id: &str,
+        id: &Bound<'_, PyAny>,
         rollers: &Bound<'_, PyAny>,
         bore_radius_mm: &Bound<'_, PyAny>,
         tube_outer_radius_mm: &Bound<'_, PyAny>,
@@ -116,7 +120,7 @@ impl Pump {
         };
         let hose_length_mm = number("hose_length_mm", hose_length_mm)?;
         let roller_volume = RollerVolumeTable::Drawing;
-        let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
+        let drawn = DrawnPump { id: told("id", id)?.to_owned(), geometry, hose_length_mm, roller_volume };
         Self::checked(drawn.pump_file().map_err(errors::model)?)?.warning(py)
     }
 
@@ -161,17 +165,23 @@ impl Pump {
     #[pyo3(signature = (id, *, ml_per_rev, rollers, tube_bore_mm=None, inlet=None, outlet=None))]
     fn from_ml_per_rev(
         py: Python<'_>,
-        id: &str,
+        id: &Bound<'_, PyAny>,
         ml_per_rev: &Bound<'_, PyAny>,
         rollers: &Bound<'_, PyAny>,
         tube_bore_mm: Argument<'_, '_>,
         inlet: Argument<'_, '_>,
         outlet: Argument<'_, '_>,
     ) -> PyResult<Self> {
-        let mut head = HeadTable::new(number("ml_per_rev", ml_per_rev)?);
+        let ml_per_rev = number("ml_per_rev", ml_per_rev)?;
+        if !ML_PER_REV.contains(&ml_per_rev) {
+            let (given, least, most) = (Shown(ml_per_rev), ML_PER_REV.start(), ML_PER_REV.end());
+            return Err(value(format_args!("ml_per_rev is {given}; allowed: {least} to {most}")));
+        }
+        let mut head = HeadTable::new(ml_per_rev);
         head.tube_bore_mm = optional("tube_bore_mm", tube_bore_mm)?;
         let (inlet, outlet) = (optional_line("inlet", inlet)?, optional_line("outlet", outlet)?);
-        let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
+        let mut file =
+            BoughtPump { id: told("id", id)?.to_owned(), head, rollers: count(rollers)? }.pump_file();
         file.inlet = inlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
         file.outlet.line = outlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
         Self::checked(file)?.warning(py)
@@ -206,8 +216,8 @@ impl Pump {
     fn replace(
         &self,
         py: Python<'_>,
-        id: Option<String>,
-        name: Option<String>,
+        id: Argument<'_, '_>,
+        name: Argument<'_, '_>,
         rollers: Option<&Bound<'_, PyAny>>,
         inlet: Argument<'_, '_>,
         outlet: Argument<'_, '_>,
@@ -217,8 +227,12 @@ impl Pump {
         if let Some(rollers) = rollers {
             file = with_rollers(file, count(rollers)?);
         }
-        file.pump.id = id.unwrap_or(file.pump.id);
-        file.pump.name = name.unwrap_or(file.pump.name);
+        if let Some(id) = id {
+            file.pump.id = told("id", id)?.to_owned();
+        }
+        if let Some(name) = name {
+            file.pump.name = told("name", name)?.to_owned();
+        }
         if let Some(line) = optional_line("inlet", inlet)? {
             file.inlet = LineTable::from(line.get().0);
         }

@@ -1,8 +1,8 @@
 //! Plain data of Python, its dicts, lists, texts and numbers, as the tables of the libraries.
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyString;
 
 use super::readable::readable;
 
@@ -31,22 +31,11 @@ pub(crate) fn read<T>(
     refused: impl Fn(String) -> PyErr,
 ) -> PyResult<T> {
     let py = data.py();
-    let keywords = PyDict::new(py);
-    keywords.set_item("allow_nan", false)?;
-    let dumped = py.import("json")?.call_method("dumps", (data,), Some(&keywords));
-    let json = match dumped {
-        Ok(json) => json,
-        Err(error) if error.is_instance_of::<PyValueError>(py) => {
-            return Err(refused(format!(
-                "these are not the data of {what}: one of its numbers is not finite, or it holds itself"
-            )));
-        }
-        Err(error) if error.is_instance_of::<PyTypeError>(py) => {
-            let text = "allowed: dicts, lists, texts, numbers, True, False and None";
-            return Err(PyTypeError::new_err(format!("the data of {what} hold something else; {text}")));
-        }
-        Err(error) => return Err(error),
-    };
+    let json = py.import("pumpmodel._results.plain")?.call_method1("json_of", (what, data));
+    let json = json.map_err(|error| match error.is_instance_of::<PyValueError>(py) {
+        true => refused(error.value(py).to_string()),
+        false => error,
+    })?;
     let json = json.cast::<PyString>()?.to_str()?;
     if json.len() as u64 > most_bytes {
         let taken = json.len();

@@ -75,7 +75,7 @@ impl Run {
     /// Returns
     /// -------
     /// pandas.DataFrame
-    ///     Table of the columns, each of shape (n,). `attrs["units"]` has their units.
+    ///     Table of the columns of `to_dict`, each of shape (n,). `attrs["units"]` has their units.
     ///
     /// Raises
     /// ------
@@ -90,8 +90,8 @@ impl Run {
     /// Returns
     /// -------
     /// xarray.Dataset
-    ///     One variable for each column, of shape (n,), over the coordinate `time_s`. Each has the attributes `units`
-    ///     and `long_name`.
+    ///     One variable for each column of `to_dict`, of shape (n,), over the coordinate `time_s`. Each has the
+    ///     attributes `units` and `long_name`.
     ///
     /// Raises
     /// ------
@@ -208,7 +208,14 @@ impl Run {
                 return Ok(false);
             }
         }
-        Ok(true)
+        let (mine, theirs) = (self.sensitivity.bind(py), other.sensitivity.bind(py));
+        match (mine.is_none(), theirs.is_none()) {
+            (true, true) => Ok(true),
+            (false, false) => {
+                py.import("pumpmodel._results.sensitivity")?.call_method1("equal", (mine, theirs))?.extract()
+            }
+            _ => Ok(false),
+        }
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

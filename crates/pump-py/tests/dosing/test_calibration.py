@@ -72,7 +72,10 @@ def test_masses_of_a_table_are_volumes(tmp_path: Path) -> None:
         (lambda: pm.Calibration.from_runs(PUMP, [pm.WeighedRun(speed_rpm=1, turned_deg=1)]), "no reading"),
         (lambda: pm.Calibration.from_runs(PUMP, runs((60, 3.0))), "a mistake in a unit"),
         (lambda: pm.Calibration.from_runs(PUMP, runs((60, 1.0)), scale="-1g"), "scale is negative"),
-        (lambda: pm.Calibration.from_dict({"schema": "calibration/1"}), "`version` must be a whole number"),
+        (
+            lambda: pm.Calibration.from_dict({"schema": "calibration/1"}),
+            "version is missing; allowed: 0 or a bench's number",
+        ),
     ],
 )
 def test_readings_that_cannot_be_right_are_value_errors(made: object, message: str) -> None:

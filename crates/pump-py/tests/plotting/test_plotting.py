@@ -71,7 +71,7 @@ def test_panels_are_chosen_and_drawn_where_told() -> None:
     assert plt.get_fignums() == [figure.number]
     assert len(left.lines) == 2
     assert curve(right, "pump head")[1][0] == pytest.approx(100)
-    with pytest.raises(ValueError, match="panel is 'pressures'; allowed: flow, pressure, speed, delivered"):
+    with pytest.raises(ValueError, match="panels is 'pressures'; allowed: flow, pressure, speed, delivered"):
         pm.plot(run, panels="pressures")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="2 axes for 3 panels"):
         pm.plot(run, ax=[left, right])

@@ -172,7 +172,7 @@ def test_a_bought_head_needs_its_volume_and_its_rollers_alone() -> None:
     )
     assert pm.Doser(known).plan("5mL", start_angle_rad=0.0).settle_s is not None
     assert pm.Pump.from_dict(known.to_dict()) == known
-    with pytest.raises(ValueError, match="volume per revolution in mL is 0"):
+    with pytest.raises(ValueError, match="ml_per_rev is 0; allowed"):
         pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.0, rollers=4)
 
 

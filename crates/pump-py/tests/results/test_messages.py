@@ -185,7 +185,7 @@ def test_a_number_is_refused_by_its_name_and_unit(
             changed("rollers", "count", 1e300),
             "rollers.count: invalid type: the number `1e+300`, expected",
         ),
-        (changed("rollers", "radius_mm", float("nan")), "one of its numbers is not finite"),
+        (changed("rollers", "radius_mm", float("nan")), "rollers.radius_mm is nan; allowed: a finite number"),
         (3, "invalid type: the number `3`, expected a dict"),
     ],
 )

@@ -52,7 +52,7 @@ def test_without_them_the_extra_is_named(module: str, extra: str, monkeypatch: p
     monkeypatch.setitem(sys.modules, module, None)
     for result in (RUN, PLAN, STEADY):
         convert = result.to_dataframe if module == "pandas" else result.to_xarray
-        with pytest.raises(ImportError, match=rf'pip install "pumpmodel\[{extra}\]"'):
+        with pytest.raises(ImportError, match=rf'pip install "\./crates/pump-py\[{extra}\]"'):
             convert()
 
 

@@ -148,9 +148,8 @@ def test_derivatives_are_columns_of_a_run_that_from_dict_takes() -> None:
     for name in ("time_s", "inlet_kpa_by", "outlet_kpa_by", "delivered_ml_by"):
         np.testing.assert_array_equal(getattr(again.sensitivity, name), getattr(run.sensitivity, name))
     assert not again.sensitivity.inlet_kpa_by.flags.writeable
-    # Tables of the run keep their columns; the sensitivity has its own.
-    assert len(run.to_dataframe().columns) == 8
-    assert len(run.to_xarray().data_vars) == 7
+    assert list(run.to_dataframe().columns) == list(columns)
+    assert len(run.to_xarray().data_vars) == 7 + 15
     with pytest.raises(
         ValueError, match="the column inlet_kpa_by_inertance_kpa_s2_ml is missing; allowed: all"
     ):

@@ -86,7 +86,7 @@ def test_bad_arguments_are_refused_by_name() -> None:
         pm.sweep(pump, speed_rpm=[1, np.inf])
     with pytest.raises(ValueError, match="speed_rpm is 0"):
         pm.sweep(pump, speed_rpm=[1, 0])
-    with pytest.raises(TypeError, match=r"pumps\[1\] must be a Pump, not str"):
+    with pytest.raises(TypeError, match=r"pumps\[1\] must be a Pump, not the text"):
         pm.sweep([pump, "two-roller"], speed_rpm=1)  # type: ignore[list-item]
     with pytest.raises(TypeError, match="speed_rpm must be a number"):
         pm.sweep(pump, speed_rpm=["100"])

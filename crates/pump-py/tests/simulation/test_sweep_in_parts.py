@@ -55,6 +55,7 @@ def test_refusals_come_before_the_first_part_or_name_the_pump() -> None:
     ):
         with pytest.raises(error, match=message):
             pm.sweep_in_parts(three, speed_rpm=SPEEDS, points=points)  # type: ignore[arg-type]
+    assert [part.shape for part in pm.sweep_in_parts(three, speed_rpm=SPEEDS, points=10**400)] == [(1, 50)]
     with pytest.raises(ValueError, match="give exactly one of speed_rpm and speed_rad_s"):
         pm.sweep_in_parts(three)
     parts = pm.sweep_in_parts([three, three, 3], speed_rpm=SPEEDS, points=1)  # type: ignore[list-item]

@@ -60,7 +60,7 @@ pub struct Displacement {
 
 impl Displacement {
     /// Returns kappa of the line, with its bend, at a speed in r/min.
-    pub(super) fn kappa_at(&self, rpm: f64) -> f64 {
+    pub(crate) fn kappa_at(&self, rpm: f64) -> f64 {
         let x_rpm = rpm - self.reference_rpm;
         let line = self.factor + self.slope_per_rpm * x_rpm;
         self.bend.map_or(line, |bend| line + bend.at(x_rpm))

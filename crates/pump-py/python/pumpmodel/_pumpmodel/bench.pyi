@@ -178,6 +178,11 @@ class _Bench:
         """Returns the record as `dose status --format json` prints it."""
     def log(self, since: str | None) -> list[str]:
         """Reads the log. Returns the JSON of each dose that began at `since` or later."""
+    @property
+    def last(self) -> str | None:
+        """\
+        JSON of the dose or run that ended last, also of one that was interrupted; None if the last one did not move.
+        """
     def prepare(self, purpose: str, asked: dict[str, Any]) -> str:
         """Plans a dose from the record without moving. Returns the JSON of a dry run."""
     def connect(self) -> None:

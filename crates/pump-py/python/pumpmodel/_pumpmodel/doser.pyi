@@ -137,12 +137,14 @@ class Calibration:
         Parameters
         ----------
         data : dict
-            Data that `to_dict` returned.
+            Data that `to_dict` returned. Numbers and arrays of NumPy are taken too.
 
         Raises
         ------
+        TypeError
+            If `data` is no dict, or holds something that is no plain data.
         ValueError
-            If the data are no calibration.
+            If the data are no calibration, or a number is none that weighed runs give. The message has the key.
         """
     def to_dict(self) -> dict[str, Any]:
         """Return the calibration as plain data, as `dose calibrate list --format json` prints it.

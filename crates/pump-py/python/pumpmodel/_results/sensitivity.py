@@ -103,6 +103,11 @@ class Sensitivity(NamedTuple):
         return sensitivity_html(self)
 
 
+def equal(one: Sensitivity, other: Sensitivity) -> bool:
+    """Tell if every derivative is equal."""
+    return all(map(np.array_equal, one, other))
+
+
 def from_columns(columns: dict[str, Any], time_s: NDArray[np.float64]) -> Sensitivity | None:
     """Return the derivatives among the columns of a run, or None without any.
 

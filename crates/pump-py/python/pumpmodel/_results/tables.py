@@ -35,6 +35,14 @@ COLUMNS = {
 }
 
 
+# Derivatives of a run, as `Run.to_dict` names them.
+for _name in SENSITIVITIES:
+    _quantity, _parameter = _name.split("_by_")
+    _units, _long_name = COLUMNS[_quantity]
+    _unit, _of = PARAMETERS[_parameter]
+    COLUMNS[_name] = (f"{_units}/({_unit})", f"derivative of the {_long_name} by the {_of}")
+
+
 def _dataframe(columns: dict[str, Any], make: Any = None) -> Any:
     frame = (make or optional("pandas", "dataframe").DataFrame)(columns)
     frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns}
@@ -54,20 +62,12 @@ def _dataset(
     )
 
 
-def _columns(run: Run) -> dict[str, Any]:
-    """Return the columns of a run without those of its sensitivity, which has tables of its own."""
-    columns = run.to_dict()
-    for name in SENSITIVITIES:
-        columns.pop(name, None)
-    return columns
-
-
 def run_dataframe(run: Run) -> Any:
     """Return the columns of a run as a table."""
     optional("pandas", "dataframe")
     from pumpmodel._results.frame import RunFrame
 
-    return _dataframe(_columns(run), RunFrame)
+    return _dataframe(run.to_dict(), RunFrame)
 
 
 def run_xarray(run: Run) -> Any:
@@ -75,7 +75,7 @@ def run_xarray(run: Run) -> Any:
     optional("xarray", "xarray")
     from pumpmodel._results.dataset import RunDataset
 
-    columns = _columns(run)
+    columns = run.to_dict()
     return _dataset(("time_s",), {"time_s": columns.pop("time_s")}, columns, RunDataset)
 
 

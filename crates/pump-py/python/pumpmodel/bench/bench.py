@@ -5,6 +5,7 @@ from types import TracebackType
 from typing import Self
 
 from pumpmodel._pumpmodel import Pump, _Bench
+from pumpmodel._results import checks
 from pumpmodel.bench.calibration import BenchCalibration
 from pumpmodel.bench.record import BenchRecord
 from pumpmodel.bench.runs import BenchRuns
@@ -93,7 +94,14 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
         PumpFileError
             If no pump has this name, or its file cannot be used.
         """
-        named = pump if isinstance(pump, Pump) else Pump.named(os.fspath(pump))
+        named = pump if isinstance(pump, Pump) else Pump.named(_named(pump))
+        for name, path in (("port", port), ("state_dir", state_dir)):
+            if path is not None:
+                checks.path(name, path, os.fspath)
+        for name, text in (("driver", driver), ("pace", pace), ("fluid", fluid)):
+            if not isinstance(text, str | None):
+                message = f"{name} must be a text, not {checks.told(text)}"
+                raise TypeError(message)
         return cls(
             _Bench(
                 named,
@@ -152,3 +160,13 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
         at = "" if self.port is None else f" at {self.port}"
         closed = ", closed" if self.closed else ""
         return f"<Bench of '{self.pump.id}' ({self.driver}{at}) in {self.folder}{closed}>"
+
+
+def _named(pump: object) -> str:
+    """Return the path or name of a pump."""
+    if isinstance(pump, str):
+        return pump
+    if not isinstance(pump, os.PathLike):
+        message = f"pump must be a Pump, a name or a path, not {checks.told(pump)}"
+        raise TypeError(message)
+    return str(os.fspath(pump))

@@ -26,6 +26,15 @@ class BenchPlans(HasCore):
         """Calibration that doses use; None without one."""
         return self._core.calibration
 
+    @property
+    def last_dose(self) -> Dose | None:
+        """Result of the dose or run that ended last: of one that Ctrl-C or `progress` interrupted too.
+
+        None before the first, and where the last one was refused before it moved.
+        """
+        text = self._core.last
+        return None if text is None else Dose._from_json(text)
+
     def plan(
         self,
         volume: str,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Line, Pump
+from pumpmodel._results import checks
 from pumpmodel._results.numbers import Number, floats_of
 from pumpmodel._results.record import Record
 from pumpmodel.choices import Initial, Port
@@ -200,12 +201,7 @@ def _named(unknown: object) -> list[Any]:
 
 def _experiments(candidates: object) -> list[Experiment]:
     """Return the candidates, one at least."""
-    if not isinstance(candidates, Iterable):
-        raise TypeError(f"candidates must be a sequence of Experiments, not {type(candidates).__name__}")
-    experiments = list(candidates)
-    for place, experiment in enumerate(experiments):
-        if not isinstance(experiment, Experiment):
-            raise TypeError(f"candidates[{place}] must be an Experiment, not {type(experiment).__name__}")
+    experiments = checks.items("candidates", candidates, Experiment)
     if not experiments:
         raise ValueError("candidates is empty; allowed: one Experiment at least")
     return experiments

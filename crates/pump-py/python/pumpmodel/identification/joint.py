@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Line, Pump
+from pumpmodel._results import checks
 from pumpmodel._results.numbers import Number
 from pumpmodel.choices import Begin, LineParameter, Port
 from pumpmodel.identification.identified import Estimate
@@ -308,10 +309,7 @@ def identify_line_jointly(
     """
     if isinstance(fit, str):
         raise TypeError(f'fit is a text, {fit[:40]!r}; allowed: a sequence of names, as ("R", "C", "L")')
-    records = list(recordings)
-    for place, record in enumerate(records):
-        if not isinstance(record, PressureRecord):
-            raise TypeError(f"recordings[{place}] must be a PressureRecord, not {type(record).__name__}")
+    records = checks.items("recordings", recordings, PressureRecord)
     given = [record._given() for record in records]
     answer = core._identify_line_jointly(pump, port, given, list(fit))
     standards = tuple(None if kpa is None else float(kpa) for *_, kpa in given)

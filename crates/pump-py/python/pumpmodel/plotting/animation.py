@@ -66,10 +66,12 @@ def animate(
             message = f"{name} is {value:g}; allowed: a finite number above 0"
             raise ValueError(message)
     begin_s, end_s = (0.0, result.settled_s) if isinstance(result, Plan) else _span(result)
-    count = math.ceil((end_s - begin_s) * slower * frames_per_s) + 1
+    frames = (end_s - begin_s) * slower * frames_per_s
+    count = math.ceil(min(frames, 1e15)) + 1
     if count > _MOST_FRAMES:
+        told = f"{count:,}" if frames < 1e9 else f"{frames:.3g}"
         message = (
-            f"the animation has {count:,} frames; allowed: at most {_MOST_FRAMES:,}; give a shorter run, "
+            f"the animation has {told} frames; allowed: at most {_MOST_FRAMES:,}; give a shorter run, "
             "a smaller slower or fewer frames_per_s"
         )
         raise ValueError(message)

@@ -25,6 +25,9 @@ _OVER = {
     "compliance": ("volume_ml", "injected volume (mL)", "pressure\n(kPa)"),
 }
 
+# Number of measured points that would hide a curve.
+_MANY = 60
+
 
 def plot_identified(found: Identified, *, ax: Axes | Sequence[Axes] | None = None) -> list[Axes]:
     """Draw measurement and fit of an identified line, and the residuals below them.
@@ -152,11 +155,14 @@ def plot_volume(fit: VolumeFit, *, ax: Axes | None = None) -> Axes:
     measured_deg, volume_ml = np.asarray(fit.angle_deg), np.asarray(fit.volume_ml)
     first = measured_deg.min()
     angle_deg = np.linspace(0, fit.engagement_deg, 400)
+    is_many = len(measured_deg) > _MANY and not fit._is_function
     axis.plot(
         angle_deg,
         fit.displaced_ml(np.radians(angle_deg)),
         color=GREEN,
-        linewidth=1.2,
+        linewidth=1.6 if is_many else 1.2,
+        # Many points would hide the curve, which stands before them.
+        zorder=3 if is_many else 2,
         label=f"{fit.method} fit",
     )
     if fit._is_function:
@@ -173,8 +179,8 @@ def plot_volume(fit: VolumeFit, *, ax: Axes | None = None) -> Axes:
             measured_deg[of_run] - first,
             volume_ml[of_run],
             markers[place % len(markers)],
-            color=ink(axis, 0.55),
-            markersize=4,
+            color=ink(axis, 0.3 if is_many else 0.55),
+            markersize=2 if is_many else 4,
             label=f"run {run}" if run else "measured",
         )
     axis.set_xlabel("angle since the first contact (deg)")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel._pumpmodel import SteadyState
+from pumpmodel._results import checks
 from pumpmodel._results.tables import COLUMNS
 from pumpmodel.choices import SteadyQuantity
 from pumpmodel.plotting.axes import axes_for
@@ -103,10 +104,7 @@ def _quantity(
         message = f"the steady state has speeds of shape {shape}; allowed: (n,)"
         raise ValueError(message)
     if isinstance(quantity, str):
-        if quantity not in RESULTS:
-            message = f"quantity is {quantity!r}; allowed: {', '.join(RESULTS)}"
-            raise ValueError(message)
-        unit, name = COLUMNS[quantity]
+        unit, name = COLUMNS[checks.chosen("quantity", quantity, RESULTS)]
         return getattr(sweep, quantity), label or (name if unit == "1" else f"{name} ({unit})")
     values = np.asarray(quantity, dtype=np.float64)
     if values.shape != shape:

@@ -98,6 +98,9 @@ def plot_dose_error(
     """
     _check(pump)
     volumes = np.atleast_1d(np.asarray(_numbers("volume_ml", volume_ml), dtype=np.float64)).ravel()
+    if not len(volumes):
+        message = "volume_ml is empty; allowed: one volume at least"
+        raise ValueError(message)
     for volume in volumes:
         if not math.isfinite(volume) or volume == 0:
             message = f"volume_ml is {volume:g}; allowed: a finite volume, not 0"

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, overload
 
 from pumpmodel._pumpmodel import Plan, Run
+from pumpmodel._results import checks
 from pumpmodel.choices import Panel
 from pumpmodel.plotting.axes import BLUE, VERMILION, WIDE, axes_for, finish, ink
 from pumpmodel.plotting.envelope import envelope
@@ -95,11 +96,12 @@ def plot(
         names = ["flow", "pressure", "delivered"]
         names[2:2] = ["speed"] if isinstance(result, Plan) else []
     else:
-        names = list(panels)
+        names = checks.items("panels", panels, str, plural="names")
+    if not names:
+        message = f"panels is empty; allowed: one name at least of {', '.join(_PANELS)}"
+        raise ValueError(message)
     for name in names:
-        if name not in _PANELS:
-            message = f"panel is {name!r}; allowed: {', '.join(_PANELS)}"
-            raise ValueError(message)
+        checks.chosen("panels", name, _PANELS)
     axes = axes_for(names, ax)
     run = result if isinstance(result, Run) else result.trace(dt_s=max(1e-3, result.settled_s / _SAMPLES))
     for name, axis in zip(names, axes, strict=True):

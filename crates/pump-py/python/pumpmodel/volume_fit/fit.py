@@ -6,12 +6,13 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
+from pumpmodel._results import checks
 from pumpmodel._results.numbers import Number
 from pumpmodel._results.record import Record
 from pumpmodel._results.renamed import renamed
@@ -106,6 +107,7 @@ class VolumeFit(Record):
                 f"angle_deg has shape {angles.shape} and volume_ml has shape {volumes.shape}; "
                 "allowed: (n,) for both"
             )
+        checks.chosen("method", method, get_args(VolumeMethod))
         if run is not None and len(run) != len(angles):
             raise ValueError(f"run has {len(run)} names; allowed: {len(angles)}, one for each point")
         object.__setattr__(self, "run", None if run is None else tuple(map(str, run)))

@@ -216,6 +216,6 @@ impl Call {
 }
 
 /// Locks a mutex. A panic of the last holder does not matter: the value stays usable.
-pub(super) fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(in crate::bench) fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -5,6 +5,6 @@ mod progress;
 mod worker;
 
 pub(crate) use calls::Call;
-pub(super) use calls::Signal;
+pub(super) use calls::{Signal, lock};
 pub(super) use progress::check_progress;
 pub(super) use worker::{Held, Named, Worker, cause};
