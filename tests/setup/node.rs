@@ -7,7 +7,7 @@ use crate::course::{doses_within_its_interval, sees};
 use crate::person::Desk;
 use crate::simulated::Simulated;
 use crate::simulated::options::Options;
-use crate::simulated_node::SimulatedNode;
+use crate::simulated_node::{Character, SimulatedNode};
 use crate::truth::TruePump;
 
 /// Options that set a pump up without a question or a motion.
@@ -301,4 +301,65 @@ fn an_axis_that_there_is_nowhere_is_refused_with_those_of_a_node_too() {
     let desk = Desk::new();
     let refused = desk.types(&["setup", "acid", "--driver", "node", "--axis", "Q"]);
     assert!(refused.code == 2 && refused.err.contains("a node has X, Y, Z and A alone"), "{}", refused.err);
+}
+
+#[test]
+fn a_pressed_stop_is_waited_for_at_the_port_that_was_said() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    board.touch("estop").unwrap();
+    let words = ["setup", "acid", "--port", &port, "--axis", "X"];
+    // The last two options move nothing and ask nothing.
+    let ended = desk.answers(&[&words[..], &OPTIONS[..OPTIONS.len() - 2]].concat(), &mut |question| {
+        Some(match question {
+            q if q.starts_with("Is the cause removed") => {
+                board.touch("release").unwrap();
+                "yes".to_owned()
+            }
+            q if q.starts_with("May the motor move") => "quit".to_owned(),
+            _ => String::new(),
+        })
+    });
+    let asked = |start: &str| ended.asked.iter().filter(|question| question.starts_with(start)).count();
+    assert_eq!((asked("Is the cause removed"), asked("May the motor move")), (1, 1), "{}", ended.err);
+    assert_eq!(asked("Port"), 0, "{}", ended.err);
+    assert!(ended.err.contains("the emergency stop is pressed"), "{}", ended.err);
+    assert_eq!(board.truth().steps, [0; 4]);
+}
+
+#[test]
+fn pins_that_a_pump_like_another_does_not_take_are_said() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    let set_up = desk.types(&[&["setup", "acid", "--port", &port, "--axis", "X"][..], &OPTIONS].concat());
+    assert_eq!(set_up.code, 0, "{}", set_up.err);
+    let words = ["--like", "acid", "--direction", "forward", "--no-motion", "--yes"];
+    let silent = desk.types(&[&["setup", "base", "--axis", "Y"][..], &words].concat());
+    assert!(silent.code == 0 && !silent.err.contains("[drive.pins]"), "{}", silent.err);
+    let path = desk.path("config/pump-dose/pumps/acid.toml");
+    let text = std::fs::read_to_string(&path).unwrap() + "\n[drive.pins]\nenable_active_low = false\n";
+    std::fs::write(path, text).unwrap();
+    let told = desk.types(&[&["setup", "lime", "--axis", "Z"][..], &words].concat());
+    assert!(told.code == 0 && told.err.contains("has [drive.pins], which are not"), "{}", told.err);
+}
+
+#[test]
+fn a_board_of_an_older_version_answers() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start_as(Character { protocol: Some(1), ..Character::default() }).unwrap();
+    let port = board.path().display().to_string();
+    // The answers end once the port is asked for again.
+    let mut ports = std::iter::once(port);
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| match question {
+        q if q.starts_with("Port") => ports.next(),
+        q if q.starts_with("Driver") => Some("node".to_owned()),
+        q if q.starts_with("Head:") => Some("0.5mL".to_owned()),
+        q if q.starts_with("Rollers") => Some("4".to_owned()),
+        q if q.starts_with("Microsteps") => Some("16".to_owned()),
+        _ => Some(String::new()),
+    });
+    assert!(ended.err.contains("speaks version 1"), "{}", ended.err);
+    assert!(!ended.err.contains("no board answers"), "{}", ended.err);
 }

@@ -188,9 +188,19 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
             // What helps is said below, in the words of these questions.
             let is_no_port = error.remedies().contains(&Remedy::FindPort);
             let why = if is_no_port { with_sources(&error) } else { advice::told(&error) };
-            Err(format!("no board answers at {shown}: {why}; name the board's port, or quit and come back"))
+            let why = answer_in_words(&error, &shown.to_string(), &why);
+            Err(format!("{why}; name the board's port, or quit and come back"))
         }
         None => Err(format!("nobody was asked at {shown}")),
+    }
+}
+
+/// The words for a port without a board that can be used: a board that speaks another version does answer.
+fn answer_in_words(error: &DriveError, port: &str, why: &str) -> String {
+    const ANSWERS: [Remedy; 2] = [Remedy::UpdateFirmware, Remedy::UpdateProgram];
+    match error.remedies().iter().any(|remedy| ANSWERS.contains(remedy)) {
+        true => why.to_owned(),
+        false => format!("no board answers at {port}: {why}"),
     }
 }
 
@@ -214,8 +224,8 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
             course.board = Some(board);
         }
         Some((_, Err(error))) if is_file_alone => {
-            let (port, why) = (port.display(), with_sources(&error));
-            warn(&[format!("no board answers at {port}: {why}; the pump file names this port all the same")]);
+            let why = answer_in_words(&error, &port.display().to_string(), &with_sources(&error));
+            warn(&[format!("{why}; the pump file names this port all the same")]);
         }
         Some((_, Err(error))) if is_silent => {
             let failure = Failure::of(error);

@@ -15,6 +15,9 @@ mod turn;
 mod weigh;
 mod written;
 
+use std::fs;
+use std::path::Path;
+
 use clap::Args;
 use pump_bench::balance::Balance;
 use pump_bench::config::Config;
@@ -338,6 +341,12 @@ fn ask_name(asker: &mut Asker, config: &Config) -> Asked<String> {
     }
 }
 
+/// True if the pump file says what the pins of its stepper driver need.
+fn states_pins(pump_file: &Path) -> bool {
+    let text = fs::read_to_string(pump_file).unwrap_or_default();
+    text.lines().any(|line| line.trim_start().starts_with("[drive.pins]"))
+}
+
 /// Says what the course does, and what is on record.
 fn introduce(course: &Course, is_new: bool, is_like: bool) {
     let name = &course.answers.name;
@@ -350,6 +359,12 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
             tell_person(&format!(
                 "Its pump file says something else by now, or is gone; that is not among the answers: {}",
                 course.folder.pump_file(&last.name).display()
+            ));
+        }
+        if states_pins(&course.folder.pump_file(&last.name)) {
+            tell_person(&format!(
+                "Its pump file has [drive.pins], which are not among the answers: write them into that of `{name}` too \
+                 if its stepper driver is of the same kind, before its motor turns (--no-motion writes the file alone)."
             ));
         }
     }

@@ -2,12 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use pump_bench::Bench;
+use pump_bench::drives::{DriveError, NodeError};
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::DriverName;
-use pump_bench::report::Explain;
+use pump_bench::report::{Explain, with_sources};
 use pump_bench::setup::Answers;
 use pump_bench::units::{STEPS_PER_REV, count};
+use pump_bench::{Bench, DoseError};
 use pump_model::units::rad_s;
 
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
@@ -112,13 +113,17 @@ fn meet_board(course: &mut Course) -> Asked<()> {
                 continue;
             }
             Err(error) if fixes(&error.remedies()) && course.answers.configure != Some(true) => Some(error),
+            Err(error) if is_without_current(&error) && !course.asker.is_silent() => {
+                wait_for_current(course, &error)?;
+                continue;
+            }
             Err(error) => {
                 board_is_away(course, Failure::from(error))?;
                 continue;
             }
         };
         let words = match &error {
-            Some(error) => pump_bench::report::with_sources(error),
+            Some(error) => with_sources(error),
             None => notes.iter().map(Notice::text).collect::<Vec<_>>().join("; "),
         };
         tell_person(&format!("  {words}"));
@@ -143,6 +148,25 @@ fn meet_board(course: &mut Course) -> Asked<()> {
             return Err(Failure::from(error).into());
         }
     }
+}
+
+/// True if the board answers, and gives the motor no current.
+fn is_without_current(error: &DoseError) -> bool {
+    let DoseError::Connection(DriveError::Device(source)) = error else { return false };
+    matches!(source.downcast_ref(), Some(NodeError::Estop | NodeError::Driver))
+}
+
+/// Waits until a person has seen to an emergency stop or a fault of the stepper driver: the board is the right one.
+fn wait_for_current(course: &mut Course, error: &DoseError) -> Asked<()> {
+    tell_person(&format!("  the board answers, and gives the motor no current: {}", with_sources(error)));
+    let question = Question {
+        text: "Is the cause removed, so that the board may be asked again? (yes, quit)",
+        option: "--no-motion",
+        usual: None,
+        help: "release the emergency stop once it is safe, then write yes; nothing moves yet; quit leaves, and the \
+               answers stay on record",
+    };
+    if course.asker.agrees(&question)? { Ok(()) } else { Err(Stop::Left) }
 }
 
 /// Asks the port anew where no board answers. Nobody is asked by a script, and another failure is passed on.
