@@ -185,6 +185,27 @@ fn the_docs_table_of_bounds_is_what_doses_state() {
 }
 
 #[test]
+fn the_docs_ripples_of_a_smooth_flow_are_those_that_a_dose_warns_of() {
+    let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/bought_head.md")).unwrap();
+    let page = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    for (rate, stated) in [
+        ("0.2mL/s", "230 % or more at 0.2 mL/s"),
+        ("0.1mL/s", "354 % at 0.1 mL/s"),
+        ("0.8mL/s", "144 % at 0.8 mL/s"),
+    ] {
+        let from = ["--start-angle", "30deg+-1deg", "--smooth", "--dry-run"];
+        let report = user.json(&[&["5mL", "--pump", bought, "--rate", rate], &from[..]].concat());
+        let (percent, _) = stated.split_once(" %").unwrap();
+        let warned = report["warnings"].to_string();
+        assert!(warned.contains(&format!("expected to be {percent} % peak to peak")), "{warned}");
+        assert!(warned.contains("and 131 % at constant speed") && page.contains(stated), "{stated}");
+    }
+    assert!(page.contains("each by 131 % at constant speed"));
+}
+
+#[test]
 fn a_dose_repeats_what_the_check_doubts_of_a_head_until_it_is_weighed() {
     let user = User::new();
     let one = pump(&user, ["count = 4", "count = 1"]);

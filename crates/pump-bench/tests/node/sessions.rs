@@ -11,7 +11,7 @@ use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Cruise, Phase, PlanError};
 
 use crate::rig::Rig;
-use crate::world::Hardware;
+use crate::world::{Event, Hardware};
 
 fn request() -> DoseRequest {
     DoseRequest::dose(4.0).with_cruise(Some(Cruise::Flow { ml_s: 4.0 })).with_smooth(true)
@@ -98,6 +98,28 @@ fn a_part_that_a_killed_process_made_is_logged_as_sure_as_one_that_was_stopped()
         let [killed_ml, stopped_ml] = [killed, stopped].map(|dose| dose.expanded_uncertainty_ml.unwrap());
         assert!((killed_ml - stopped_ml).abs() < 1e-9, "{killed_ml} {stopped_ml}");
     }
+}
+
+#[test]
+fn an_angle_that_one_reset_makes_unknown_was_not_disturbed_twice() {
+    let (rig, folder) = (Rig::new(), tempfile::tempdir().unwrap());
+    let mut drive = rig.open();
+    let bench = bench(folder.path(), &drive);
+    {
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        // The pitch is 120 deg, and two full steps are 3.6 deg.
+        session.set_angle(Some(Phase::within(0.0, 58_f64.to_radians()))).unwrap();
+    }
+    drop(drive);
+    rig.world.plan(0, Event::Reset);
+    rig.world.pass(10);
+    let mut drive = rig.open();
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+    session.connect().unwrap();
+    assert_eq!(session.state().unwrap().disturbances, 1);
+    let notes = session.notes();
+    let said = |text: &str| notes.iter().any(|note| note.text().contains(text));
+    assert!(said("two full steps of the motor more") && !said("second time"), "{notes:?}");
 }
 
 #[test]
