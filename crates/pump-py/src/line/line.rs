@@ -8,8 +8,8 @@ use crate::argument::{Argument, number, object, optional};
 use crate::python::errors;
 
 /// Ways to a line.
-const WAYS: &str = "hose.line(fluid, reservoir_kpa=..., flow_ml_s=...) makes the line of a hose, pm.Line(...) one of R, \
-                    C and L";
+const WAYS: &str = "hose.line(fluid, reservoir_kpa=..., flow_ml_s=...) makes the line of a hose, pm.Line(...) one of \
+                    R, C and L";
 
 /// Hydraulic line between the rollers and a reservoir: compliance at the pump, resistance and inertance in series.
 ///

@@ -113,7 +113,7 @@ class Run:
         Returns
         -------
         pandas.DataFrame
-            Table of the columns, each of shape (n,). `attrs["units"]` has their units.
+            Table of the columns of `to_dict`, each of shape (n,). `attrs["units"]` has their units.
 
         Raises
         ------
@@ -126,8 +126,8 @@ class Run:
         Returns
         -------
         xarray.Dataset
-            One variable for each column, of shape (n,), over the coordinate `time_s`. Each has the attributes `units`
-            and `long_name`.
+            One variable for each column of `to_dict`, of shape (n,), over the coordinate `time_s`. Each has the
+            attributes `units` and `long_name`.
 
         Raises
         ------

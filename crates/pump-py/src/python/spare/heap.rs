@@ -1,7 +1,8 @@
 //! Blocks that serve small allocations where the system has nothing left, to any thread.
 //!
 //! A block is cut into pieces whose sizes are powers of two. A piece that is freed goes to the next allocation of its
-//! size. With the first piece as many addresses go back to the system, for Python's own objects, which cannot be pieces.
+//! size. With the first piece as many addresses go back to the system. They are for Python's own objects, which cannot
+//! be pieces.
 
 use std::alloc::Layout;
 use std::num::NonZero;

@@ -5,8 +5,9 @@
 
 use std::num::NonZero;
 
-/// Takes `size` bytes of addresses, on a page of their own. No memory is taken until something is written there. Returns
-/// none if there is no room.
+/// Takes `size` bytes of addresses, on pages of their own. No memory is taken until something is written there.
+///
+/// Returns none if there is no room.
 #[cfg(unix)]
 #[allow(unsafe_code, reason = "a new mapping touches no memory that anybody has")]
 pub(super) fn take(size: usize) -> Option<NonZero<usize>> {
