@@ -363,3 +363,20 @@ fn a_board_of_an_older_version_answers() {
     assert!(ended.err.contains("speaks version 1"), "{}", ended.err);
     assert!(!ended.err.contains("no board answers"), "{}", ended.err);
 }
+
+#[test]
+fn a_smooth_flow_that_is_expected_to_be_rougher_is_warned_of_on_a_real_motor() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    let set_up = desk.types(&[&["setup", "acid", "--port", &port, "--axis", "X"][..], &OPTIONS].concat());
+    assert_eq!(set_up.code, 0, "{}", set_up.err);
+    assert_eq!(desk.types(&["home", "--set", "30deg+-1deg", "--pump", "acid"]).code, 0);
+    let warned = "is not known well enough for a smooth flow: the ripple";
+    for (words, times) in [(&["--smooth"][..], 1), (&[], 0)] {
+        let dose = ["0.2mL", "--rate", "0.4mL/s", "--pump", "acid", "--confirm-pump"];
+        let ended = desk.types(&[&dose[..], words].concat());
+        assert_eq!((ended.code, ended.err.matches(warned).count()), (0, times), "{}", ended.err);
+        assert!(!ended.out.contains(warned), "{}", ended.out);
+    }
+}

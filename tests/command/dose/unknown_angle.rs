@@ -20,7 +20,7 @@ fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_woul
     let dry = user.types(&["25mL", "--dry-run", "-v"]).out;
     for said in [
         "turned by 421.68° from an unknown angle",
-        "the volume lies between 23.9477 and 26.0531 mL",
+        "the volume of the whole dose lies between 23.9477 and 26.0531 mL",
         "7.1062, 14.212, 21.318 mL and so on; nearest to 25 mL: 21.318 and 28.425 mL",
         "`dose home --set 0deg`, or give --start-angle",
     ] {

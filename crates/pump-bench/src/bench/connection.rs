@@ -5,6 +5,7 @@ mod confirmation;
 use std::time::{Duration, Instant};
 
 use pump_ctl::plan::PlannedMotion;
+use pump_model::Pump;
 use pump_model::units::degrees;
 
 use super::device::{Device, as_allowed};
@@ -35,6 +36,15 @@ fn moved_elsewhere(before: i64, now: i64) -> Notice {
         ),
     };
     Notice::from(text).with_remedy(Remedy::FindAngle)
+}
+
+/// Returns the state after an event that the rotor's angle may not have survived. A released rotor falls by `fall_rad`
+/// at most.
+pub(super) fn after_event(state: PumpState, event: Disturbance, fall_rad: f64, pump: &Pump) -> PumpState {
+    match event {
+        Disturbance::EmergencyStop => state.lost(pump),
+        _ => state.disturbed(fall_rad, pump),
+    }
 }
 
 impl<'a> Session<'a> {
@@ -138,7 +148,7 @@ impl<'a> Session<'a> {
         if stands.released && !counts_anyhow {
             met = self.meet_released(count, notes);
         } else if let Some(event) = event {
-            met = stands.after_event(event, self.bench.fall_rad(), model);
+            met = after_event(stands, event, self.bench.fall_rad(), model);
             if was_known {
                 let now = match event {
                     _ if met.phase().is_known(pitch_rad) => "known less well, by two full steps of the motor",

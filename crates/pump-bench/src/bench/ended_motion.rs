@@ -6,6 +6,7 @@ use pump_model::Pump;
 use pump_model::units::degrees;
 
 use super::announced_steps::{DiskTimes, Halt};
+use super::connection::after_event;
 use super::device::Device;
 use super::recorded_motion::{Moved, RecordedMotion};
 use super::session::Session;
@@ -164,12 +165,15 @@ impl<'a> Session<'a> {
         let (fall_rad, model) = (self.bench.fall_rad(), self.bench.model());
         let is_let_go = event == Disturbance::Disabled;
         if !is_let_go {
-            let now = if event == Disturbance::EmergencyStop { "unknown" } else { "known less well" };
-            self.notes.push(format!("{event}: the rollers' angle is {now}").into());
+            let now = match event {
+                Disturbance::EmergencyStop => "the rollers' angle is unknown",
+                _ => "the rollers' angle is known less well",
+            };
+            self.notes.push(format!("{event}: {now}").into());
         }
         let rests = pauses.filter(|_| is_let_go || lets_go);
         let rests = rests.map_or(0, |pauses| u32::from(pauses).max(device.drive.rests()).min(MOST_RESTS));
-        (0..=rests).fold(state, |state, _| state.after_event(event, fall_rad, model))
+        (0..=rests).fold(state, |state, _| after_event(state, event, fall_rad, model))
     }
 }
 

@@ -57,8 +57,8 @@ impl Session<'_> {
                 self.journal.path().display()
             );
         } else if self.bench.drive_id() == DriverName::Node.as_str() {
-            text += "the board made each step at its time, and other programs held this computer up, or its line to the \
-                     board was late";
+            text += "the board made each step at its time, and other programs held this computer up, or its line \
+                     to the board was late";
         } else if self.bench.identity().abilities.step_times {
             text += "other programs held this computer up, or its line to the motor was late";
         } else {

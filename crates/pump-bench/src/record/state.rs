@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
 use super::{Account, AfterStop, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
-use crate::drives::Disturbance;
 use crate::safety::SafetyAccount;
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
@@ -190,15 +189,6 @@ impl PumpState {
         }
         let wider = Phase::within(self.angle_rad, self.half_width_rad + by_rad);
         Self { disturbances, ..self.closed(pump).at(wider) }
-    }
-
-    /// Returns the state after an event that the rotor's angle may not have survived. A released rotor falls by
-    /// `fall_rad` at most.
-    pub(crate) fn after_event(self, event: Disturbance, fall_rad: f64, pump: &Pump) -> Self {
-        match event {
-            Disturbance::EmergencyStop => self.lost(pump),
-            _ => self.disturbed(fall_rad, pump),
-        }
     }
 
     /// Returns the state once a lost device reports that it made `made` steps of the unfinished dose `part`.
