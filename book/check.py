@@ -1,6 +1,10 @@
 """Check the built guide: every link resolves, headings included, and nothing is taken from another host."""
 
+import base64
+import binascii
+import struct
 import sys
+import zlib
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -46,6 +50,31 @@ def fault_of(link: str, file: Path, pages: dict[Path, Page]) -> str | None:
     return None
 
 
+PNG = "data:image/png;base64,"
+
+
+def is_whole(picture: bytes) -> bool:
+    """Return true for a PNG whose parts have the checksums that they state, up to its end."""
+    place, name = 8, b""
+    while place + 12 <= len(picture):
+        (length,) = struct.unpack_from(">I", picture, place)
+        name, body = picture[place + 4 : place + 8], picture[place + 8 : place + 8 + length]
+        if picture[place + 8 + length : place + 12 + length] != struct.pack(">I", zlib.crc32(name + body)):
+            return False
+        place += 12 + length
+    return picture.startswith(b"\x89PNG") and name == b"IEND"
+
+
+def is_broken(link: str) -> bool:
+    """Return true for a picture in a page itself that no browser can show."""
+    if not link.startswith(PNG):
+        return False
+    try:
+        return not is_whole(base64.b64decode(link.removeprefix(PNG), validate=True))
+    except binascii.Error:
+        return True
+
+
 def pages_of(guide: Path) -> dict[Path, Page]:
     """Return the pages of the guide by their files."""
     return {file.resolve(): Page(file.read_text()) for file in sorted(guide.rglob("*.html"))}
@@ -72,6 +101,7 @@ def faults(guide: Path, sources: Path) -> tuple[int, list[str]]:
                 found.append(f"{file.name}: {link} {fault}")
         if page.runs_examples:
             found.append(f"{file.name}: an example asks a foreign host to run it")
+        found += [f"{file.name}: a picture is broken: {link[:60]}" for link in page.fetched if is_broken(link)]
         found += [f"{file.name}: fetches {link}" for link in page.fetched if link.startswith(HOSTS)]
     for style in guide.rglob("*.css"):
         text = style.read_text()

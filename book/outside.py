@@ -51,7 +51,8 @@ def link_in_guide(label: str, whole: str, target: str, source: str, pages: set[s
 def picture_in_guide(target: str, source: str) -> str:
     """Return the place in the guide of a picture that HTML of the page `source` shows."""
     path = posixpath.normpath(posixpath.join("docs", posixpath.dirname(source), target))
-    return target if "://" in target or not path.startswith("docs/") else posixpath.relpath(path, "docs")
+    # An address or data of its own has a scheme.
+    return target if ":" in target or not path.startswith("docs/") else posixpath.relpath(path, "docs")
 
 
 def text_in_guide(text: str, source: str, pages: set[str]) -> str:

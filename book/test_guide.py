@@ -6,6 +6,12 @@ import pytest
 from check import faults
 from outside import text_in_guide
 
+# A picture of one black point.
+DOT = (
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nG"
+    "NgAAAAAgABSK+kcQAAAABJRU5ErkJggg=="
+)
+
 
 def told(text: str, source: str = "start.md") -> str:
     """Return the text of the page `source` as the guide has it."""
@@ -23,6 +29,8 @@ def test_a_picture_of_a_document_on_top_has_its_place_in_the_guide() -> None:
     html = '<picture><source media="x" srcset="docs/a_dark.png"><img src="docs/a.png"></picture>'
     assert told(html, "../README.md") == html.replace("docs/", "")
     assert told('<img src="a.png">', "start.md") == '<img src="a.png">'
+    data = '<img src="data:image/png;base64,aa//bb/../cc=">'
+    assert told(data, "gallery.md") == data
 
 
 def test_a_file_that_the_guide_lacks_is_shown_by_name() -> None:
@@ -55,6 +63,8 @@ def test_other_links_and_code_stay(text: str) -> None:
         ('<script src="https://example.org/a.js"></script>', "fetches https://example.org/a.js"),
         ('<link href="//example.org/a.css">', "fetches //example.org/a.css"),
         ('<pre class="x playground"></pre>', "an example asks a foreign host to run it"),
+        (f'<img src="{DOT}">', None),
+        (f'<img src="{DOT[:-8] + DOT[-4:]}">', f"a picture is broken: {DOT[:60]}"),
     ],
 )
 def test_a_link_that_leads_nowhere_or_fetches_from_a_foreign_host_is_a_fault(
