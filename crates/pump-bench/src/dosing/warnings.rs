@@ -308,8 +308,10 @@ fn close_to_limit(quantity: &str, unit: &str, margin: Margin) -> Option<String> 
     let Margin { reached, limit, used, .. } = margin;
     (used > CLOSE).then(|| {
         format!(
-            "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the \
+            "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}{}, {:.1} % of the \
              room from rest",
+            // A margin counts them, the report's pressures do not.
+            if unit == "kPa" { " with the motor's steps" } else { "" },
             100.0 * used
         )
     })
@@ -322,8 +324,8 @@ fn unsure_limit(quantity: &str, margin: Margin, extremes: Extremes) -> Option<St
     let unsure_kpa = pressure_uncertainty_kpa(extremes);
     (used <= CLOSE && (limit - reached).abs() < unsure_kpa).then(|| {
         format!(
-            "the {quantity} is predicted at {reached:.2} kPa, {:.2} kPa from its limit of {limit:.2} kPa, and \
-             the prediction is unsure by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves more room",
+            "the {quantity} is predicted at {reached:.2} kPa with the motor's steps, {:.2} kPa from its limit of \
+             {limit:.2} kPa, and the prediction is unsure by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves more room",
             (limit - reached).abs()
         )
     })
