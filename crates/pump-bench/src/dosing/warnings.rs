@@ -325,7 +325,8 @@ fn unsure_limit(quantity: &str, margin: Margin, extremes: Extremes) -> Option<St
     (used <= CLOSE && (limit - reached).abs() < unsure_kpa).then(|| {
         format!(
             "the {quantity} is predicted at {reached:.2} kPa with the motor's steps, {:.2} kPa from its limit of \
-             {limit:.2} kPa, and the prediction is unsure by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves more room",
+             {limit:.2} kPa, and the prediction is unsure by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves \
+             more room",
             (limit - reached).abs()
         )
     })
