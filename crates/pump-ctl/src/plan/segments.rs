@@ -158,8 +158,8 @@ impl Segments {
     fn steps_along(&self, along: &Along, most: u32) -> Option<u32> {
         /// Longest time that is told to a fiftieth of a tick, ticks.
         const REACH: f32 = 65_536.0;
-        /// Largest distance of a step's time from the plan's, ticks.
-        const NEAR: f32 = FIT_TICKS as f32 - 0.02;
+        /// Largest distance of a step's time from the plan's, ticks. Single precision adds a fiftieth.
+        const NEAR: f32 = FIT_TICKS as f32;
         /// Number of steps of which every one is looked at.
         const FEW: u32 = 8;
         let next_rad = (self.made + 1) as f64 * self.step_rad;

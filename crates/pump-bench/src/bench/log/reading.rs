@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::bench::Bench;
-use crate::record::{LogEntry, LogError, LogLine, Purpose, ShortText, pending};
+use crate::record::{LogEntry, LogError, LogLine, Purpose, ShortText, Unfinished, pending};
 
 /// Doses of a bench, oldest first, read one at a time.
 pub struct LogReading {
@@ -60,9 +60,7 @@ impl Bench {
             if !is_its(&entry.order) {
                 continue;
             }
-            // A dose that was stopped is in the log, and stays unfinished.
-            unfinished = unfinished.filter(|dose| dose.intent.unix_s != entry.time.unix_s);
-            let (least, most) = entry.delivered_range_ml.unwrap_or((entry.delivered_ml, entry.delivered_ml));
+            let (least, most) = self.range_of(&entry, &mut unfinished);
             (least_ml, most_ml) = (least_ml + least, most_ml + most);
             numbers.push(entry.number);
         }
@@ -82,13 +80,19 @@ impl Bench {
             if entry.time.unix_s < unix_s || entry.number <= after {
                 continue;
             }
-            // A dose that was stopped is in the log, and stays unfinished.
-            unfinished = unfinished.filter(|dose| dose.intent.unix_s != entry.time.unix_s);
-            let (least, most) = entry.delivered_range_ml.unwrap_or((entry.delivered_ml, entry.delivered_ml));
+            let (least, most) = self.range_of(&entry, &mut unfinished);
             (least_ml, most_ml) = (least_ml + least, most_ml + most);
         }
         let rest = unfinished.map_or((0.0, 0.0), |dose| dose.motion_delivered(self.model()).range_ml());
         Some((least_ml + rest.0, most_ml + rest.1))
+    }
+
+    /// Returns the smallest and largest volume of a dose of the log, in mL. A dose that was stopped is in the log, and
+    /// stays unfinished: its bounds are those of the unfinished one, which is taken.
+    fn range_of(&self, entry: &LogEntry, unfinished: &mut Option<Unfinished>) -> (f64, f64) {
+        let own = unfinished.take_if(|dose| dose.intent.unix_s == entry.time.unix_s);
+        let own = own.map(|dose| dose.motion_delivered(self.model()).range_ml());
+        entry.delivered_range_ml.or(own).unwrap_or((entry.delivered_ml, entry.delivered_ml))
     }
 }
 
