@@ -28,7 +28,16 @@ PAGES: dict[str, tuple[str, ...]] = {
         "VolumeFit",
         "SpeedLaw",
     ),
-    "Simulation": ("Run", "SteadyState", "sweep", "Sweep", "Harmonics", "rmse", "nrmse", "pearson"),
+    "Simulation": (
+        "Run",
+        "SteadyState",
+        "sweep",
+        "Sweep",
+        "Harmonics",
+        "rmse",
+        "nrmse",
+        "pearson",
+    ),
     "Plans and calibrations": (
         "Doser",
         "Limits",
@@ -40,13 +49,41 @@ PAGES: dict[str, tuple[str, ...]] = {
         "ShortDose",
         "PhaseFit",
     ),
-    "Benches": ("Bench", "AsyncBench", "Balance", "Dose", "LoggedDose", "Status", "Verification"),
+    "Benches": (
+        "Bench",
+        "AsyncBench",
+        "Balance",
+        "Dose",
+        "LoggedDose",
+        "Status",
+        "Verification",
+    ),
     "Racks": ("Rack", "RackReport", "RackPump", "RackDose", "RackTotal"),
     "Identification": (
-        *("identify_line", "identify_line_jointly", "identify_resistance", "identify_compliance"),
-        *("Identified", "JointlyIdentified", "PressureRecord", "RecordingFit", "Estimate", "LineLikelihood"),
+        *(
+            "identify_line",
+            "identify_line_jointly",
+            "identify_resistance",
+            "identify_compliance",
+        ),
+        *(
+            "Identified",
+            "JointlyIdentified",
+            "PressureRecord",
+            "RecordingFit",
+            "Estimate",
+            "LineLikelihood",
+        ),
     ),
-    "Pictures": ("plot", "plot_pump", "plot_map", "plot_budget", "plot_dose_error", "plot_pitch", "animate"),
+    "Pictures": (
+        "plot",
+        "plot_pump",
+        "plot_map",
+        "plot_budget",
+        "plot_dose_error",
+        "plot_pitch",
+        "animate",
+    ),
     "Errors": (
         *("PumpError", "PlanError", "PumpFileError", "DriveError", "BalanceError"),
         *("SafetyError", "StoppedError", "UnfinishedError"),
@@ -92,20 +129,41 @@ def pages_of(sources: Sources) -> dict[str, str]:
     """Return the text of each page by its title."""
     public = sources.public("pumpmodel")
     listed = {name for names in PAGES.values() for name in names}
-    further = tuple(name for name in public if name not in listed and name not in ("choices", "__version__"))
+    further = tuple(
+        name
+        for name in public
+        if name not in listed and name not in ("choices", "__version__")
+    )
     pages = {}
     for title, names in {**PAGES, LAST: further}.items():
         found = [(name, public[name]) for name in names if name in public]
         if found:
-            parts = [part for name, definition in found for part in section(definition, name, "pumpmodel")]
+            parts = [
+                part
+                for name, definition in found
+                for part in section(definition, name, "pumpmodel")
+            ]
             pages[title] = "\n".join([f"# {title}\n", *parts])
-    choices = [f"### {name}\n\n{markdown(told)}\n```text\n{words}\n```\n" for name, words, told in sources.choices()]
-    pages["Choices"] = "\n".join(["# Choices\n", markdown(sources.docstring("choices")), *choices])
+    choices = [
+        f"### {name}\n\n{markdown(told)}\n```text\n{words}\n```\n"
+        for name, words, told in sources.choices()
+    ]
+    pages["Choices"] = "\n".join(
+        ["# Choices\n", markdown(sources.docstring("choices")), *choices]
+    )
     robot = sources.public("pumpmodel.pylabrobot")
-    parts = [part for name, definition in robot.items() for part in section(definition, name, "pumpmodel.pylabrobot")]
-    pages["PyLabRobot"] = "\n".join(["# PyLabRobot\n", markdown(sources.docstring("pylabrobot")), *parts])
+    parts = [
+        part
+        for name, definition in robot.items()
+        for part in section(definition, name, "pumpmodel.pylabrobot")
+    ]
+    pages["PyLabRobot"] = "\n".join(
+        ["# PyLabRobot\n", markdown(sources.docstring("pylabrobot")), *parts]
+    )
     return pages
 
 
 if __name__ == "__main__":
-    answered(lambda book: add_below(book["items"], PARENT, "api", pages_of(Sources(PACKAGE))))
+    answered(
+        lambda book: add_below(book["items"], PARENT, "api", pages_of(Sources(PACKAGE)))
+    )
