@@ -129,41 +129,20 @@ def pages_of(sources: Sources) -> dict[str, str]:
     """Return the text of each page by its title."""
     public = sources.public("pumpmodel")
     listed = {name for names in PAGES.values() for name in names}
-    further = tuple(
-        name
-        for name in public
-        if name not in listed and name not in ("choices", "__version__")
-    )
+    further = tuple(name for name in public if name not in listed and name not in ("choices", "__version__"))
     pages = {}
     for title, names in {**PAGES, LAST: further}.items():
         found = [(name, public[name]) for name in names if name in public]
         if found:
-            parts = [
-                part
-                for name, definition in found
-                for part in section(definition, name, "pumpmodel")
-            ]
+            parts = [part for name, definition in found for part in section(definition, name, "pumpmodel")]
             pages[title] = "\n".join([f"# {title}\n", *parts])
-    choices = [
-        f"### {name}\n\n{markdown(told)}\n```text\n{words}\n```\n"
-        for name, words, told in sources.choices()
-    ]
-    pages["Choices"] = "\n".join(
-        ["# Choices\n", markdown(sources.docstring("choices")), *choices]
-    )
+    choices = [f"### {name}\n\n{markdown(told)}\n```text\n{words}\n```\n" for name, words, told in sources.choices()]
+    pages["Choices"] = "\n".join(["# Choices\n", markdown(sources.docstring("choices")), *choices])
     robot = sources.public("pumpmodel.pylabrobot")
-    parts = [
-        part
-        for name, definition in robot.items()
-        for part in section(definition, name, "pumpmodel.pylabrobot")
-    ]
-    pages["PyLabRobot"] = "\n".join(
-        ["# PyLabRobot\n", markdown(sources.docstring("pylabrobot")), *parts]
-    )
+    parts = [part for name, definition in robot.items() for part in section(definition, name, "pumpmodel.pylabrobot")]
+    pages["PyLabRobot"] = "\n".join(["# PyLabRobot\n", markdown(sources.docstring("pylabrobot")), *parts])
     return pages
 
 
 if __name__ == "__main__":
-    answered(
-        lambda book: add_below(book["items"], PARENT, "api", pages_of(Sources(PACKAGE)))
-    )
+    answered(lambda book: add_below(book["items"], PARENT, "api", pages_of(Sources(PACKAGE))))

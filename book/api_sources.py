@@ -28,9 +28,7 @@ def _typed(node: ast.expr | None) -> str:
 
 
 def _decorated(node: _Function | ast.ClassDef, name: str) -> bool:
-    return any(
-        re.search(rf"\b{name}\b", ast.unparse(each)) for each in node.decorator_list
-    )
+    return any(re.search(rf"\b{name}\b", ast.unparse(each)) for each in node.decorator_list)
 
 
 def _docstring(node: _Function | ast.ClassDef | ast.Module) -> str:
@@ -75,9 +73,7 @@ class Definition:
         for owner in self._line():
             names = set()
             for member in owner.nodes[0].body:
-                name = getattr(member, "name", None) or ast.unparse(
-                    getattr(member, "target", ast.Constant(""))
-                )
+                name = getattr(member, "name", None) or ast.unparse(getattr(member, "target", ast.Constant("")))
                 if name not in seen:
                     names.add(name)
                     yield member
@@ -95,11 +91,7 @@ class Definition:
         """Yield the public methods."""
         found: dict[str, list[_Function]] = {}
         for member in self._members():
-            if (
-                isinstance(member, _Function)
-                and not member.name.startswith("_")
-                and not _decorated(member, "property")
-            ):
+            if isinstance(member, _Function) and not member.name.startswith("_") and not _decorated(member, "property"):
                 found.setdefault(member.name, []).append(member)
         for name, nodes in found.items():
             if not any(_decorated(node, "deprecated") for node in nodes):
@@ -108,9 +100,7 @@ class Definition:
     def attributes(self) -> Iterator[tuple[str, str, str]]:
         """Yield name, type and meaning of each field and property."""
         for member in self._members():
-            if isinstance(member, ast.AnnAssign) and isinstance(
-                member.target, ast.Name
-            ):
+            if isinstance(member, ast.AnnAssign) and isinstance(member.target, ast.Name):
                 if not member.target.id.startswith("_"):
                     yield (
                         member.target.id,
@@ -119,9 +109,7 @@ class Definition:
                     )
             elif isinstance(member, ast.FunctionDef) and _decorated(member, "property"):
                 told = _docstring(member)
-                former = _decorated(member, "deprecated") or told.startswith(
-                    "Deprecated"
-                )
+                former = _decorated(member, "deprecated") or told.startswith("Deprecated")
                 if not member.name.startswith("_") and not former:
                     yield member.name, _typed(member.returns), told
 
@@ -140,15 +128,9 @@ def _merged(overloads: list[_Function]) -> _Function:
     for other in overloads[1:]:
         for each in _arguments(other):
             mine = annotations.get(each.arg)
-            if (
-                mine is not None
-                and each.annotation is not None
-                and mine.annotation is not None
-            ):
+            if mine is not None and each.annotation is not None and mine.annotation is not None:
                 mine.annotation = _either(mine.annotation, each.annotation)
-        for each, default in zip(
-            other.args.kwonlyargs, other.args.kw_defaults, strict=True
-        ):
+        for each, default in zip(other.args.kwonlyargs, other.args.kw_defaults, strict=True):
             # An argument that one of them can do without is optional.
             defaults[each.arg] = defaults.get(each.arg) or default
         if merged.returns is not None and other.returns is not None:
@@ -179,20 +161,13 @@ def _signature(node: _Function, name: str, *, returns: bool = True) -> str:
     listed = node.args
     each = [*listed.posonlyargs, *listed.args]
     padded = [*[None] * (len(each) - len(listed.defaults)), *listed.defaults]
-    pairs = [
-        pair
-        for pair in zip(each, padded, strict=True)
-        if pair[0].arg not in ("self", "cls")
-    ]
+    pairs = [pair for pair in zip(each, padded, strict=True) if pair[0].arg not in ("self", "cls")]
     parts = [_argument(*pair) for pair in pairs]
     if listed.vararg:
         parts.append("*" + _argument(listed.vararg, None))
     elif listed.kwonlyargs:
         parts.append("*")
-    parts += [
-        _argument(*pair)
-        for pair in zip(listed.kwonlyargs, listed.kw_defaults, strict=True)
-    ]
+    parts += [_argument(*pair) for pair in zip(listed.kwonlyargs, listed.kw_defaults, strict=True)]
     if listed.kwarg:
         parts.append("**" + _argument(listed.kwarg, None))
     end = f" -> {_typed(node.returns)}" if returns and node.returns is not None else ""
@@ -240,14 +215,9 @@ class Sources:
             module = Module(self, ast.parse(text), text.splitlines())
             groups: dict[str, list[_Function | ast.ClassDef]] = {}
             for node in module.tree.body:
-                if isinstance(
-                    node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
-                ):
+                if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
                     groups.setdefault(node.name, []).append(node)
-            module.defined = {
-                name: Definition(name, tuple(nodes), module)
-                for name, nodes in groups.items()
-            }
+            module.defined = {name: Definition(name, tuple(nodes), module) for name, nodes in groups.items()}
             path = file.relative_to(folder).with_suffix("")
             parts = [part for part in path.parts if part != "__init__"]
             self.modules[".".join(["pumpmodel", *parts])] = module
@@ -259,9 +229,7 @@ class Sources:
         for node in near.tree.body:
             if isinstance(node, ast.ImportFrom):
                 for alias in node.names:
-                    if (alias.asname or alias.name) == name and (
-                        target := self._target(node, near)
-                    ):
+                    if (alias.asname or alias.name) == name and (target := self._target(node, near)):
                         return self.find(alias.name, target)
         return None
 
@@ -281,15 +249,10 @@ class Sources:
         listed = next(
             node.value
             for node in module.tree.body
-            if isinstance(node, ast.Assign)
-            and ast.unparse(node.targets[0]) == "__all__"
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
         )
         names: list[str] = ast.literal_eval(listed)
-        return {
-            name: found
-            for name in names
-            if (found := self.find(name, module)) is not None
-        }
+        return {name: found for name in names if (found := self.find(name, module)) is not None}
 
     def docstring(self, module: str) -> str:
         """Return the docstring of a module of the package."""
@@ -299,9 +262,7 @@ class Sources:
         """Yield name, words and meaning of each type of words."""
         module = self.modules["pumpmodel.choices"]
         for node in module.tree.body:
-            if isinstance(node, ast.AnnAssign) and isinstance(
-                node.value, ast.Subscript
-            ):
+            if isinstance(node, ast.AnnAssign) and isinstance(node.value, ast.Subscript):
                 words = node.value.slice
                 listed = words.elts if isinstance(words, ast.Tuple) else [words]
                 told = " | ".join(ast.unparse(word) for word in listed)

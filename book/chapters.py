@@ -6,18 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 
-def add_below(
-    items: list[Any], parent: str, prefix: str, pages: dict[str, str]
-) -> None:
+def add_below(items: list[Any], parent: str, prefix: str, pages: dict[str, str]) -> None:
     """Add pages, by their titles, below the chapter of a page, and links to them at its end.
 
     Exit with a message if the guide has no such page.
     """
     found = _chapter(items, parent)
     if found is None:
-        sys.exit(
-            f"the guide has no page {parent}, below which others come; it belongs into docs/SUMMARY.md"
-        )
+        sys.exit(f"the guide has no page {parent}, below which others come; it belongs into docs/SUMMARY.md")
     for title, text in pages.items():
         path = f"{prefix}_{title.lower().replace(' ', '_')}.md"
         found["sub_items"].append(
@@ -33,10 +29,7 @@ def add_below(
                 }
             }
         )
-    links = [
-        f"- [{each['Chapter']['name']}]({each['Chapter']['path']})"
-        for each in found["sub_items"]
-    ]
+    links = [f"- [{each['Chapter']['name']}]({each['Chapter']['path']})" for each in found["sub_items"]]
     found["content"] += "\n" + "\n".join(links) + "\n"
 
 

@@ -52,11 +52,7 @@ def fault_of(link: str, file: Path, pages: dict[Path, Page]) -> str | None:
     target = (file.parent / unquote(parts.path)).resolve() if parts.path else file
     if not target.is_file():
         return "leads to no file"
-    if (
-        parts.fragment
-        and target in pages
-        and unquote(parts.fragment) not in pages[target].anchors
-    ):
+    if parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].anchors:
         return "leads to no heading"
     return None
 
@@ -73,9 +69,7 @@ def is_whole(picture: bytes) -> bool:
             picture[place + 4 : place + 8],
             picture[place + 8 : place + 8 + length],
         )
-        if picture[place + 8 + length : place + 12 + length] != struct.pack(
-            ">I", zlib.crc32(name + body)
-        ):
+        if picture[place + 8 + length : place + 12 + length] != struct.pack(">I", zlib.crc32(name + body)):
             return False
         place += 12 + length
     return picture.startswith(b"\x89PNG") and name == b"IEND"
@@ -93,9 +87,7 @@ def is_broken(link: str) -> bool:
 
 def pages_of(guide: Path) -> dict[Path, Page]:
     """Return the pages of the guide by their files."""
-    return {
-        file.resolve(): Page(file.read_text()) for file in sorted(guide.rglob("*.html"))
-    }
+    return {file.resolve(): Page(file.read_text()) for file in sorted(guide.rglob("*.html"))}
 
 
 def outward(pages: dict[Path, Page]) -> list[str]:
@@ -105,9 +97,7 @@ def outward(pages: dict[Path, Page]) -> list[str]:
         for link in page.links:
             if link.startswith(HOSTS) and file.name != "print.html":
                 found.setdefault(link, set()).add(file.name)
-    return [
-        f"{link}  {' '.join(sorted(names))}" for link, names in sorted(found.items())
-    ]
+    return [f"{link}  {' '.join(sorted(names))}" for link, names in sorted(found.items())]
 
 
 def faults(guide: Path, sources: Path) -> tuple[int, list[str]]:
@@ -121,28 +111,13 @@ def faults(guide: Path, sources: Path) -> tuple[int, list[str]]:
                 found.append(f"{file.name}: {link} {fault}")
         if page.runs_examples:
             found.append(f"{file.name}: an example asks a foreign host to run it")
-        found += [
-            f"{file.name}: a picture is broken: {link[:60]}"
-            for link in page.fetched
-            if is_broken(link)
-        ]
-        found += [
-            f"{file.name}: fetches {link}"
-            for link in page.fetched
-            if link.startswith(HOSTS)
-        ]
+        found += [f"{file.name}: a picture is broken: {link[:60]}" for link in page.fetched if is_broken(link)]
+        found += [f"{file.name}: fetches {link}" for link in page.fetched if link.startswith(HOSTS)]
     for style in guide.rglob("*.css"):
         text = style.read_text()
-        found += [
-            f"{style.name}: fetches from {host}"
-            for host in HOSTS
-            if f"url({host}" in text.replace('"', "")
-        ]
+        found += [f"{style.name}: fetches from {host}" for host in HOSTS if f"url({host}" in text.replace('"', "")]
     for source in sources.glob("*.md"):
-        if (
-            source.name != "SUMMARY.md"
-            and (guide / source.with_suffix(".html").name).resolve() not in pages
-        ):
+        if source.name != "SUMMARY.md" and (guide / source.with_suffix(".html").name).resolve() not in pages:
             found.append(f"{source}: not in SUMMARY.md")
     return count, found
 
@@ -155,9 +130,7 @@ def main() -> None:
         sys.exit("\n".join([*found, f"the guide has {len(found)} faults"]))
     outside = outward(pages_of(guide))
     (guide / "outside.txt").write_text("\n".join(outside) + "\n")
-    print(
-        f"{len(outside)} links lead to other hosts, and are not tried: {guide / 'outside.txt'}"
-    )
+    print(f"{len(outside)} links lead to other hosts, and are not tried: {guide / 'outside.txt'}")
     print(f"{count} links of the guide resolve. Its first page: {guide / 'index.html'}")
 
 

@@ -13,10 +13,7 @@ _ENTRIES = ("Parameters", "Returns", "Raises", "Yields", "Warns", "Attributes")
 def _prose(text: str) -> str:
     """Return a text with what Markdown takes for HTML escaped, but in code."""
     parts = _CODE.split(text)
-    return "".join(
-        part if index % 2 else part.replace("<", "&lt;")
-        for index, part in enumerate(parts)
-    )
+    return "".join(part if index % 2 else part.replace("<", "&lt;") for index, part in enumerate(parts))
 
 
 def _entries(text: str) -> str:
@@ -32,13 +29,7 @@ def _entries(text: str) -> str:
 
 def _examples(text: str) -> str:
     parts = re.split(r"\n\n(?=\S)", text.strip("\n"))
-    return (
-        "\n\n".join(
-            f"```python\n{part}\n```" if part.startswith(">>>") else _prose(part)
-            for part in parts
-        )
-        + "\n"
-    )
+    return "\n\n".join(f"```python\n{part}\n```" if part.startswith(">>>") else _prose(part) for part in parts) + "\n"
 
 
 def markdown(docstring: str) -> str:

@@ -23,9 +23,7 @@ def page_of(notebook: dict[str, Any], name: str) -> tuple[str, str]:
     ]
     for cell in notebook["cells"]:
         text = _text(cell["source"])
-        parts.append(
-            f"```python\n{text}\n```\n" if cell["cell_type"] == "code" else f"{text}\n"
-        )
+        parts.append(f"```python\n{text}\n```\n" if cell["cell_type"] == "code" else f"{text}\n")
         for output in cell.get("outputs", ()):
             parts.append(_output(output, title))
     return title, "\n".join(parts)
@@ -50,9 +48,7 @@ def _output(output: dict[str, Any], title: str) -> str:
         return f"{html}\n"
     if "text/plain" in data:
         return f"```text\n{_text(data['text/plain'])}\n```\n"
-    sys.exit(
-        f"an output of {title} is {output['output_type']}; allowed: text and pictures"
-    )
+    sys.exit(f"an output of {title} is {output['output_type']}; allowed: text and pictures")
 
 
 def pages_of(folder: Path) -> dict[str, str]:
@@ -60,13 +56,8 @@ def pages_of(folder: Path) -> dict[str, str]:
     files = sorted(folder.glob("*.ipynb"))
     if not files:
         sys.exit(f"{folder} has no notebooks; `make docs` executes them")
-    return dict(
-        page_of(json.loads(file.read_text(encoding="utf-8")), file.stem)
-        for file in files
-    )
+    return dict(page_of(json.loads(file.read_text(encoding="utf-8")), file.stem) for file in files)
 
 
 if __name__ == "__main__":
-    answered(
-        lambda book: add_below(book["items"], PARENT, "gallery", pages_of(NOTEBOOKS))
-    )
+    answered(lambda book: add_below(book["items"], PARENT, "gallery", pages_of(NOTEBOOKS)))

@@ -29,15 +29,10 @@ def cells_of(script: str) -> list[tuple[str, str]]:
     for part in parts:
         head, _, text = part.partition("\n")
         if head.strip() == "[markdown]":
-            lines = [
-                line.removeprefix("#").removeprefix(" ")
-                for line in text.strip().splitlines()
-            ]
+            lines = [line.removeprefix("#").removeprefix(" ") for line in text.strip().splitlines()]
             cells.append(("markdown", "\n".join(lines)))
         elif head.strip():
-            sys.exit(
-                f"a cell begins with `{MARK}{head}`; allowed: `{MARK}` and `{MARK} [markdown]`"
-            )
+            sys.exit(f"a cell begins with `{MARK}{head}`; allowed: `{MARK}` and `{MARK} [markdown]`")
         else:
             cells.append(("code", text.strip()))
     return [(kind, text) for kind, text in cells if text]
@@ -47,11 +42,7 @@ def notebook_of(script: str) -> Any:
     """Return the notebook of a script, not yet executed."""
     cells = []
     for number, (kind, text) in enumerate(cells_of(script)):
-        make = (
-            nbformat.v4.new_markdown_cell
-            if kind == "markdown"
-            else nbformat.v4.new_code_cell
-        )
+        make = nbformat.v4.new_markdown_cell if kind == "markdown" else nbformat.v4.new_code_cell
         # Numbers keep the file the same from run to run.
         cells.append(make(text, id=f"cell-{number}"))
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
@@ -72,9 +63,7 @@ async def execute(notebook: Any, site: str) -> None:
             extra_arguments=["--InlineBackend.figure_formats=retina"],
             resources={"metadata": {"path": folder}},
             # Files rather than ports, which other users of this computer could reach.
-            config=Config(
-                {"KernelManager": {"transport": "ipc", "ip": f"{folder}/kernel"}}
-            ),
+            config=Config({"KernelManager": {"transport": "ipc", "ip": f"{folder}/kernel"}}),
         )
         await client.async_execute()
         del notebook.cells[0]
@@ -104,9 +93,7 @@ async def main(gallery: Path, site: str, target: Path) -> None:
     for old in target.glob("*.ipynb"):
         old.unlink()
     turn = asyncio.Semaphore(AT_ONCE)
-    await asyncio.gather(
-        *(make(script, site, target, turn) for script in sorted(gallery.glob("*.py")))
-    )
+    await asyncio.gather(*(make(script, site, target, turn) for script in sorted(gallery.glob("*.py"))))
 
 
 if __name__ == "__main__":

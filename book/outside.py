@@ -34,9 +34,7 @@ def masked(text: str) -> str:
     return text
 
 
-def link_in_guide(
-    label: str, whole: str, target: str, source: str, pages: set[str]
-) -> str:
+def link_in_guide(label: str, whole: str, target: str, source: str, pages: set[str]) -> str:
     """Return a link of the page `source` as it holds in the guide."""
     file, anchor, heading = target.partition("#")
     if "://" in target or not file:
@@ -54,11 +52,7 @@ def picture_in_guide(target: str, source: str) -> str:
     """Return the place in the guide of a picture that HTML of the page `source` shows."""
     path = posixpath.normpath(posixpath.join("docs", posixpath.dirname(source), target))
     # An address or data of its own has a scheme.
-    return (
-        target
-        if ":" in target or not path.startswith("docs/")
-        else posixpath.relpath(path, "docs")
-    )
+    return target if ":" in target or not path.startswith("docs/") else posixpath.relpath(path, "docs")
 
 
 def text_in_guide(text: str, source: str, pages: set[str]) -> str:
@@ -73,19 +67,13 @@ def text_in_guide(text: str, source: str, pages: set[str]) -> str:
         ]
         end = after
     whole = "".join([*parts, text[end:]])
-    return PICTURE.sub(
-        lambda found: found[1] + picture_in_guide(found[2], source), whole
-    )
+    return PICTURE.sub(lambda found: found[1] + picture_in_guide(found[2], source), whole)
 
 
 def chapters(items: list[Any]) -> Iterator[dict[str, Any]]:
     """Yield every chapter that has a file."""
     for item in items:
-        if (
-            isinstance(item, dict)
-            and (chapter := item.get("Chapter"))
-            and chapter["path"]
-        ):
+        if isinstance(item, dict) and (chapter := item.get("Chapter")) and chapter["path"]:
             yield chapter
             yield from chapters(chapter["sub_items"])
 
@@ -98,9 +86,7 @@ def main() -> None:
     found = list(chapters(book["items"]))
     pages = {chapter["source_path"] for chapter in found}
     for chapter in found:
-        chapter["content"] = text_in_guide(
-            chapter["content"], chapter["source_path"], pages
-        )
+        chapter["content"] = text_in_guide(chapter["content"], chapter["source_path"], pages)
         chapter["path"] = page_name(chapter["source_path"])
     json.dump(book, sys.stdout)
 

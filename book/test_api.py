@@ -13,23 +13,17 @@ PAGES_OF_GUIDE = pages_of(Sources(PACKAGE))
 
 
 def test_every_public_name_has_a_section_with_its_docstring() -> None:
-    names = re.findall(
-        r'^    "(\w+)",$', (PACKAGE / "__init__.py").read_text(), re.MULTILINE
-    )
+    names = re.findall(r'^    "(\w+)",$', (PACKAGE / "__init__.py").read_text(), re.MULTILINE)
     assert len(names) > 50
     text = "\n".join(PAGES_OF_GUIDE.values())
     for name in set(names) - {"__version__", "choices"}:
-        (found,) = re.findall(
-            rf"^## {name}\n\n```python\n[^`]+```\n\n(.+)", text, re.MULTILINE
-        )
+        (found,) = re.findall(rf"^## {name}\n\n```python\n[^`]+```\n\n(.+)", text, re.MULTILINE)
         assert found
 
 
 def test_a_page_lists_no_name_that_is_gone() -> None:
     public = Sources(PACKAGE).public("pumpmodel")
-    assert [
-        name for names in PAGES.values() for name in names if name not in public
-    ] == []
+    assert [name for names in PAGES.values() for name in names if name not in public] == []
     assert list(PAGES_OF_GUIDE)[: len(PAGES)] == list(PAGES)
     assert LAST not in PAGES
 
@@ -37,9 +31,7 @@ def test_a_page_lists_no_name_that_is_gone() -> None:
 def test_signatures_are_those_of_the_stubs_and_overloads_are_one(
     tmp_path: Path,
 ) -> None:
-    (tmp_path / "__init__.py").write_text(
-        'from pumpmodel.core import A\n__all__ = ["A"]\n'
-    )
+    (tmp_path / "__init__.py").write_text('from pumpmodel.core import A\n__all__ = ["A"]\n')
     (tmp_path / "core.pyi").write_text(
         "class _Base:\n"
         '    def kept(self) -> int:\n        """Kept of a base."""\n'
@@ -104,9 +96,7 @@ def test_pages_come_below_the_page_of_docs_with_links_to_them() -> None:
         "parent_names": [],
         "content": "",
     }
-    add_below(
-        ["Separator", {"Chapter": parent}], "api.md", "api", {"Pumps and lines": "text"}
-    )
+    add_below(["Separator", {"Chapter": parent}], "api.md", "api", {"Pumps and lines": "text"})
     assert parent["sub_items"][0]["Chapter"]["path"] == "api_pumps_and_lines.md"
     assert "[Pumps and lines](api_pumps_and_lines.md)" in str(parent["content"])
     with pytest.raises(SystemExit, match=r"no page gallery\.md"):

@@ -9,7 +9,9 @@ from gallery import page_of, pages_of
 from nbclient.exceptions import CellExecutionError
 from notebooks import cells_of, execute, notebook_of
 
-SCRIPT = '"""A title.\n\nMore.\n"""\n\n# %%\nimport sys\n\n# %% [markdown]\n# One `line`.\n# Another.\n\n# %%\nprint(1)\n'
+SCRIPT = (
+    '"""A title.\n\nMore.\n"""\n\n# %%\nimport sys\n\n# %% [markdown]\n# One `line`.\n# Another.\n\n# %%\nprint(1)\n'
+)
 
 
 def executed(script: str, site: Path) -> Any:

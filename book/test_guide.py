@@ -8,24 +8,18 @@ from outside import text_in_guide
 
 # A picture of one black point.
 DOT = (
-    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nG"
-    "NgAAAAAgABSK+kcQAAAABJRU5ErkJggg=="
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg=="
 )
 
 
 def told(text: str, source: str = "start.md") -> str:
     """Return the text of the page `source` as the guide has it."""
-    return text_in_guide(
-        text, source, {"start.md", "log.md", "../README.md", "../DESIGN.md"}
-    )
+    return text_in_guide(text, source, {"start.md", "log.md", "../README.md", "../DESIGN.md"})
 
 
 def test_a_document_on_top_is_a_page_of_the_guide() -> None:
     assert told("[why](../DESIGN.md#why-so)") == "[why](DESIGN.md#why-so)"
-    assert (
-        told("[first](../README.md), [contents](SUMMARY.md)")
-        == "[first](index.md), [contents](index.md)"
-    )
+    assert told("[first](../README.md), [contents](SUMMARY.md)") == "[first](index.md), [contents](index.md)"
     assert told("[the\nlog](docs/log.md#a)", "../README.md") == "[the\nlog](log.md#a)"
     assert told("![A dose](docs/dose.svg)", "../README.md") == "![A dose](dose.svg)"
 
@@ -39,9 +33,7 @@ def test_a_picture_of_a_document_on_top_has_its_place_in_the_guide() -> None:
 
 
 def test_a_file_that_the_guide_lacks_is_shown_by_name() -> None:
-    assert (
-        told("a [pump file](../examples/a.toml).") == "a pump file (`examples/a.toml`)."
-    )
+    assert told("a [pump file](../examples/a.toml).") == "a pump file (`examples/a.toml`)."
     assert told("[`examples/a.toml`](../examples/a.toml)") == "`examples/a.toml`"
 
 
@@ -96,6 +88,4 @@ def test_a_link_that_leads_nowhere_or_fetches_from_a_foreign_host_is_a_fault(
 def test_a_page_without_a_place_in_the_guide_is_a_fault(tmp_path: Path) -> None:
     for page in ["lost.md", "SUMMARY.md", "a.md", "a.html"]:
         (tmp_path / page).touch()
-    assert faults(tmp_path, tmp_path)[1] == [
-        f"{tmp_path / 'lost.md'}: not in SUMMARY.md"
-    ]
+    assert faults(tmp_path, tmp_path)[1] == [f"{tmp_path / 'lost.md'}: not in SUMMARY.md"]
