@@ -102,11 +102,7 @@ class Definition:
         for member in self._members():
             if isinstance(member, ast.AnnAssign) and isinstance(member.target, ast.Name):
                 if not member.target.id.startswith("_"):
-                    yield (
-                        member.target.id,
-                        _typed(member.annotation),
-                        self.module.comment(member.lineno),
-                    )
+                    yield member.target.id, _typed(member.annotation), self.module.comment(member.lineno)
             elif isinstance(member, ast.FunctionDef) and _decorated(member, "property"):
                 told = _docstring(member)
                 former = _decorated(member, "deprecated") or told.startswith("Deprecated")
@@ -117,13 +113,7 @@ class Definition:
 def _merged(overloads: list[_Function]) -> _Function:
     """Return one function that takes what any of the overloads takes."""
     merged = copy.deepcopy(overloads[0])
-    defaults = dict(
-        zip(
-            (each.arg for each in merged.args.kwonlyargs),
-            merged.args.kw_defaults,
-            strict=True,
-        )
-    )
+    defaults = dict(zip((each.arg for each in merged.args.kwonlyargs), merged.args.kw_defaults, strict=True))
     annotations = {each.arg: each for each in _arguments(merged)}
     for other in overloads[1:]:
         for each in _arguments(other):

@@ -10,14 +10,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 # A browser fetches these by itself, by element and attribute. A link is followed only by a person.
-FETCHED = {
-    "script": "src",
-    "img": "src",
-    "link": "href",
-    "iframe": "src",
-    "source": "srcset",
-    "object": "data",
-}
+FETCHED = {"script": "src", "img": "src", "link": "href", "iframe": "src", "source": "srcset", "object": "data"}
 HOSTS = ("http:", "https:", "//")
 
 
@@ -65,10 +58,7 @@ def is_whole(picture: bytes) -> bool:
     place, name = 8, b""
     while place + 12 <= len(picture):
         (length,) = struct.unpack_from(">I", picture, place)
-        name, body = (
-            picture[place + 4 : place + 8],
-            picture[place + 8 : place + 8 + length],
-        )
+        name, body = picture[place + 4 : place + 8], picture[place + 8 : place + 8 + length]
         if picture[place + 8 + length : place + 12 + length] != struct.pack(">I", zlib.crc32(name + body)):
             return False
         place += 12 + length

@@ -17,10 +17,7 @@ PARENT = "gallery.md"
 def page_of(notebook: dict[str, Any], name: str) -> tuple[str, str]:
     """Return the title and the Markdown of an executed notebook."""
     title = name.replace("_", " ").capitalize()
-    parts = [
-        f"# {title}\n",
-        f"[The notebook](gallery/{name}.ipynb) of this page, to be run.\n",
-    ]
+    parts = [f"# {title}\n", f"[The notebook](gallery/{name}.ipynb) of this page, to be run.\n"]
     for cell in notebook["cells"]:
         text = _text(cell["source"])
         parts.append(f"```python\n{text}\n```\n" if cell["cell_type"] == "code" else f"{text}\n")

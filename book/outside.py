@@ -61,10 +61,7 @@ def text_in_guide(text: str, source: str, pages: set[str]) -> str:
     for found in LINK.finditer(masked(text)):
         begin, after = found.span()
         label = text[slice(*found.span(1))]
-        parts += [
-            text[end:begin],
-            link_in_guide(label, text[begin:after], found.group(2), source, pages),
-        ]
+        parts += [text[end:begin], link_in_guide(label, text[begin:after], found.group(2), source, pages)]
         end = after
     whole = "".join([*parts, text[end:]])
     return PICTURE.sub(lambda found: found[1] + picture_in_guide(found[2], source), whole)

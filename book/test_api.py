@@ -28,9 +28,7 @@ def test_a_page_lists_no_name_that_is_gone() -> None:
     assert LAST not in PAGES
 
 
-def test_signatures_are_those_of_the_stubs_and_overloads_are_one(
-    tmp_path: Path,
-) -> None:
+def test_signatures_are_those_of_the_stubs_and_overloads_are_one(tmp_path: Path) -> None:
     (tmp_path / "__init__.py").write_text('from pumpmodel.core import A\n__all__ = ["A"]\n')
     (tmp_path / "core.pyi").write_text(
         "class _Base:\n"
@@ -55,10 +53,7 @@ def test_signatures_are_those_of_the_stubs_and_overloads_are_one(
         "changed": "changed(x: int = 1) -> str",
         "kept": "kept() -> int",
     }
-    assert list(found.attributes()) == [
-        ("size_mm", "float", "Its size, mm."),
-        ("mass_g", "float | None", "Mass, g."),
-    ]
+    assert list(found.attributes()) == [("size_mm", "float", "Its size, mm."), ("mass_g", "float | None", "Mass, g.")]
 
 
 def test_a_docstring_becomes_lists_and_code() -> None:
@@ -89,13 +84,7 @@ def test_a_docstring_becomes_lists_and_code() -> None:
 
 
 def test_pages_come_below_the_page_of_docs_with_links_to_them() -> None:
-    parent = {
-        "name": "Reference",
-        "path": "api.md",
-        "sub_items": [],
-        "parent_names": [],
-        "content": "",
-    }
+    parent = {"name": "Reference", "path": "api.md", "sub_items": [], "parent_names": [], "content": ""}
     add_below(["Separator", {"Chapter": parent}], "api.md", "api", {"Pumps and lines": "text"})
     assert parent["sub_items"][0]["Chapter"]["path"] == "api_pumps_and_lines.md"
     assert "[Pumps and lines](api_pumps_and_lines.md)" in str(parent["content"])

@@ -42,19 +42,11 @@ def test_a_cell_that_fails_fails_the_run(tmp_path: Path) -> None:
 
 
 def test_a_page_has_text_code_output_and_pictures_of_their_size() -> None:
-    picture = {
-        "output_type": "display_data",
-        "data": {"image/png": "aGk=\n"},
-        "metadata": {"image/png": {"width": 7}},
-    }
+    picture = {"output_type": "display_data", "data": {"image/png": "aGk=\n"}, "metadata": {"image/png": {"width": 7}}}
     notebook = {
         "cells": [
             {"cell_type": "markdown", "source": ["A title.\n", "More."]},
-            {
-                "cell_type": "code",
-                "source": "f()",
-                "outputs": [{"output_type": "stream", "text": "1\n"}, picture],
-            },
+            {"cell_type": "code", "source": "f()", "outputs": [{"output_type": "stream", "text": "1\n"}, picture]},
         ]
     }
     title, text = page_of(notebook, "dose_error")
@@ -62,15 +54,9 @@ def test_a_page_has_text_code_output_and_pictures_of_their_size() -> None:
     assert "A title.\nMore.\n\n```python\nf()\n```\n\n```text\n1\n```\n" in text
     assert '<img alt="Dose error" width="7" src="data:image/png;base64,aGk=">' in text
     assert "(gallery/dose_error.ipynb)" in text
-    picture["data"] = {
-        "text/html": "<div>a <b>table</b></div>",
-        "text/plain": "a table",
-    }
+    picture["data"] = {"text/html": "<div>a <b>table</b></div>", "text/plain": "a table"}
     assert "\n<div>a <b>table</b></div>\n" in page_of(notebook, "dose_error")[1]
-    picture["data"] = {
-        "text/html": "<div><script></script></div>",
-        "text/plain": "a page",
-    }
+    picture["data"] = {"text/html": "<div><script></script></div>", "text/plain": "a page"}
     assert "```text\na page\n```" in page_of(notebook, "dose_error")[1]
     picture["data"] = {}
     with pytest.raises(SystemExit, match="allowed: text and pictures"):

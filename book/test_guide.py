@@ -53,27 +53,15 @@ def test_other_links_and_code_stay(text: str) -> None:
 @pytest.mark.parametrize(
     ("page", "fault"),
     [
-        (
-            '<h2 id="b">B</h2><a href="a.html#b">B</a> <a href="#b">B</a> <a href="https://example.org">C</a>',
-            None,
-        ),
+        ('<h2 id="b">B</h2><a href="a.html#b">B</a> <a href="#b">B</a> <a href="https://example.org">C</a>', None),
         ('<a href="c.html">C</a>', "c.html leads to no file"),
         ('<img src="c.svg">', "c.svg leads to no file"),
-        (
-            '<picture><source srcset="dark.png"><img src="a.html"></picture>',
-            "dark.png leads to no file",
-        ),
+        ('<picture><source srcset="dark.png"><img src="a.html"></picture>', "dark.png leads to no file"),
         ('<a href="a.html#c">C</a>', "a.html#c leads to no heading"),
         ('<a href="#c">C</a>', "#c leads to no heading"),
-        (
-            '<script src="https://example.org/a.js"></script>',
-            "fetches https://example.org/a.js",
-        ),
+        ('<script src="https://example.org/a.js"></script>', "fetches https://example.org/a.js"),
         ('<link href="//example.org/a.css">', "fetches //example.org/a.css"),
-        (
-            '<pre class="x playground"></pre>',
-            "an example asks a foreign host to run it",
-        ),
+        ('<pre class="x playground"></pre>', "an example asks a foreign host to run it"),
         (f'<img src="{DOT}">', None),
         (f'<img src="{DOT[:-8] + DOT[-4:]}">', f"a picture is broken: {DOT[:60]}"),
     ],

@@ -106,7 +106,7 @@ fn stop(firmware: &Path) -> Result<(), Box<dyn Error>> {
     check(node.connect().is_err(), "that nothing moves while the stop is pressed")?;
     emulator.input(STOP, false)?;
     node.connect()?;
-    check(node.disturbed() == Some(Disturbance::Disabled), "that the rotor was let go")?;
+    check(node.disturbed() == Some(Disturbance::EmergencyStop), "that the emergency stop let the rotor go")?;
     check(ends_at(&emulator.take_edges(), enable_pin(0), 0), "that the motor is held again")
 }
 
