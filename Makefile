@@ -15,9 +15,9 @@ COMMAND := cargo build --locked --features serve --bin dose --example simulated_
 
 test: test-rust test-python
 
-# Tests wait for boards, balances and kills more than they compute, so four at a time share a core.
+# Tests wait for boards, balances and kills more than they compute, so three at a time share a core.
 test-rust:
-	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((4 * $$(getconf _NPROCESSORS_ONLN)))} cargo test --locked --features serve
+	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((3 * $$(getconf _NPROCESSORS_ONLN)))} cargo test --locked --features serve
 
 test-python: $(VENV)/installed
 	$(COMMAND)
