@@ -188,8 +188,8 @@ def volumes() -> Section:
             curve.append((volume_ml, 1e3 * shortest(call)))
     words = (
         "Plans with their pressures, within a limit of the outlet, up to 100 L: 60 million steps. A plan "
-        "keeps no list of its steps, and the pressures of whole pitches repeat, so a plan costs the same "
-        "for any volume."
+        "keeps no list of its steps, and the pressures of whole pitches repeat, so beyond some pitches a "
+        "plan costs the same for any volume."
     )
     return Section("Volume of a dose", words, "mL", "ms", curves)
 
