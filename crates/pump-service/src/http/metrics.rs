@@ -47,7 +47,7 @@ pub(super) async fn metrics(State(shared): State<Shared>) -> impl IntoResponse {
         (
             "dose_tube_volume_ml_total",
             "counter",
-            "Volume that the tube has pumped, in mL.",
+            "Most that the tube may have pumped, in mL. It never falls: after a stop it waits for the record.",
             service.pumps().map(|pump| (pump.name().to_owned(), pump.tube_ml())).collect(),
         ),
         (
