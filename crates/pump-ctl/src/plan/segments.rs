@@ -184,8 +184,8 @@ impl Segments {
                 let k = k as f32;
                 (k * (interval + 0.5 * add * (k - 1.0)) - due(k)).abs() <= NEAR
             };
-            let looks = count.min(FEW);
-            if (1..looks).all(|n| near(n * count / looks)) && near(1) && near(count - 1) {
+            let look = |n: u32| if count > FEW { n * count / FEW } else { n };
+            if (1..count.min(FEW)).all(|n| near(look(n))) && near(1) && near(count - 1) {
                 return Some(count);
             }
             count /= 2;

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::axis_record::RecordedPump;
 use crate::drives::opening::Opening;
 use crate::drives::wire::port_name;
-use crate::files::{create_folders, read_plain, replace_plain};
+#[cfg(all(feature = "grbl", feature = "node"))]
+use crate::files::create_folders;
+use crate::files::{read_plain, replace_plain};
 use crate::notice::Notice;
 use crate::pump_file::Axis;
 
@@ -180,7 +182,7 @@ impl KnownBoard {
 
     /// Puts this board on record for a pump that has not moved, and has the pumps make place that its axis turns by
     /// their records. Returns their names.
-    #[cfg(feature = "node")]
+    #[cfg(all(feature = "grbl", feature = "node"))]
     pub(in crate::drives) fn expect(&self, opening: &Opening) -> Result<Vec<String>, BoardError> {
         let Some(path) = record_path(opening) else { return Ok(Vec::new()) };
         let others = self.pumps_of_axis(opening);

@@ -3,5 +3,8 @@
 mod axis_record;
 mod known_board;
 
+#[cfg(all(feature = "grbl", feature = "node"))]
 pub(super) use axis_record::RecordedPump;
-pub(super) use known_board::{BoardError, KnownBoard, MadePlace, pump_in_words};
+#[cfg(feature = "node")]
+pub(super) use known_board::MadePlace;
+pub(super) use known_board::{BoardError, KnownBoard, pump_in_words};
