@@ -1,4 +1,4 @@
-"""What changes a pump's record: a calibration, a stand that is cleared, an angle that nobody knows."""
+"""Changes of a pump's record: a calibration, a stand that is cleared, an angle that nobody knows."""
 
 import re
 

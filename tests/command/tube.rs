@@ -215,7 +215,7 @@ fn a_tube_without_a_calibration_has_no_picture_and_a_life_names_its_units() {
 fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
     let user = User::new();
     user.json(&["25mL"]);
-    // The same runs three times, each with 0.5 % less volume than before, thirty days apart.
+    // Equal runs three times, each with 0.5 % less volume than before, thirty days apart.
     for (number, day) in ["2026-01-01", "2026-01-31", "2026-03-02"].into_iter().enumerate() {
         let fresh = user.types(&["tube"]);
         assert!(fresh.out.contains("calibrate again by: unknown, since"), "{}", fresh.out);

@@ -1,4 +1,4 @@
-//! What the exact solution costs, counted in tests: a regression shows without a clock.
+//! Counts in tests of the exact solution's work: a regression shows without a clock.
 
 /// A piece of work.
 #[derive(Debug, Clone, Copy)]

@@ -185,7 +185,7 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
             Ok(board)
         }
         Some((_, Err(error))) => {
-            // What helps is said below, in the words of these questions.
+            // The remedy is said below, in the words of these questions.
             let is_no_port = error.remedies().contains(&Remedy::FindPort);
             let why = if is_no_port { with_sources(&error) } else { advice::told(&error) };
             let why = answer_in_words(&error, &shown.to_string(), &why);

@@ -64,7 +64,7 @@ fn a_command_that_fails_or_hangs_is_a_warning() {
     let last: Value = serde_json::from_str(failed.err.lines().last().unwrap()).unwrap();
     assert_eq!(last["schema"], "error/1", "the error is the last line");
     let began = Instant::now();
-    // What the shell starts is ended with it.
+    // A process that the shell starts is ended with it.
     let hung = user.types(&["1000L", "--on-fail", "(sleep 61; echo late > late) & wait"]);
     assert_eq!(hung.code, 2);
     assert!(hung.err.contains("was ended after 10 s"), "{}", hung.err);

@@ -33,7 +33,7 @@ impl FineSteps {
     }
 }
 
-/// What follows a line over fine steps.
+/// Something that follows a line over fine steps.
 pub(super) trait Follower {
     /// Follows the line from the first lane to lane `count`, which stand `step_s` apart. `flow` counts time from the
     /// first.

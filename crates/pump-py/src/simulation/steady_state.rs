@@ -247,7 +247,7 @@ fn warn_of_cavitation(py: Python<'_>, speeds_rad_s: &Floats, rows: &[[f64; NUMBE
 /// Steady states of a pump at any speed.
 pub(super) struct States<'a> {
     pump: &'a SpeedDependentPump,
-    /// What the speeds share, where every speed has the same volume.
+    /// The part that the speeds share, where every speed has the same volume.
     shared: Option<SteadyStates<'a>>,
 }
 

@@ -1,4 +1,4 @@
-//! What became of a dose after its end: it was weighed for a calibration, or accepted while it was unfinished.
+//! The fate of a dose after its end: it was weighed for a calibration, or accepted while it was unfinished.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use rusqlite::params;
 use super::error::HistoryError;
 use super::history::History;
 
-/// What became of a dose of a pump's log after its end.
+/// The fate of a dose of a pump's log after its end.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Marks {
     /// True if the dose was weighed for a calibration.

@@ -1373,7 +1373,7 @@ function refresh(pump) {
 	for (const panel of pump.panels) panel.update();
 	onPump?.();
 }
-// What counts by itself: a batch that waits, and a silence.
+// Counters by themselves: a batch that waits, and a silence.
 setInterval(() => pumps.forEach((pump) => { if (pump.motion?.wait || pump.view.silent_since) refresh(pump); }), 1000);
 
 const pairs = (names, own) => [...new Set([...names, own].filter(Boolean))].map((name) => [name, name]);

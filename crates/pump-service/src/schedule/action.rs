@@ -1,4 +1,4 @@
-//! What an entry does.
+//! The action of an entry.
 
 use std::collections::BTreeMap;
 

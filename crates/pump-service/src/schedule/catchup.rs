@@ -14,7 +14,7 @@ const ON_TIME: SignedDuration = SignedDuration::from_secs(60);
 /// Time over which missed runs are counted.
 const COUNTED: SignedDuration = SignedDuration::from_hours(366 * 24);
 
-/// What a service does at one instant.
+/// The runs that a service makes or leaves out at one instant.
 ///
 /// The planned instant of each run and [`Missed::last`] belong on record before anything moves: a run that is on
 /// record is neither made nor reported again.

@@ -29,7 +29,7 @@ const HELD_UP: Duration = Duration::from_secs(1);
 /// Thing that a process does or leaves undone, beside its lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sign {
-    /// Its motor turns, and it has told nothing for this time.
+    /// The motor turns, and the process has told nothing for this time.
     Silent(Duration),
     /// It speaks again.
     Speaks,

@@ -24,7 +24,7 @@ impl Waits {
     }
 }
 
-/// What a look at the line found.
+/// A finding of a look at the line.
 #[derive(Debug, Clone)]
 pub(super) struct Look {
     /// Time of the look, and the times for which the host's threads had waited for a processor by then.

@@ -52,7 +52,7 @@ pub struct Node {
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
-    /// What the plan asks for that was looked at last.
+    /// The needs of the plan that was looked at last.
     last_asked: LastAsked,
 }
 

@@ -202,7 +202,7 @@ impl InTime<'_> {
                 good = next;
                 missed_rad_s = if is_last { 0.0 } else { missed_rad_s };
             } else if is_last {
-                // The same ramps use the time that is left.
+                // Equal ramps use the time that is left.
                 let like = like.filter(|like| self.limits.broken(self.pump, like).is_none());
                 return Ok(like.unwrap_or(good));
             } else {

@@ -133,7 +133,7 @@ pub(super) fn owns(place: *mut u8) -> bool {
 
 /// Frees the piece of an allocation. Returns false if it is no piece.
 pub(super) fn free(place: *mut u8, layout: Layout) -> bool {
-    // What a thread frees came to it from the thread that has stored this.
+    // Memory that a thread frees came to it from the thread that has stored this.
     if !IS_USED.load(Ordering::Relaxed) {
         return false;
     }

@@ -1,4 +1,4 @@
-//! What a plan asks of the board and of the line, found by one walk through its segments.
+//! The needs of a plan from the board and the line, found by one walk through its segments.
 
 use std::cell::RefCell;
 
@@ -39,7 +39,7 @@ pub(super) struct LineTo {
     pub(super) all_bytes_s: u32,
 }
 
-/// What a plan asks of the board and of the line.
+/// The needs of a plan from the board and the line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked {
     /// Shortest interval of two steps that the board is told, whole ticks. No segment of the plan is faster, however it
@@ -50,7 +50,7 @@ pub(super) struct Asked {
     pub(super) bytes_s: Option<u32>,
 }
 
-/// What the last plan asked for. A plan is looked at before a rack begins, before its motion is announced and as it
+/// The needs of the last plan. A plan is looked at before a rack begins, before its motion is announced and as it
 /// begins, and a long flow over time takes seconds each time.
 #[derive(Debug, Default)]
 pub(in crate::drives::node) struct LastAsked(RefCell<Option<(Mark, LineTo, Asked)>>);
