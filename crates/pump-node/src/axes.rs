@@ -1,10 +1,9 @@
 //! The axes of a node on one timer.
 
-use pump_ctl::step::Segment;
 use pump_link::message::{AXES, AxisStatus, End, FaultCounts, MoveChange, MoveOrder, Refusal, Stopping};
 use pump_link::timing::{ns_in_ticks, rate_hz};
 
-use crate::axis::{Axis, NEVER, Setup};
+use crate::axis::{Axis, Checked, NEVER, Setup};
 use crate::board::{Board, Edge, Pins};
 
 /// Largest sum of the step rates of all axes, Hz (measured in an emulator of an RP2040 at 200 MHz, docs/node.md).
@@ -236,7 +235,7 @@ impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A>
         axis: u8,
         move_number: u32,
         number: u32,
-        segment: Segment,
+        segment: &Checked,
     ) -> Result<bool, Refusal> {
         self.axis(axis)?.take(move_number, number, segment)
     }

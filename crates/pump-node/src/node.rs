@@ -7,7 +7,7 @@ use pump_link::packing::{Codec, Grain};
 use pump_link::receiver::{Arrival, DeadMan, Expected};
 
 use crate::axes::MAX_STEP_HZ;
-use crate::axis::{Setup, tick_rate};
+use crate::axis::{Checked, Setup, tick_rate};
 use crate::board::{Board, Pins};
 use crate::ports::Ports;
 use crate::shared::Shared;
@@ -173,7 +173,7 @@ impl Node {
         match *request {
             Request::Identify => return Ok(Answer::Identity(self.identity)),
             Request::Status { axis } => {
-                let status = shared.with(|axes| axes.status(axis));
+                let status = shared.with_steps_as_due(|axes| axes.status(axis));
                 return status.map(Answer::Status).ok_or(Refusal::Axis { axes: A as u8 });
             }
             Request::Adopt { dead_man_ms } => return self.adopt(from, dead_man_ms, shared),
@@ -326,16 +326,17 @@ fn segments<P: Pins, B: Board, const Q: usize, const A: usize>(
     packed: &[u8],
     shared: &mut impl Shared<P, B, Q, A>,
 ) -> Result<Answer, Refusal> {
-    shared.with(|axes| axes.takes(axis, move_number, first))?;
+    shared.with_steps_as_due(|axes| axes.takes(axis, move_number, first))?;
     let (mut codec, mut rest) = (Codec::new(Grain::Fine), packed);
     let mut number = first;
     while !rest.is_empty() {
         let segment = codec.read(&mut rest).map_err(|_| Refusal::Segment { number })?;
-        if !shared.with(|axes| axes.take(axis, move_number, number, segment))? {
+        let checked = Checked::new(segment).ok_or(Refusal::Segment { number })?;
+        if !shared.with_steps_as_due(|axes| axes.take(axis, move_number, number, &checked))? {
             break;
         }
         number = number.saturating_add(1);
     }
-    let (next, room) = shared.with(|axes| axes.accepted(axis))?;
+    let (next, room) = shared.with_steps_as_due(|axes| axes.accepted(axis))?;
     Ok(Answer::Accepted { next, room })
 }

@@ -11,6 +11,12 @@ use crate::board::{Board, Pins};
 pub trait Shared<P: Pins, B: Board, const Q: usize, const A: usize> {
     /// Calls `act` with the axes, while the interrupt is kept off.
     fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, P, B, Q, A>) -> R) -> R;
+
+    /// Calls `act`, after which each step is due when it was. So the timer need not be set, and the interrupt is kept
+    /// off for a shorter time.
+    fn with_steps_as_due<R>(&mut self, act: impl FnOnce(&mut Axes<'_, P, B, Q, A>) -> R) -> R {
+        self.with(act)
+    }
 }
 
 impl<P: Pins, B: Board, const Q: usize, const A: usize> Shared<P, B, Q, A> for Axes<'_, P, B, Q, A> {

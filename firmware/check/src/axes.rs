@@ -15,7 +15,7 @@ use crate::board::host::{Move, TICK_RATE};
 use crate::board::motor::rises;
 use crate::check;
 use crate::doses::START_RAD;
-use crate::together::hold_begun;
+use crate::together::hold;
 
 /// Axes, each with its dose: mL and mL/s.
 const DOSES: [(Axis, f64, f64); 4] =
@@ -40,7 +40,7 @@ pub(crate) fn axes(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let moves: Result<Vec<_>, _> =
         (0..).zip(&plans).map(|(axis, plan)| Move::new(axis, plan.segments(TICK_RATE))).collect();
     println!("four smooth doses at 2, 2, -1.5 and 3 mL/s by four drives in threads of their own:");
-    hold_begun(&moves?, &emulator.take_edges(), before, emulator.counts()?)?;
+    hold(&moves?, &emulator.take_edges(), before, emulator.counts()?)?;
 
     let (_, back) = plans_of(|ml| -ml)?;
     let made = run(&mut nodes, &back, Some(1))?;

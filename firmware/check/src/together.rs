@@ -8,7 +8,7 @@ use pump_ctl::plan::{Cruise, Doser, Phase, Request};
 use pump_ctl::step::Segment;
 use pump_link::message::{Answer, AxisState, End, Refusal};
 
-use crate::board::emulator::{Counts, Edge};
+use crate::board::emulator::{Counts, Edge, Emulator};
 use crate::board::host::{Host, Move, TICK_RATE};
 use crate::board::motor::rises;
 use crate::check;
@@ -22,12 +22,13 @@ const MOST_OFF_US: f64 = 2.0;
 /// Allowed distance of 99.9 % of the rises that are due alone, us.
 const MOSTLY_OFF_US: f64 = 1.0;
 
-/// Shortest interval of evenly spread steps at which these distances hold, us. Below it the thread finds no gap for its
-/// critical sections, and one of them holds up a step.
-const HELD_US: u64 = 16;
+/// Longest interval of evenly spread steps whose queues are fed on their way, us. Below it the thread finds no gap for
+/// its critical sections, and each of them may hold up a step.
+const FED_US: u64 = 16;
 
-/// Allowed distance of a rise at shorter intervals, us.
-const MOST_OFF_FASTEST_US: f64 = 7.0;
+/// Options of the emulator for a host at each port of the board.
+const UART: &[&str] = &[];
+const USB: &[&str] = &["--usb"];
 
 /// Segments that a move begins with, and those that follow where the queue is fed on its way: more than it holds.
 const SEGMENTS: usize = 4;
@@ -53,16 +54,16 @@ pub(crate) fn smooth(firmware: &Path) -> Result<(), Box<dyn Error>> {
         moves.push(Move::new(axis, plan.segments(TICK_RATE))?);
     }
     println!("four smooth doses at 2, 2, -1.5 and 3 mL/s, begun at one tick:");
-    make(&mut host, &moves, MOST_OFF_US)
+    make(&mut host, &moves)
 }
 
 /// Makes even steps with some axes, `apart` us from one axis to the next. Fast moves are so long that the queues are
 /// fed meanwhile.
-fn even(firmware: &Path, axes: u8, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
-    let mut host = Host::new(firmware, 500)?;
+fn even(firmware: &Path, port: &[&str], axes: u8, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
+    let mut host = Host::over(Emulator::with_options(firmware, port)?, 500)?;
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
     let gap = if apart == 0 { interval } else { apart };
-    let (segments, count) = if gap <= HELD_US { (FED_SEGMENTS, 40) } else { (SEGMENTS, 500) };
+    let (segments, count) = if gap <= FED_US { (FED_SEGMENTS, 40) } else { (SEGMENTS, 500) };
     let mut moves = Vec::new();
     for axis in 0..axes {
         host.configure(axis, &brake)?;
@@ -71,8 +72,9 @@ fn even(firmware: &Path, axes: u8, interval: u64, apart: u64) -> Result<(), Box<
         moves.push(Move::new(axis, std::iter::once(first).chain(std::iter::repeat_n(even, segments)))?);
     }
     let sum_hz = f64::from(axes) * 1e6 / interval as f64;
-    println!("{axes} axes every {interval} us, {apart} us apart, {sum_hz:.0} steps/s in all:");
-    make(&mut host, &moves, if gap < HELD_US { MOST_OFF_FASTEST_US } else { MOST_OFF_US })
+    let name = if port == USB { ", over USB" } else { "" };
+    println!("{axes} axes every {interval} us, {apart} us apart, {sum_hz:.0} steps/s in all{name}:");
+    make(&mut host, &moves)
 }
 
 /// Returns the shortest interval of four axes whose even steps are `sum_hz` at most, us.
@@ -83,19 +85,21 @@ fn even_interval(sum_hz: u32) -> u64 {
 /// Makes even steps with one axis and with four, at one tick and evenly spread, up to the largest rate that the board
 /// accepts. The board refuses more.
 pub(crate) fn evens(firmware: &Path) -> Result<(), Box<dyn Error>> {
-    for interval in [1_000, 108, 25, HELD_US, 12] {
-        even(firmware, 1, interval, 0)?;
+    for interval in [1_000, 108, 25, FED_US, 12] {
+        even(firmware, UART, 1, interval, 0)?;
     }
-    even(firmware, 4, 1_000, 0)?;
-    for apart in [250, 27, HELD_US, 12] {
-        even(firmware, 4, 4 * apart, apart)?;
+    even(firmware, UART, 4, 1_000, 0)?;
+    for apart in [250, 27, FED_US, 12] {
+        even(firmware, UART, 4, 4 * apart, apart)?;
     }
     // One axis at the shortest interval that the board accepts, and four.
     let allowed = Host::new(firmware, 500)?.identity.max_step_hz;
-    even(firmware, 1, 1_000_000_u64.div_ceil(u64::from(allowed)), 0)?;
     let interval = even_interval(allowed);
-    even(firmware, 4, interval, 0)?;
-    even(firmware, 4, interval, interval / 4)?;
+    for port in [UART, USB] {
+        even(firmware, port, 1, 1_000_000_u64.div_ceil(u64::from(allowed)), 0)?;
+        even(firmware, port, 4, interval, 0)?;
+        even(firmware, port, 4, interval, interval / 4)?;
+    }
     refused(firmware)
 }
 
@@ -121,7 +125,7 @@ fn refused(firmware: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Makes moves, and holds each rise against its time.
-fn make(host: &mut Host, moves: &[Move], most_off_us: f64) -> Result<(), Box<dyn Error>> {
+fn make(host: &mut Host, moves: &[Move]) -> Result<(), Box<dyn Error>> {
     host.emulator.take_edges();
     let before = host.emulator.counts()?;
     let (_, states) = host.make(1, moves)?;
@@ -130,25 +134,15 @@ fn make(host: &mut Host, moves: &[Move], most_off_us: f64) -> Result<(), Box<dyn
     if !complete {
         return Err(format!("the moves ended so: {states:?}").into());
     }
-    hold(moves, &host.emulator.take_edges(), before, counts, most_off_us)
+    hold(moves, &host.emulator.take_edges(), before, counts)
 }
 
 /// Holds moves that began at one tick against the edges.
-pub(crate) fn hold_begun(
+pub(crate) fn hold(
     moves: &[Move],
     edges: &[Edge],
     before: Counts,
     counts: Counts,
-) -> Result<(), Box<dyn Error>> {
-    hold(moves, edges, before, counts, MOST_OFF_US)
-}
-
-fn hold(
-    moves: &[Move],
-    edges: &[Edge],
-    before: Counts,
-    counts: Counts,
-    most_off_us: f64,
 ) -> Result<(), Box<dyn Error>> {
     let times: Vec<Vec<f64>> = moves.iter().map(Move::times).collect();
     let rose: Vec<Vec<f64>> =
@@ -183,9 +177,8 @@ fn hold(
             "  {k} due within 10 us: {} rises, 99.9 % within {within:.2} us, all {most:.2} us",
             of_k.len()
         );
-        check(*most <= most_off_us * k as f64, "the allowed distance for each axis that is due")?;
-        let mostly_us = if most_off_us > MOST_OFF_US { most_off_us } else { MOSTLY_OFF_US };
-        check(k > 1 || *within <= mostly_us, "the distance of 99.9 % of the rises that are due alone")?;
+        check(*most <= MOST_OFF_US * k as f64, "the allowed distance for each axis that is due")?;
+        check(k > 1 || *within <= MOSTLY_OFF_US, "the distance of 99.9 % of the rises that are due alone")?;
     }
     let first: Vec<f64> =
         rose.iter().zip(&times).filter_map(|(rose, due)| Some(rose.first()? - due.first()?)).collect();
@@ -197,7 +190,6 @@ fn hold(
          {:.0} with interrupts off at most",
         counts.most, counts.kept_off
     );
-    let most_us = if most_off_us > MOST_OFF_US { most_off_us } else { 1.0 };
-    check(spread <= most_us, "a begin within a tick")?;
+    check(spread <= 1.0, "a begin within a tick")?;
     check(mean <= MEAN_INSTRUCTIONS && counts.most <= MOST_INSTRUCTIONS, "the bound of instructions")
 }

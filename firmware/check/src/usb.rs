@@ -16,8 +16,8 @@ use crate::{check, size};
 const NUMBER: &str = "e6605838834c17af";
 const NO_NUMBERS: [&str; 2] = ["ffffffffffffffff", "0000000000000000"];
 
-/// Most time for which the USB port may keep interrupts off, in ns. The take of a segment does so for up to 17 us, so
-/// steps wait no longer than without the port. A reset of the bus, when a cable is plugged in, takes longest.
+/// Most time for which the USB port may keep interrupts off, in ns. A reset of the bus, when a cable is
+/// plugged in, takes longest.
 const MOST_USB_OFF_NS: f64 = 12_000.0;
 
 /// Makes a dose over USB. Holds the names of the device, the number of the board, the times of the steps and the time

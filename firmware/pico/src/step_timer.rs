@@ -159,6 +159,16 @@ impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
             result
         })
     }
+
+    fn with_steps_as_due<R>(
+        &mut self,
+        act: impl FnOnce(&mut Axes<'_, AxisPins, Pico, QUEUE, AXES>) -> R,
+    ) -> R {
+        critical_section::with(|_| {
+            // SAFETY: `new` has put the axes there, and the interrupt is kept off.
+            act(unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() })
+        })
+    }
 }
 
 /// Sets the alarm for a tick, or has the interrupt come at once.

@@ -49,7 +49,7 @@ pub use direction::Direction;
 pub use error::{PushError, StartError};
 pub use feed::Feed;
 pub use retarget::Junction;
-pub use segment::{Intervals, Segment};
+pub use segment::{Intervals, Segment, ValidSegment};
 pub use stepper::Stepper;
 pub use stop::StopPlan;
 pub use tick_rate::TickRate;

@@ -60,6 +60,11 @@ impl Segment {
             && allowed(self.interval_of(self.steps()))
     }
 
+    /// Returns the segment for [`super::Stepper::push_valid`], or `None` if it is not [valid](Self::is_valid).
+    pub fn validated(self) -> Option<ValidSegment> {
+        self.is_valid().then_some(ValidSegment(self))
+    }
+
     /// Returns the interval before step `k` of the segment, 1 for the first. [`super::Brake::descent`] begins
     /// with it.
     ///
@@ -139,6 +144,18 @@ impl Segment {
             }
         }
         within
+    }
+}
+
+/// A segment that is [valid](Segment::is_valid). [`Segment::validated`] makes it outside the critical section in which
+/// the executor takes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ValidSegment(Segment);
+
+impl ValidSegment {
+    /// Returns the segment.
+    pub fn segment(&self) -> &Segment {
+        &self.0
     }
 }
 

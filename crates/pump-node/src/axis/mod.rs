@@ -9,5 +9,6 @@ mod timing;
 
 pub use axis::Axis;
 pub(crate) use axis::NEVER;
+pub(crate) use moves::Checked;
 pub(crate) use setup::Setup;
 pub(crate) use timing::tick_rate;

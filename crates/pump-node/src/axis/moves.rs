@@ -3,13 +3,32 @@
 use core::convert::Infallible;
 
 use pump_ctl::drive::{Actuator, Fault, Timer};
-use pump_ctl::step::{Direction, PushError, Segment};
+use pump_ctl::step::{Direction, PushError, Segment, ValidSegment};
 use pump_link::message::{AxisState, End, MoveChange, MoveOrder, Refusal, Stopping};
 use pump_link::receiver::{Arrival, Expected};
 
 use super::axis::Axis;
 use crate::board::Pins;
 use crate::driver::Driver;
+
+/// A segment whose intervals the thread has checked, so that the interrupt is kept off for a short time when an axis
+/// takes it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Checked {
+    segment: ValidSegment,
+    /// Shortest interval, whole ticks.
+    shortest: u32,
+}
+
+impl Checked {
+    /// Checks a segment. The result is `None` if it is not valid.
+    pub(crate) fn new(segment: Segment) -> Option<Self> {
+        let valid = segment.validated()?;
+        let [first, last] = [1, segment.steps()].map(|k| segment.interval_before(k).whole);
+        let shortest = u32::try_from(first.min(last)).unwrap_or(u32::MAX);
+        Some(Self { segment: valid, shortest })
+    }
+}
 
 impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Returns the number of segments that fit now. It is 0 if the last move takes none.
@@ -98,26 +117,26 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
 
     /// Takes the segment of this number. A segment that came before is ignored. The result is false if the queue has
     /// no room.
-    pub(crate) fn take(&mut self, move_number: u32, number: u32, segment: Segment) -> Result<bool, Refusal> {
+    pub(crate) fn take(&mut self, move_number: u32, number: u32, checked: &Checked) -> Result<bool, Refusal> {
         self.takes(move_number, number)?;
         if self.expected.arrival(number) == Arrival::Repeated {
             return Ok(true);
         }
-        let end = self.taken_end.checked_add(segment.count.into());
+        let Checked { segment, shortest } = *checked;
+        let count = segment.segment().count;
+        let end = self.taken_end.checked_add(count.into());
         let within = |end: &i64| {
             if self.order.last >= self.order.from {
-                segment.count > 0 && *end <= self.order.last
+                count > 0 && *end <= self.order.last
             } else {
-                segment.count < 0 && *end >= self.order.last
+                count < 0 && *end >= self.order.last
             }
         };
-        let shortest = segment.interval_before(1).whole.min(segment.interval_before(segment.steps()).whole);
         let refused = Refusal::Segment { number };
-        let end =
-            end.filter(within).filter(|_| shortest >= self.order.shortest_interval.into()).ok_or(refused)?;
+        let end = end.filter(within).filter(|_| shortest >= self.order.shortest_interval).ok_or(refused)?;
         let actuator = self.configured()?;
         let tick_rate = actuator.stepper().tick_rate();
-        match actuator.stepper().push(segment, tick_rate) {
+        match actuator.stepper().push_valid(segment, tick_rate) {
             Ok(()) => {}
             Err(PushError::Full) => return Ok(false),
             // The queue has run dry, and the motor decelerates.

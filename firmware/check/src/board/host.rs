@@ -89,8 +89,13 @@ impl Move {
 impl Host {
     /// Meets a board that was just switched on, and sets its dead-man time.
     pub(crate) fn new(firmware: &Path, dead_man_ms: u16) -> Result<Self, Box<dyn Error>> {
+        Self::over(Emulator::new(firmware)?, dead_man_ms)
+    }
+
+    /// Meets a board that was just switched on, by the port that its emulator has, and sets its dead-man time.
+    pub(crate) fn over(emulator: Emulator, dead_man_ms: u16) -> Result<Self, Box<dyn Error>> {
         let mut host = Self {
-            emulator: Emulator::new(firmware)?,
+            emulator,
             identity: Identity::new(0, [0; 3], 0, 0, 0, 0),
             number: 0,
             deframer: Deframer::new(),
