@@ -80,15 +80,16 @@ faults: clock
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
 # All 10,000 random doses on heads whose flow reverses; `make test` draws 1000. Doses of 500 bought heads; `make test`
-# draws 40. Sittings of setup with 500 drawn pumps; `make test` plays 10. An hour of a slow dose by the node's firmware,
-# 500 stops and 2,000 cuts of its link; `make node` makes 5 minutes, 30 and 200. Then the wheels, and the Windows
-# program under wine.
+# draws 40. Sittings of setup with 500 drawn pumps; `make test` plays 10. 10,000 random plans for the clocks of Klipper
+# boards; `make test` draws 500. An hour of a slow dose by the node's firmware, 500 stops and 2,000 cuts of its link;
+# `make node` makes 5 minutes, 30 and 200. Then the wheels, and the Windows program under wine.
 long: node-pico
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads
 	SETUP_DRAWS=500 cargo test --locked --test setup drawn_pump
 	COVERAGE_PUMPS=2000 cargo test --locked -p pump-bench --lib coverage
 	PRIOR_PUMPS=2000 cargo test --locked -p pump-bench --lib prior_coverage
+	KLIPPER_PLANS=10000 cargo test --locked -p pump-bench --features klipper --lib refit
 	cargo run --locked -p check-node $(FIRMWARE) slow 60
 	cargo run --locked -p check-node $(FIRMWARE) stops 500
 	cargo run --locked -p check-node $(FIRMWARE) cuts 2000
