@@ -139,10 +139,17 @@ impl<const Q: usize> Stepper<Q> {
         segment: Segment,
         tick_rate: TickRate,
     ) -> Result<(), PushError> {
-        if self.takes_segments().is_ok() && !segment.is_valid() {
+        self.takes_segments_of(tick_rate)?;
+        if !segment.is_valid() {
             return Err(PushError::Segment(segment));
         }
         self.push_valid_before(end, &segment, tick_rate)
+    }
+
+    fn takes_segments_of(&self, tick_rate: TickRate) -> Result<(), PushError> {
+        self.takes_segments()?;
+        let brake = self.brake.tick_rate();
+        if tick_rate == brake { Ok(()) } else { Err(PushError::TickRate { segments: tick_rate, brake }) }
     }
 
     fn push_valid_before(
@@ -151,11 +158,7 @@ impl<const Q: usize> Stepper<Q> {
         segment: &Segment,
         tick_rate: TickRate,
     ) -> Result<(), PushError> {
-        self.takes_segments()?;
-        let brake = self.brake.tick_rate();
-        if tick_rate != brake {
-            return Err(PushError::TickRate { segments: tick_rate, brake });
-        }
+        self.takes_segments_of(tick_rate)?;
         let reaches = self.queued_to.wrapping_add(i64::from(segment.count));
         if let Some(end) = end {
             let (way, count) = (end.wrapping_sub(self.queued_to), i64::from(segment.count));
