@@ -12,6 +12,8 @@ mod find;
 mod grbl;
 pub(crate) mod grbl_speeds;
 mod identity;
+#[cfg(feature = "klipper")]
+mod klipper;
 #[cfg(any(feature = "grbl", feature = "node"))]
 mod known_board;
 #[cfg(feature = "node")]
@@ -24,7 +26,11 @@ mod sim;
 mod stepped;
 mod stop_request;
 #[doc(hidden)]
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
+#[cfg_attr(
+    not(any(feature = "grbl", feature = "node")),
+    allow(dead_code, unused_imports, reason = "the drive klipper opens no port yet")
+)]
 pub mod wire;
 
 pub use abilities::{Abilities, Together};
@@ -40,6 +46,8 @@ pub use grbl::reply as grbl_reply;
 #[cfg(feature = "grbl")]
 pub use grbl::{Grbl, GrblBoard, GrblError, ask_ports};
 pub(crate) use identity::Identity;
+#[cfg(feature = "klipper")]
+pub use klipper::{ClockError, DictionaryError, KlipperError, MessageError};
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 pub use opening::Opening;
@@ -47,5 +55,5 @@ pub(crate) use opening::SETTINGS_RECORD;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 pub use wire::{PortFault, serial_ports};

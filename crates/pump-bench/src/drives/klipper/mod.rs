@@ -1,0 +1,21 @@
+//! The drive of a board with the Klipper firmware, which makes steps in whole ticks of its own clock.
+//!
+//! The firmware is another project's, and stays as it is. This room speaks its documented protocol: `docs/Protocol.md`
+//! and `docs/MCU_Commands.md` of the repository Klipper3d/klipper.
+//!
+//! - `protocol`: numbers, messages and blocks as bytes.
+//! - `dictionary`: the messages and constants that a board tells of itself.
+//! - `clock`: the board's clock by the computer's.
+//! - `refit`: the steps of a plan as commands of whole ticks.
+#![allow(dead_code, unused_imports, reason = "the rooms wait for the drive that joins them")]
+
+mod clock;
+mod dictionary;
+mod error;
+mod protocol;
+mod refit;
+
+pub use clock::ClockError;
+pub use dictionary::DictionaryError;
+pub use error::KlipperError;
+pub use protocol::MessageError;
