@@ -14,6 +14,8 @@ pub(super) struct Corridor<'a> {
     pub(super) from: f64,
     /// Largest distance of a step from its time, in ticks.
     pub(super) tolerance: f64,
+    /// Largest distance of the last step, from which the next command begins.
+    pub(super) last_tolerance: f64,
     /// Shortest and longest interval, in ticks.
     pub(super) intervals: (u32, u32),
 }
@@ -94,12 +96,14 @@ impl Corridor<'_> {
             }
         };
         take(Bound { without_add: shortest, slope: to_last }, Bound { without_add: longest, slope: to_last });
+        let mut left = self.due.len();
         let mut steps = 0.0;
         for due in self.due {
-            steps += 1.0;
+            (steps, left) = (steps + 1.0, left - 1);
             let (after, slope) = (due - self.from, 0.5 * (steps - 1.0));
             let bound = |time: f64| Bound { without_add: time / steps, slope };
-            take(bound(after - self.tolerance), bound(after + self.tolerance));
+            let tolerance = if left == 0 { self.last_tolerance } else { self.tolerance };
+            take(bound(after - tolerance), bound(after + tolerance));
         }
         (low, high)
     }

@@ -98,7 +98,7 @@ impl<T: Iterator<Item = f64>> Refit<T> {
     fn whole(&mut self) -> Result<Option<StepRun>, RefitError> {
         let reset = self.reset()?;
         self.at = reset.unwrap_or(self.at);
-        let Some(command) = self.longest()? else { return Ok(None) };
+        let Some(command) = self.best()? else { return Ok(None) };
         let run = StepRun { reset, from: self.at, command };
         let count = usize::from(command.count);
         self.due.drain(..count);
@@ -139,8 +139,27 @@ impl<T: Iterator<Item = f64>> Refit<T> {
         Ok(Some((next - interval).round() as u64))
     }
 
-    /// Returns the command that holds most of the next steps, nearly, or `None` if there is no further step.
-    fn longest(&mut self) -> Result<Option<StepCommand>, RefitError> {
+    /// Returns the next command, or `None` if there is no further step.
+    ///
+    /// Whole ticks keep a command of nearly even intervals short: twice the distance from the plan then allows twice
+    /// the steps. Where the bend of the times does, it allows a quarter more. So a command that more than doubles has
+    /// the largest distance on its way, and yet ends as near as all others.
+    fn best(&mut self) -> Result<Option<StepCommand>, RefitError> {
+        let (near, wide) = self.timer.tolerances();
+        let Some(command) = self.longest(near)? else { return Ok(None) };
+        let doubled = 2 * usize::from(command.count) + 1;
+        self.look(doubled)?;
+        if near < wide && doubled <= self.due.len() && self.corridor(doubled, wide).fit(command.add).is_some()
+        {
+            self.guess = (doubled, command.add);
+            return self.longest(wide);
+        }
+        Ok(Some(command))
+    }
+
+    /// Returns the command that holds most of the next steps within `tolerance`, nearly, or `None` if there is no
+    /// further step.
+    fn longest(&mut self, tolerance: f64) -> Result<Option<StepCommand>, RefitError> {
         let mut held: Option<StepCommand> = None;
         let mut fails = MOST + 1;
         let mut count = self.guess.0.min(MOST);
@@ -152,7 +171,7 @@ impl<T: Iterator<Item = f64>> Refit<T> {
                 return Ok(held);
             }
             let guess = held.map_or(self.guess.1, |held| held.add);
-            match self.corridor(count).fit(guess) {
+            match self.corridor(count, tolerance).fit(guess) {
                 Some(command) => held = Some(command),
                 None if count == 1 => return Err(self.too_fast()),
                 None => fails = count,
@@ -167,11 +186,12 @@ impl<T: Iterator<Item = f64>> Refit<T> {
     }
 
     /// Returns the corridor around the next `count` steps.
-    fn corridor(&self, count: usize) -> Corridor<'_> {
+    fn corridor(&self, count: usize, tolerance: f64) -> Corridor<'_> {
         Corridor {
             due: self.due.get(..count).unwrap_or_default(),
             from: self.at as f64,
-            tolerance: self.timer.tolerance(),
+            tolerance,
+            last_tolerance: self.timer.tolerances().0,
             intervals: (self.timer.shortest(), LONGEST),
         }
     }

@@ -58,6 +58,8 @@ const MOST_ADD: f64 = 32_000.0;
 #[derive(Debug, Default)]
 struct Figures {
     worst_us: f64,
+    /// Sum of the squares of the distances, us², and the number of steps.
+    squares: (f64, u64),
     /// Commands and segments of smooth plans.
     commands: usize,
     segments: usize,
@@ -78,8 +80,11 @@ impl Figures {
         let ticks: Vec<u64> = runs.iter().flat_map(played).collect();
         assert_eq!(ticks.len() as u64, plan.steps().unsigned_abs());
         for (tick, time_s) in ticks.iter().zip(&times_s) {
-            self.worst_us = self.worst_us.max((*tick as f64 / hz - time_s).abs() * 1e6);
+            let off_us = (*tick as f64 / hz - time_s).abs() * 1e6;
+            self.worst_us = self.worst_us.max(off_us);
+            self.squares.0 += off_us * off_us;
         }
+        self.squares.1 += plan.steps().unsigned_abs();
         let shortest = runs.iter().map(|run| run.command.shortest_interval()).min().unwrap_or(0);
         assert!(shortest as f64 >= SHORTEST_US * f64::from(mhz) - 1.0, "{shortest}");
         for pair in runs.windows(2) {
@@ -171,19 +176,21 @@ fn random_plans_are_made_within_2_us_on_any_clock_by_few_commands() {
     }
     println!("{drawn} plans, {reverse} in reverse, {steps} steps");
     for (figures, mhz) in figures.iter().zip(CLOCKS_MHZ) {
-        let Figures { worst_us, commands, segments, forced, excess, constant } = figures;
+        let Figures { worst_us, squares, commands, segments, forced, excess, constant } = figures;
+        let rms_us = (squares.0 / squares.1 as f64).sqrt();
         let ratio = *commands as f64 / *segments as f64;
         let forced = 100.0 * *forced as f64 / *commands as f64;
         let constant = constant.0 as f64 / constant.1 as f64;
         println!(
-            "{mhz} MHz: {worst_us:.3} us; smooth: {ratio:.3} commands a segment, {forced:.1} % of them for an \
-             addition beyond an i16, the others at most {excess:.1} above 1.5 a segment in one plan; constant: \
-             {constant:.0} steps a command"
+            "{mhz} MHz: {worst_us:.3} us, RMS {rms_us:.3} us; smooth: {ratio:.3} commands a segment, {forced:.1} % of \
+             them for an addition beyond an i16, the others at most {excess:.1} above 1.5 a segment in one plan; \
+             constant: {constant:.0} steps a command"
         );
         assert!(*worst_us <= 1.95, "{mhz} MHz: {worst_us} us");
         assert!(ratio <= 1.0, "{mhz} MHz: {ratio}");
         // A smooth plan at a nearly constant speed has segments of many steps, thanks to their fractions.
-        assert!(*excess <= 150.0, "{mhz} MHz: {excess}");
+        let most = if mhz < 64 { 150.0 } else { 12.0 };
+        assert!(*excess <= most, "{mhz} MHz: {excess}");
     }
     assert!(reverse > drawn / 4 && reverse < drawn * 3 / 4);
 }
