@@ -4,6 +4,7 @@
 import { readFileSync } from 'node:fs';
 import { GPIOPinState, Simulator } from 'rp2040js';
 import { Flash } from './flash.mjs';
+import { FlashCache } from './flash_cache.mjs';
 import { UsbHost } from './usb_host.mjs';
 
 /** Fastest clock of the processor at the core's voltage after a reset, and at 1.15 V (pico-sdk 2.1.1), in Hz. */
@@ -30,6 +31,11 @@ const SYMBOL_BYTES = 16;
 const UNDRIVEN = 2;
 /** Bits of a byte on the line: start, eight data, stop. */
 const BITS_PER_BYTE = 10;
+
+/** Says if the thread keeps the interrupts off. The emulator lets an interrupt that ends a sleep come at once. */
+function keepsOff(core) {
+  return core.PM && core.IPSR === 0;
+}
 
 /** Board whose time passes only in `advance`. */
 export class Board {
@@ -82,7 +88,8 @@ export class Board {
         return plain(...values);
       };
     }
-    this.flash = new Flash(chip, this.number);
+    this.cache = new FlashCache(chip);
+    this.flash = new Flash(chip, this.number, this.cache);
     this.clock(chip);
     chip.gpio.forEach((pin, number) => {
       pin.addListener((state) => this.edges.push({ ns: this.now, pin: number, level: level(state) }));
@@ -144,10 +151,11 @@ export class Board {
       if (core.waiting) {
         const byteNs = fed.length ? this.nextByteNs : endNs;
         const alarmNs = clock.nextAlarm ? clock.nextAlarm.nanos : endNs;
+        this.offFrom = undefined;
         clock.tick(Math.max(this.cycleNs, Math.min(byteNs, alarmNs, endNs) - clock.nanos));
       } else {
-        clock.tick(core.executeInstruction() * this.cycleNs);
-        this.count(core.IPSR, core.PM);
+        clock.tick((core.executeInstruction() + this.cache.take()) * this.cycleNs);
+        this.count(core.IPSR, keepsOff(core));
         this.watch(core);
       }
       if (untilFrame && this.sent.length && this.sent[this.sent.length - 1] === 0) return;
@@ -178,7 +186,7 @@ export class Board {
   watch(core) {
     const { extremes } = this;
     if (core.SP < extremes.stack && core.SP >>> 28 === 2) extremes.stack = core.SP;
-    if (!core.PM) {
+    if (!keepsOff(core)) {
       if (this.offFrom === undefined) return;
       const offNs = this.chip.clock.nanos - this.offFrom;
       // The start of the firmware, which asks the flash chip before it sets the clock, has no step to make.

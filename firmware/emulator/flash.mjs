@@ -44,9 +44,10 @@ export class Flash {
   /**
    * @param {object} chip RP2040 of the emulator
    * @param {string} number 16 hexadecimal digits; all ones or zeros as a chip that has none
+   * @param {FlashCache} cache cache before it
    */
-  constructor(chip, number) {
-    this.chip = chip;
+  constructor(chip, number, cache) {
+    this.cache = cache;
     this.id = number.match(/../g).map((digits) => parseInt(digits, 16));
     this.registers = { [CTRLR0]: XIP_CTRLR0, [SSIENR]: 1, [SPI_CTRLR0]: XIP_SPI_CTRLR0 };
     this.forced = 0;
@@ -79,21 +80,7 @@ export class Flash {
 
   /** Makes reads of the flash an error while the chip cannot be read. */
   guard() {
-    const { chip } = this;
-    if (this.isReadable) {
-      for (const name of ['readUint32', 'readUint16', 'readUint8']) delete chip[name];
-      return;
-    }
-    for (const name of ['readUint32', 'readUint16', 'readUint8']) {
-      const plain = Object.getPrototypeOf(chip)[name];
-      chip[name] = (address) => {
-        const at = address >>> 0;
-        if (at >= 0x10000000 && at < 0x11000000) {
-          throw new Error(`the firmware reads the flash at ${at.toString(16)} while it talks to the chip`);
-        }
-        return plain.call(chip, address);
-      };
-    }
+    this.cache.isReadable = this.isReadable;
   }
 
   read(offset) {

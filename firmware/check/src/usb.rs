@@ -18,7 +18,7 @@ const NO_NUMBERS: [&str; 2] = ["ffffffffffffffff", "0000000000000000"];
 
 /// Most time for which the USB port may keep interrupts off, in ns. A reset of the bus, when a cable is
 /// plugged in, takes longest.
-const MOST_USB_OFF_NS: f64 = 12_000.0;
+const MOST_USB_OFF_NS: f64 = 30_000.0;
 
 /// Makes a dose over USB. Holds the names of the device, the number of the board, the times of the steps and the time
 /// for which the port keeps interrupts off, and the sizes of the firmware.

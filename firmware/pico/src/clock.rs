@@ -1,7 +1,7 @@
 //! The clocks: 200 MHz for the processor and the UART, and 48 MHz for the USB port.
 //!
 //! The chip is certified for 200 MHz with its core at 1.15 V (Raspberry Pi, pico-sdk 2.1.1, release notes of
-//! 2025-02-19). The second boot stage divides that by 4 for the flash chip: 50 MHz, where a W25Q16 takes 133 MHz.
+//! 2025-02-19). The second boot stage divides that by 2 for the flash chip: 100 MHz, where a W25Q16JV takes 133 MHz.
 
 use cortex_m::asm;
 use rp2040_hal::Watchdog;

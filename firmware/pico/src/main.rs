@@ -71,19 +71,21 @@ fn main() -> ! {
     );
     axis_pins::make_inputs();
     step_timer::put_steps_first(&mut cores.NVIC);
-    let mut light = Light::new(gpio.gpio25);
-    let timer = StepTimer::new(registers.TIMER, &mut registers.RESETS);
+    let light = Light::new(gpio.gpio25);
+    let shared = SharedAxes::new(StepTimer::new(registers.TIMER, &mut registers.RESETS));
     let line = clocks.peripheral_clock.freq();
-    let Some(mut serial) =
-        Serial::new(registers.UART0, (gpio.gpio0, gpio.gpio1), &mut registers.RESETS, line)
+    let Some(serial) = Serial::new(registers.UART0, (gpio.gpio0, gpio.gpio1), &mut registers.RESETS, line)
     else {
         halt()
     };
     let (bus, memory) = (registers.USBCTRL_REGS, registers.USBCTRL_DPRAM);
-    let Some(mut usb) = Usb::new(bus, memory, clocks.usb_clock, &mut registers.RESETS, number) else {
-        halt()
-    };
-    let mut shared = SharedAxes::new(timer);
+    let Some(usb) = Usb::new(bus, memory, clocks.usb_clock, &mut registers.RESETS, number) else { halt() };
+    serve(number, shared, serial, usb, light)
+}
+
+/// Serves the hosts at both ports. What it holds is not yet on the stack while the axes are made.
+#[inline(never)]
+fn serve(number: u64, mut shared: SharedAxes, mut serial: Serial, mut usb: Usb, mut light: Light) -> ! {
     let mut node = Node::new(identity::<QUEUE, AXES>(number, firmware_version(), TICK_HZ));
     let mut poll_at = 0;
     loop {
@@ -107,9 +109,7 @@ fn main() -> ! {
             usb.serve();
             light.show(node.is_heard(), shared.is_moving());
         }
-        if !Usb::asks() {
-            step_timer::sleep_until(poll_at);
-        }
+        step_timer::sleep_until(poll_at, Usb::asks);
     }
 }
 

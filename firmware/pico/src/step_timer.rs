@@ -88,13 +88,18 @@ pub(crate) fn wait_until(tick: u64) {
     while (tick as u32).wrapping_sub(timer.timerawl().read().bits()) as i32 > 0 {}
 }
 
-/// Sleeps until a tick or the next interrupt, whichever comes first.
-pub(crate) fn sleep_until(tick: u64) {
+/// Sleeps until a tick or the next interrupt, whichever comes first. It does not sleep if the thread `is_asked`.
+pub(crate) fn sleep_until(tick: u64, is_asked: impl Fn() -> bool) {
     timer().alarm1().write(|word| unsafe { word.bits(tick as u32) });
+    // An interrupt between the look and the sleep would wake nobody. While it is kept off it ends the sleep, and comes
+    // just afterwards (ARMv6-M, section B1.5.19: WFI).
+    cortex_m::interrupt::disable();
     // The alarm compares for equality, so a tick that has passed would not wake.
-    if now() < tick {
+    if now() < tick && !is_asked() {
         cortex_m::asm::wfi();
     }
+    // SAFETY: interrupts were on.
+    unsafe { cortex_m::interrupt::enable() };
 }
 
 /// Returns the lower half of the tick.
@@ -150,6 +155,8 @@ fn make(pins: AxisPins, place: &mut MaybeUninit<Axis<AxisPins, QUEUE>>) {
 }
 
 impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
+    // In memory as a whole (memory.x).
+    #[inline(never)]
     fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, AxisPins, Pico, QUEUE, AXES>) -> R) -> R {
         critical_section::with(|_| {
             // SAFETY: `new` has put the axes there, and the interrupt is kept off.
@@ -160,6 +167,7 @@ impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
         })
     }
 
+    #[inline(never)]
     fn with_steps_as_due<R>(
         &mut self,
         act: impl FnOnce(&mut Axes<'_, AxisPins, Pico, QUEUE, AXES>) -> R,

@@ -55,7 +55,8 @@ impl Usb {
         resets: &mut RESETS,
         number: u64,
     ) -> Option<Self> {
-        // The board has no pin that tells whether the cable has power, so it is taken to have.
+        // GP24 tells on a Pico whether the cable has power, and on a Pico W it leads to the radio chip. One firmware is
+        // for both, so the cable is taken to have power.
         let bus = UsbBus::new(registers, memory, clock, true, resets);
         let bus: &'static _ = cortex_m::singleton!(: UsbBusAllocator<UsbBus> = UsbBusAllocator::new(bus))?;
         let digits: &'static _ = cortex_m::singleton!(: [u8; DIGITS] = hexadecimal(number))?;

@@ -14,6 +14,9 @@ pub(super) struct Slot {
 }
 
 impl Slot {
+    const EMPTY: Self =
+        Self { segment: Segment { count: 0, interval: 0, add: 0, frac: 0 }, began: Ticks::ZERO, from: 0 };
+
     /// Returns the position after `k` steps of the segment.
     pub(super) fn position_after(&self, k: u32) -> i64 {
         self.from.wrapping_add(i64::from(self.segment.direction().sign()) * i64::from(k))
@@ -42,7 +45,8 @@ pub(super) struct Queue<const Q: usize> {
 impl<const Q: usize> Queue<Q> {
     pub(super) fn new() -> Self {
         const { assert!(Q >= 2, "a queue needs room for the segment under way and one to come") };
-        Self { slots: [Slot::default(); Q], oldest: 0, taken: 0, pending: 0 }
+        // A constant: the compiler clears the ring in its place. It copies a ring that a loop has filled.
+        Self { slots: const { [Slot::EMPTY; Q] }, oldest: 0, taken: 0, pending: 0 }
     }
 
     /// Returns the place of the `n`-th segment, counted from the oldest. `n` is below `Q`.
