@@ -143,7 +143,7 @@ features:
 	cargo clippy --locked -p pump-service -- -D warnings
 	cargo clippy --locked -p pump-dose --bins -- -D warnings
 	cargo clippy --locked -p pump-bench -- -D warnings
-	for feature in balance grbl node plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
+	for feature in balance grbl klipper node plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
 
 # The oldest Rust that is promised builds the libraries and the command.
 oldest:

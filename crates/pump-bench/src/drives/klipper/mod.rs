@@ -5,6 +5,7 @@
 //!
 //! - `protocol`: numbers, messages and blocks as bytes.
 //! - `dictionary`: the messages and constants that a board tells of itself.
+//! - `link`: blocks over a wire, each taken once and in order.
 //! - `clock`: the board's clock by the computer's.
 //! - `refit`: the steps of a plan as commands of whole ticks.
 #![allow(dead_code, unused_imports, reason = "the rooms wait for the drive that joins them")]
@@ -12,6 +13,8 @@
 mod clock;
 mod dictionary;
 mod error;
+mod fault;
+mod link;
 mod protocol;
 mod refit;
 

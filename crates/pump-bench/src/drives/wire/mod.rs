@@ -45,6 +45,12 @@ pub trait Wire: Debug + Send {
     /// yet, so the pause does not tell that the board is late.
     fn now(&mut self) -> Duration;
 
+    /// Returns the time since the wire was opened by a clock that no pause holds up, for a device whose clock is
+    /// followed. A wire in virtual time has one clock for both.
+    fn steady_now(&mut self) -> Duration {
+        self.now()
+    }
+
     /// Lets `time` pass.
     fn sleep(&mut self, time: Duration);
 

@@ -29,6 +29,7 @@ pub(in crate::drives) struct BoardPort {
     line: SerialHandle,
     /// Time on the clock, and the instant at which it was read.
     clock: (Duration, Instant),
+    opened: Instant,
 }
 
 impl BoardPort {
@@ -54,7 +55,8 @@ impl BoardPort {
         };
         line.stays_awake().map_err(|error| fails(error.to_string()))?;
         serial.clear(serialport::ClearBuffer::Input).map_err(|error| fails(error.to_string()))?;
-        Ok(Self { serial, line, clock: (Duration::ZERO, Instant::now()) })
+        let opened = Instant::now();
+        Ok(Self { serial, line, clock: (Duration::ZERO, opened), opened })
     }
 }
 
@@ -91,6 +93,10 @@ impl Wire for BoardPort {
         let now = Instant::now();
         self.clock = (time + (now - read).min(LONGEST_PAUSE), now);
         self.clock.0
+    }
+
+    fn steady_now(&mut self) -> Duration {
+        self.opened.elapsed()
     }
 
     fn sleep(&mut self, time: Duration) {

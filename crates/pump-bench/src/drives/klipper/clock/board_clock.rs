@@ -119,7 +119,8 @@ impl BoardClock {
         let elapsed_s = (i128::from(ticks) - i128::from(self.ticks)) as f64 / self.frequency_hz;
         let (least, most) = self.region.range(|point| (elapsed_s - point.offset) / (1.0 + point.drift));
         let after_s = (least + most) / 2.0;
-        let within = (most - least) / 2.0 + (self.loosening_s(elapsed_s) + 1.0 / self.frequency_hz) / (1.0 - self.bounds.drift);
+        let within = (most - least) / 2.0
+            + (self.loosening_s(elapsed_s) + 1.0 / self.frequency_hz) / (1.0 - self.bounds.drift);
         let after = Duration::try_from_secs_f64(after_s.abs()).unwrap_or(Duration::MAX);
         let value = if after_s < 0.0 { self.at.saturating_sub(after) } else { self.at.saturating_add(after) };
         Within { value, within }

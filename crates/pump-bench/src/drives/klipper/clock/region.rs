@@ -65,6 +65,9 @@ impl Region {
     /// Returns the least and the most of a quantity that has both at corners.
     pub(super) fn range(&self, quantity: impl Fn(Point) -> f64) -> (f64, f64) {
         let start = (f64::INFINITY, f64::NEG_INFINITY);
-        self.corners.iter().map(|point| quantity(*point)).fold(start, |(least, most), now| (least.min(now), most.max(now)))
+        self.corners
+            .iter()
+            .map(|point| quantity(*point))
+            .fold(start, |(least, most), now| (least.min(now), most.max(now)))
     }
 }

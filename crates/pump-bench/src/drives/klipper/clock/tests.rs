@@ -161,14 +161,17 @@ fn a_jump_is_told_at_the_next_reading() {
     for seed in 0..40 {
         let mut random = Random(2000 + seed);
         let board = board(seed, &mut random);
-        let mut clock = BoardClock::new(board.hz, ClockBounds::default(), board.read(0.0, &mut random)).unwrap();
+        let mut clock =
+            BoardClock::new(board.hz, ClockBounds::default(), board.read(0.0, &mut random)).unwrap();
         for second in 1..=90 {
             clock.take(low(board.read(f64::from(second), &mut random))).unwrap();
         }
         let before = clock.clone();
         // The least jump that no delay explains is the longest time that a reading takes, and what the clock is
         // uncertain by.
-        let least_s = board.delays[0] + board.delays[1] + 2.0 * clock.at(Duration::from_secs(91)).within / f64::from(board.hz);
+        let least_s = board.delays[0]
+            + board.delays[1]
+            + 2.0 * clock.at(Duration::from_secs(91)).within / f64::from(board.hz);
         for jump_s in [least_s, -least_s, 0.05, -0.05, 2.0, -2.0] {
             let jumped = Board { start: board.start + jump_s * f64::from(board.hz), ..board };
             let told = clock.take(low(jumped.read(91.0, &mut random)));

@@ -23,7 +23,9 @@ impl Constant {
     pub(super) fn new(name: &str, value: &Value) -> Result<Self, DictionaryError> {
         match value {
             Value::String(text) => Ok(text.parse().map_or_else(|_| Self::Text(text.clone()), Self::Number)),
-            Value::Number(number) => Ok(number.as_i64().map_or_else(|| Self::Text(number.to_string()), Self::Number)),
+            Value::Number(number) => {
+                Ok(number.as_i64().map_or_else(|| Self::Text(number.to_string()), Self::Number))
+            }
             value => Err(DictionaryError::Entry { entry: "constant", text: format!("{name}: {value}") }),
         }
     }

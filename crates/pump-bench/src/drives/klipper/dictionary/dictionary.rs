@@ -159,7 +159,9 @@ impl Dictionary {
             return Err(DictionaryError::Pin { pin: name.to_owned(), mcu, pins });
         };
         match self.use_of(name) {
-            Some(used_as) => Err(DictionaryError::Reserved { pin: name.to_owned(), used_as: used_as.to_owned() }),
+            Some(used_as) => {
+                Err(DictionaryError::Reserved { pin: name.to_owned(), used_as: used_as.to_owned() })
+            }
             None => Ok(number),
         }
     }
@@ -176,7 +178,11 @@ impl Dictionary {
     }
 
     /// Returns the value of a name, for a parameter such as `spi_bus`.
-    pub(in crate::drives::klipper) fn choice(&self, choice: &str, name: &str) -> Result<u32, DictionaryError> {
+    pub(in crate::drives::klipper) fn choice(
+        &self,
+        choice: &str,
+        name: &str,
+    ) -> Result<u32, DictionaryError> {
         let names = self.enumerations.get(choice);
         names.and_then(|names| names.value_of(name)).ok_or_else(|| DictionaryError::Choice {
             choice: choice.to_owned(),

@@ -40,10 +40,14 @@ pub(super) struct Document {
 impl Document {
     /// Reads a dictionary as the board sends it.
     pub(super) fn of_compressed(bytes: &[u8]) -> Result<Self, DictionaryError> {
-        let json = decompress_to_vec_zlib_with_limit(bytes, JSON_MOST).map_err(|error| match error.status {
-            TINFLStatus::HasMoreOutput => DictionaryError::Large { form: "uncompressed", most: JSON_MOST },
-            _ => DictionaryError::Damaged { bytes: bytes.len() },
-        })?;
-        serde_json::from_slice(&json).map_err(|error| DictionaryError::Unreadable { reason: error.to_string() })
+        let json =
+            decompress_to_vec_zlib_with_limit(bytes, JSON_MOST).map_err(|error| match error.status {
+                TINFLStatus::HasMoreOutput => {
+                    DictionaryError::Large { form: "uncompressed", most: JSON_MOST }
+                }
+                _ => DictionaryError::Damaged { bytes: bytes.len() },
+            })?;
+        serde_json::from_slice(&json)
+            .map_err(|error| DictionaryError::Unreadable { reason: error.to_string() })
     }
 }

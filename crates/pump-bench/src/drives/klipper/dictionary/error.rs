@@ -27,7 +27,9 @@ pub enum DictionaryError {
         reason: String,
     },
     /// An entry of the dictionary cannot be understood.
-    #[error("the board's dictionary has the {entry} `{text}`, which this program cannot read; load other firmware")]
+    #[error(
+        "the board's dictionary has the {entry} `{text}`, which this program cannot read; load other firmware"
+    )]
     Entry {
         /// Kind of the entry, as the message words it.
         entry: &'static str,

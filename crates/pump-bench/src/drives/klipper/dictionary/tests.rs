@@ -70,8 +70,7 @@ fn commands_are_found_by_name_and_parameters() {
     );
     assert!(matches!(board.command("spi_send oid=%c data=%u"), Err(DictionaryError::Differs { .. })));
     let error = board.command("sing song=%u").unwrap_err().to_string();
-    let lacks =
-        "the board's firmware (sample-1) lacks the command `sing song=%u`; load firmware that has it";
+    let lacks = "the board's firmware (sample-1) lacks the command `sing song=%u`; load firmware that has it";
     assert_eq!(error, lacks);
     let error = board.response("song volume=%c").unwrap_err();
     assert!(matches!(error, DictionaryError::Lacks { entry: "message", .. }), "{error}");
@@ -100,7 +99,9 @@ fn messages_are_read_by_number() {
 #[test]
 fn pins_are_found_by_name() {
     let board = board();
-    for (name, number) in [("PA0", 0), ("PA15", 15), ("PB0", 16), ("PC13", 45), ("PC15", 47), ("ADC_TEMPERATURE", 254)] {
+    for (name, number) in
+        [("PA0", 0), ("PA15", 15), ("PB0", 16), ("PC13", 45), ("PC15", 47), ("ADC_TEMPERATURE", 254)]
+    {
         assert_eq!(board.pin(name), Ok(number), "{name}");
     }
     for name in ["PA16", "PC12", "PC0", "PA", "PA01", "", "pa0", "PA4294967296", "ADC_TEMPERATURE0"] {
@@ -125,7 +126,8 @@ fn constants_are_numbers_even_as_text_and_have_a_range() {
     assert_eq!(board.constant("SERIAL_BAUD", 1..=u32::MAX), Ok(250_000));
     assert_eq!(board.constant_text("MCU").as_deref(), Some("stm32g0b1xx"));
     let error = board.constant("CLOCK_FREQ", 1..=1000).unwrap_err().to_string();
-    let allowed = "the board's firmware says CLOCK_FREQ = 64000000, and it must be 1 to 1000; load its firmware anew";
+    let allowed =
+        "the board's firmware says CLOCK_FREQ = 64000000, and it must be 1 to 1000; load its firmware anew";
     assert_eq!(error, allowed);
     for name in ["MCU", "ADC_MAX"] {
         let error = board.constant(name, 0..=u32::MAX).unwrap_err();
@@ -169,7 +171,10 @@ fn a_huge_dictionary_is_refused_before_it_takes_the_memory() {
     let bomb = compress_to_vec_zlib(&vec![b' '; 40 << 20], 9);
     assert!(bomb.len() < 1 << 16, "{} bytes", bomb.len());
     let error = download(&bomb).unwrap_err().to_string();
-    assert_eq!(error, "the board's dictionary has more than 1048576 uncompressed bytes; load its firmware anew");
+    assert_eq!(
+        error,
+        "the board's dictionary has more than 1048576 uncompressed bytes; load its firmware anew"
+    );
     let error = download(&vec![7; 1 << 20]).unwrap_err().to_string();
     assert_eq!(error, "the board's dictionary has more than 65536 compressed bytes; load its firmware anew");
 }
@@ -180,7 +185,9 @@ fn a_dictionary_of_wrong_form_is_refused() {
         let error = Dictionary::of_compressed(&compress_to_vec_zlib(text.as_bytes(), 9)).unwrap_err();
         assert!(matches!(error, DictionaryError::Unreadable { .. }), "{text}: {error}");
     };
-    for text in ["", "ok", "[]", "{}", "null", "{\"commands\":{}}", "{\"commands\":[],\"responses\":{}}", "\u{fffd}"] {
+    for text in
+        ["", "ok", "[]", "{}", "null", "{\"commands\":{}}", "{\"commands\":[],\"responses\":{}}", "\u{fffd}"]
+    {
         unreadable(text);
     }
     unreadable(&"[".repeat(100_000));

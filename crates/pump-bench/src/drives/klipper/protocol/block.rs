@@ -14,10 +14,10 @@ const TRAILER: usize = 3;
 const LEAST: usize = HEADER + TRAILER;
 
 /// Most bytes of a block.
-const MOST: usize = 64;
+pub(in crate::drives::klipper) const BLOCK_MOST: usize = 64;
 
 /// Most bytes of a block's content.
-pub(in crate::drives::klipper) const CONTENT_MOST: usize = MOST - LEAST;
+pub(in crate::drives::klipper) const CONTENT_MOST: usize = BLOCK_MOST - LEAST;
 
 /// Last byte of a block. A further one may stand before a block.
 pub(in crate::drives::klipper) const SYNC: u8 = 0x7e;
@@ -111,6 +111,15 @@ impl BlockReader {
         block
     }
 
+    /// Gives up a block whose rest has not come for long: its length may be a byte that was damaged. Blocks within it
+    /// are found.
+    pub(in crate::drives::klipper) fn give_up(&mut self) {
+        if !self.bytes.is_empty() {
+            self.bytes.remove(0);
+            self.skipped += 1;
+        }
+    }
+
     /// Returns the number of bytes that wait for the rest of their block.
     #[cfg(test)]
     pub(super) fn waiting(&self) -> usize {
@@ -135,7 +144,7 @@ fn found(bytes: &[u8]) -> Found {
         [length] => (usize::from(*length), SEQUENCE_MARK),
         [length, sequence, ..] => (usize::from(*length), *sequence),
     };
-    if !(LEAST..=MOST).contains(&length) || sequence & !SEQUENCE_BITS != SEQUENCE_MARK {
+    if !(LEAST..=BLOCK_MOST).contains(&length) || sequence & !SEQUENCE_BITS != SEQUENCE_MARK {
         return Found::Nothing;
     }
     let Some(bytes) = bytes.get(..length) else { return Found::More };

@@ -83,7 +83,9 @@ impl Format {
         number::put(&mut bytes, i64::from(self.id));
         for ((parameter, kind), value) in self.parameters.iter().zip(values) {
             match (value, kind.range()) {
-                (Value::Number(value), Some(range)) if range.contains(value) => number::put(&mut bytes, *value),
+                (Value::Number(value), Some(range)) if range.contains(value) => {
+                    number::put(&mut bytes, *value);
+                }
                 (Value::Number(value), Some(range)) => {
                     let (least, most) = range.into_inner();
                     let (command, parameter, value) = (self.name.clone(), parameter.clone(), *value);
@@ -109,7 +111,10 @@ impl Format {
     }
 
     /// Takes the values of a message from the front of a content, after its number.
-    pub(in crate::drives::klipper) fn take(self: &Arc<Self>, content: &mut &[u8]) -> Result<Message, MessageError> {
+    pub(in crate::drives::klipper) fn take(
+        self: &Arc<Self>,
+        content: &mut &[u8],
+    ) -> Result<Message, MessageError> {
         let mut values = Vec::with_capacity(self.parameters.len());
         for (_, kind) in &self.parameters {
             let bits = number::take(content)?;

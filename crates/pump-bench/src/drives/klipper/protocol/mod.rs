@@ -11,7 +11,7 @@ mod number;
 #[cfg(test)]
 mod tests;
 
-pub(super) use block::{Block, BlockReader, CONTENT_MOST, SYNC, block};
+pub(super) use block::{BLOCK_MOST, Block, BlockReader, CONTENT_MOST, SYNC, block};
 pub use error::MessageError;
 pub(super) use format::Format;
 pub(super) use kind::Kind;

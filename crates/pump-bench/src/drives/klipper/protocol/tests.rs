@@ -86,7 +86,10 @@ fn the_first_exchange_has_the_bytes_of_the_documentation() {
     assert_eq!(message.text(), "identify_response offset=0 data=a~c");
     assert!(content.is_empty());
     let error = message.number("clock").unwrap_err().to_string();
-    assert_eq!(error, "the board's message `identify_response` has no number `clock`; load its firmware anew");
+    assert_eq!(
+        error,
+        "the board's message `identify_response` has no number `clock`; load its firmware anew"
+    );
 }
 
 /// `docs/Protocol.md`, "Message flow": an acknowledgement is a block of 5 bytes.
