@@ -65,8 +65,8 @@ fn board(seed: u64, random: &mut Random) -> Board {
     Board { hz, start, drift, swing: 0.0, delays }
 }
 
-/// Follows a board for `minutes`, and checks each prediction up to 2 s ahead and back. Returns the widest uncertainty of
-/// the clock in the last half, s.
+/// Follows a board for `minutes`, and checks each prediction up to 2 s ahead and back. Returns the widest uncertainty
+/// of the clock in the last half, s.
 fn follow(board: Board, bounds: ClockBounds, minutes: f64, random: &mut Random) -> f64 {
     let mut now_s = random.next();
     let mut clock = BoardClock::new(board.hz, bounds, board.read(now_s, random)).unwrap();

@@ -262,9 +262,9 @@ impl Link {
         Ok(())
     }
 
-    /// Asks a question at rest, and returns its answer: the first arrival of which `answer` makes something. It is given
-    /// the number of the question's block, as [`Self::answered_within`] needs it. Other arrivals are kept. The question
-    /// is asked anew until it is answered, so it must change nothing.
+    /// Asks a question at rest, and returns its answer: the first arrival of which `answer` makes something. The number
+    /// that it is given is that of the question's block, as [`Self::answered_within`] needs it. Other arrivals are
+    /// kept. The question is asked anew until it is answered, so it must change nothing.
     pub(in crate::drives::klipper) fn ask<T>(
         &mut self,
         question: &Format,

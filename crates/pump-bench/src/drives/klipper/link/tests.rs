@@ -145,7 +145,8 @@ fn nothing_at_the_port_is_told() {
     let error = link.connect(2 * SECOND).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "no board answers at /dev/ttyACM0 within 2 s at 250000 baud; check the port, the board's power, and [drive] baud"
+        "no board answers at /dev/ttyACM0 within 2 s at 250000 baud; check the port, the board's power, and \
+         [drive] baud"
     );
 }
 
@@ -158,8 +159,8 @@ fn another_firmware_at_the_port_is_told() {
     let error = link.connect(2 * SECOND).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "something answers at /dev/ttyACM0 with 28 bytes at 250000 baud, and they are no block of the Klipper firmware; \
-         check the port, [drive] baud, and that the board runs this firmware"
+        "something answers at /dev/ttyACM0 with 28 bytes at 250000 baud, and they are no block of the Klipper \
+         firmware; check the port, [drive] baud, and that the board runs this firmware"
     );
 }
 
