@@ -49,6 +49,7 @@ fn journals_of_the_first_version_give_the_status_that_it_printed() {
                 ["number", "target_g"].map(|key| unfinished.remove(key)),
                 [Some(Value::Null), Some(Value::Null)]
             );
+            assert_eq!(unfinished.remove("searched_ml"), Some(Value::from(0.0)));
             let added = ["by_weight", "over_time", "until_stopped"].map(|key| unfinished.remove(key));
             assert_eq!(added, [const { Some(Value::Bool(false)) }; 3]);
         }

@@ -3,6 +3,7 @@
 use std::io::{self, BufRead, IsTerminal, Write};
 
 use pump_bench::Bench;
+use pump_bench::notice::Notice;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 
 use crate::advice;
@@ -17,12 +18,20 @@ pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
     let index_rad = session.index_rad();
     noted(&mut session, index_rad)?;
     warn(&session.notes());
+    // Whoever is asked reads it in the question, and everybody else before the motor turns.
+    let within_dose = session.search_warning();
     if !yes {
         let most_ml = bench.model().revolution_ml();
-        agree(&format!("the pump turns forward until the sensor answers, and pumps up to {most_ml:.1} mL"))?;
+        let of_dose = within_dose
+            .as_ref()
+            .map_or(String::new(), |warning| format!("; {}", warning.worded(advice::words)));
+        agree(&format!(
+            "the pump turns forward until the sensor answers, and pumps up to {most_ml:.1} mL{of_dose}"
+        ))?;
     }
+    let untold: Vec<Notice> = within_dose.into_iter().filter(|_| yes).collect();
     let interrupt = Interrupt::watch()?;
-    let sought = announced(&mut session, false, &[], |session| session.seek_index(|_| interrupt.flow()));
+    let sought = announced(&mut session, false, &untold, |session| session.seek_index(|_| interrupt.flow()));
     warn(&session.notes());
     let sought = sought?;
     match sought.map_err(|error| Failure::from(error).of_session(&session))? {

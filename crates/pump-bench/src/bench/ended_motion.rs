@@ -65,7 +65,7 @@ impl<'a> Session<'a> {
             None if whole || is_complete || beyond.is_some() => Why::Done,
             None => Why::Stopped,
         };
-        self.log_end(motion, &intent, made, measured_s, halt.as_ref());
+        self.log_end(motion, &intent, made, measured_s, halt.as_ref(), beyond.is_some());
         let mut rested = self.rest(why, state);
         let settle_s = self.settles_within_s(motion, made);
         let began = Instant::now();

@@ -11,7 +11,8 @@ use super::bench::Bench;
 use crate::displacement::Correction;
 use crate::dosing::{DisplacedPumps, DoseError};
 use crate::drives::Drive;
-use crate::notice::Remedy;
+use crate::notice::{Notice, Remedy};
+use crate::numbers::significant;
 use crate::record::{DoseTerms, JournalError, PumpState, Why};
 use crate::record::{PhaseSource, Purpose};
 
@@ -21,6 +22,9 @@ use super::session::Session;
 /// Speed of a search for the index, in r/min. Any motor stops from it within a degree, and a revolution takes
 /// six seconds.
 const SEEK_RPM: f64 = 10.0;
+
+/// Share of a turn to the index sensor in the dose that it interrupts.
+pub(super) const NOT_DELIVERED: &str = "counts as not delivered by the unfinished dose";
 
 /// Result of setting the angle.
 #[derive(Debug, Clone, PartialEq)]
@@ -177,16 +181,49 @@ impl Session<'_> {
             .ok_or_else(|| self.no_angle("[drive] index_angle_deg", "the index sensor answers"))
     }
 
+    /// Returns what to tell a person before a turn to the index sensor while a dose is unfinished: the most that it
+    /// pumps, and where the tube's end belongs. `None` if no dose is unfinished.
+    pub fn search_warning(&self) -> Option<Notice> {
+        let dose = self.stands().unfinished?;
+        let most_ml = self.bench.model().revolution_ml();
+        Some(Notice::from(format!(
+            "a dose of {} mL is unfinished, and this turn is no part of it: it pumps up to {} mL, of which nothing is to \
+             get into the vessel; put the tube's end over waste first",
+            significant(dose.intent.whole_requested_ml(), 6),
+            significant(most_ml, 3),
+        )))
+    }
+
     /// Turns forward until the index sensor answers, a revolution at most, and records where the rotor then
     /// stands.
     ///
-    /// The carry is zero afterwards. Returns `None` if `watch` broke before the index was found.
+    /// While a dose is unfinished, the turn counts as not delivered, and a note tells what it pumped.
+    /// [`Self::search_warning`] is to be told before. The carry is zero afterwards. Returns `None` if `watch` broke before the index was found.
     ///
     /// # Errors
     ///
     /// [`DoseError::NoIndex`] if the sensor did not answer within a revolution. Other [`DoseError`]s if a
     /// dose is unfinished, the device cannot be used or fails, or the angle cannot be recorded.
     pub fn seek_index(
+        &mut self,
+        watch: impl FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Option<PumpState>, DoseError> {
+        let before = self.stands().unfinished.map(|dose| dose.searched_ml());
+        let sought = self.turn_to_index(watch);
+        let after = self.stands().unfinished.map(|dose| dose.searched_ml());
+        if let Some(pumped_ml) =
+            before.zip(after).map(|(before, after)| after - before).filter(|ml| *ml != 0.0)
+        {
+            self.notes.push(Notice::from(format!(
+                "the turn to the index sensor pumped {} mL, which {NOT_DELIVERED}",
+                significant(pumped_ml, 3)
+            )));
+        }
+        sought
+    }
+
+    /// Turns to the index sensor as [`Self::seek_index`] does, without a note.
+    pub(super) fn turn_to_index(
         &mut self,
         watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<PumpState>, DoseError> {

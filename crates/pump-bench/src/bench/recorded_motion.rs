@@ -241,8 +241,7 @@ impl<'a> Session<'a> {
             device.drive.recorded();
         }
         self.put_away(device.drive);
-        let (least_ml, most_ml) =
-            Unfinished { intent, made_least, made_most, count_before: None }.delivered_ml(model);
+        let (least_ml, most_ml) = Unfinished::of(&intent, made_least, made_most).delivered_ml(model);
         let (unfinished, over_time) = (state.unfinished.is_some(), intent.terms.profile);
         DoseError::Drive { error, least_ml, most_ml, unfinished, over_time }
     }

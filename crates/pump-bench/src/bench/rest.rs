@@ -160,6 +160,7 @@ impl Bench {
         }
         let state = PumpState { unfinished: None, carry_ml, ..state };
         let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml).map_err(DoseError::of_rest)?;
+        prepared.warnings.extend(searched(dose));
         prepared.warnings.extend(self.unsure_rest(dose, &prepared));
         if intent.terms.by_weight {
             let text = format!(
@@ -247,4 +248,16 @@ impl Bench {
     fn whole_before(&self, dose: &Unfinished, prepared: &Prepared) -> Whole {
         dose.whole_for_rest(self.model(), prepared.plan.start(), prepared.correction())
     }
+}
+
+/// Tells the volume that turns to find the angle pumped since the dose was stopped, which the rest does not make up for.
+fn searched(dose: &Unfinished) -> Option<Notice> {
+    let searched_ml = Some(dose.searched_ml()).filter(|ml| *ml != 0.0)?;
+    let text = Notice::from(format!(
+        "turns to find the angle pumped {} mL while this dose was unfinished, which count as not delivered: if they got \
+         into the vessel, it will hold as much more than {} mL",
+        significant(searched_ml, 3),
+        significant(dose.intent.whole_requested_ml(), 6),
+    ));
+    Some(text.with_remedy(Remedy::AcceptInstead))
 }

@@ -275,7 +275,7 @@ impl PumpState {
     ) -> Self {
         let all = intent.steps.abs();
         let worn = if -made_least > made_most { made_least } else { made_most };
-        let part = Unfinished { intent: *intent, made_least, made_most, count_before: None };
+        let part = Unfinished::of(intent, made_least, made_most);
         let motion_s = intent.motion_s * worn.abs() as f64 / all as f64;
         // A clock that was set meanwhile tells no longer motion than the plan.
         let lasted_s = motion_s.min(ended_s.saturating_sub(intent.unix_s) as f64);
@@ -292,7 +292,7 @@ impl PumpState {
         let finished = made_least == all && made_most == all;
         let unfinished = match intent.purpose {
             // A turn to find the angle of an unfinished dose leaves that dose on record.
-            Purpose::Jog => self.unfinished.map(|dose| Unfinished { count_before: None, ..dose }),
+            Purpose::Jog => self.unfinished.map(|dose| dose.searched(&part, pump)),
             purpose => (!finished && purpose.is_delivery()).then_some(part),
         };
         Self {

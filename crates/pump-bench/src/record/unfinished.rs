@@ -5,6 +5,7 @@ use pump_model::Pump;
 use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
+use super::intent::is_zero;
 use super::{DeliveredRange, Intent, Purpose, Whole};
 use crate::displacement::Correction;
 
@@ -24,9 +25,32 @@ pub struct Unfinished {
     /// once it is met again.
     #[serde(default)]
     pub(crate) count_before: Option<i64>,
+    /// Volume that turns to find the angle have pumped since the last motion of this dose, in mL, negative in reverse.
+    /// It counts as not delivered. 0 in a record of an early version.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) searched_ml: f64,
 }
 
 impl Unfinished {
+    /// Returns a motion of which `made_least` to `made_most` steps were made.
+    pub(crate) fn of(intent: &Intent, made_least: i64, made_most: i64) -> Self {
+        Self { intent: *intent, made_least, made_most, count_before: None, searched_ml: 0.0 }
+    }
+
+    /// Returns the volume that turns to find the angle have pumped while this dose was unfinished, in mL, negative in
+    /// reverse. It counts as not delivered.
+    pub(crate) fn searched_ml(&self) -> f64 {
+        self.searched_ml + self.intent.whole.map_or(0.0, |whole| whole.searched_ml)
+    }
+
+    /// Returns this dose after `turn`, which was made to find the rotor's angle. The most that the turn may have pumped
+    /// counts. The device's count is of the dose no more.
+    pub(super) fn searched(self, turn: &Self, pump: &Pump) -> Self {
+        let (least_ml, most_ml) = turn.counted_ml(pump);
+        let turned_ml = if turn.intent.steps < 0 { least_ml.min(most_ml) } else { least_ml.max(most_ml) };
+        Self { count_before: None, searched_ml: self.searched_ml + turned_ml, ..self }
+    }
+
     /// Returns true for a run that goes on until somebody stops it.
     pub fn is_endless(&self) -> bool {
         self.intent.terms.until_stopped
@@ -134,6 +158,7 @@ impl Unfinished {
             least_ml: before.0,
             most_ml: before.1,
             turned: intent.turned_by(turned, self.made_least, self.made_most),
+            searched_ml: self.searched_ml(),
         }
     }
 
@@ -185,6 +210,7 @@ mod tests {
             made_least: 0,
             made_most: 500,
             count_before: None,
+            searched_ml: 0.0,
         };
         assert!([0, 1, 500].iter().all(|moved| unfinished(900).holds(*moved)));
         assert!([-1, 501].iter().all(|moved| !unfinished(900).holds(*moved)));

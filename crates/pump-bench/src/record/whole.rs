@@ -3,6 +3,8 @@
 use pump_ctl::plan::Turned;
 use serde::{Deserialize, Serialize};
 
+use super::intent::is_zero;
+
 /// Whole dose of which a motion makes the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -17,4 +19,9 @@ pub(crate) struct Whole {
     pub(crate) most_ml: f64,
     /// Turn of the dose before this motion, since the dose began or its rotor was last disturbed.
     pub(crate) turned: Turned,
+    /// Volume that turns to find the angle pumped while the dose was unfinished, in mL, as [`Unfinished`] has it.
+    ///
+    /// [`Unfinished`]: super::Unfinished
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) searched_ml: f64,
 }

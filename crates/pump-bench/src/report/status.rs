@@ -121,6 +121,9 @@ pub struct UnfinishedStatus {
     pub delivered_least_ml: f64,
     /// Largest volume that it may have delivered, mL.
     pub delivered_most_ml: f64,
+    /// Volume that turns to find the angle pumped while it was unfinished, mL; negative in reverse. It counts as not
+    /// delivered.
+    pub searched_ml: f64,
     /// Planned motor steps of its last motion; negative in reverse.
     pub steps: i64,
     /// Fewest net steps of its last motion that may have been made in its direction. Negative if the rotor may
@@ -189,6 +192,7 @@ impl Status {
                 planned_ml: dose.intent.whole.map_or(0.0, |whole| whole.booked_ml) + dose.intent.planned_ml,
                 delivered_least_ml,
                 delivered_most_ml,
+                searched_ml: dose.searched_ml(),
                 steps: dose.intent.steps,
                 steps_made_least: dose.made_least,
                 steps_made_most: dose.made_most,

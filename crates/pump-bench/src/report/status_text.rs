@@ -107,6 +107,10 @@ impl Status {
         } else {
             ""
         };
+        let searched = match dose.searched_ml {
+            0.0 => String::new(),
+            ml => format!("; turns to find the angle pumped {} mL besides", significant(ml, 3)),
+        };
         match &self.in_use_by {
             Some(holder) => format!(
                 "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \
@@ -114,7 +118,7 @@ impl Status {
             ),
             None => {
                 format!(
-                    "unfinished: {asked}, of which {made} were delivered{by_model}{by_angle}{no_rest}; {}",
+                    "unfinished: {asked}, of which {made} were delivered{by_model}{by_angle}{searched}{no_rest}; {}",
                     words(remedy)
                 )
             }

@@ -31,10 +31,11 @@ impl Session<'_> {
         self.log.rack = Some(ShortText::new(rack));
     }
 
-    /// Returns the part of an intent that only the log needs. `None` for a turn to a mark.
+    /// Returns the part of an intent that only the log needs. `None` for a turn to find the angle, unless it is a search
+    /// for the index within an unfinished dose, whose volume goes where that dose goes.
     pub(in crate::bench) fn told(&self, motion: &RecordedMotion<'_>, now: Stamp) -> Option<Told> {
         let prepared = motion.prepared;
-        (motion.purpose != Purpose::Jog).then(|| Told {
+        (motion.purpose != Purpose::Jog || self.searches_unfinished(motion)).then(|| Told {
             number: self.log.doses + 1,
             utc_offset_s: now.utc_offset_s,
             asked: prepared.and_then(|prepared| prepared.request.asked),
@@ -46,6 +47,12 @@ impl Session<'_> {
             order: order_of_environment(),
             fluid: Some(self.fluid_of(motion)),
         })
+    }
+
+    /// Returns true for a search for the index while a dose is unfinished. A dose by weight whose entry is still to be
+    /// written has the next number of the log.
+    fn searches_unfinished(&self, motion: &RecordedMotion<'_>) -> bool {
+        motion.seeks && self.stands().unfinished.is_some() && self.log.unlogged.is_none()
     }
 
     /// Returns the fluid of a motion. The rest of a dose and its retraction have that of the dose.
@@ -70,7 +77,7 @@ impl Session<'_> {
     }
 
     /// Keeps the entry of a motion that the drive has ended, for the rest that follows. `made` is the number of steps
-    /// and `measured_s` the time that the motion took.
+    /// and `measured_s` the time that the motion took. `found` is true if it ended at the index.
     pub(in crate::bench) fn log_end(
         &mut self,
         motion: &RecordedMotion<'_>,
@@ -78,11 +85,12 @@ impl Session<'_> {
         made: u64,
         measured_s: f64,
         halt: Option<&Halt>,
+        found: bool,
     ) {
-        let part = part(intent, made as i64, made as i64);
+        let part = Unfinished::of(intent, made as i64, made as i64);
         let end = match halt {
             Some(_) => LogEnd::Fault,
-            None if made == motion.plan.steps().unsigned_abs() => LogEnd::Done,
+            None if found || made == motion.plan.steps().unsigned_abs() => LogEnd::Done,
             None => LogEnd::Stopped,
         };
         let Some(entry) = self.entry(&part, end) else { return };
@@ -112,7 +120,7 @@ impl Session<'_> {
 
     /// Keeps the entry of a motion that failed after `least` to `most` steps, for the rest that follows.
     pub(in crate::bench) fn log_fault(&mut self, intent: &Intent, least: i64, most: i64, cause: String) {
-        let entry = self.entry(&part(intent, least, most), LogEnd::Fault);
+        let entry = self.entry(&Unfinished::of(intent, least, most), LogEnd::Fault);
         self.log.ended = entry.map(|entry| LogEntry { cause: Some(cause), ..entry });
     }
 
@@ -198,10 +206,11 @@ impl Session<'_> {
         }
     }
 
-    /// Returns the entry of a motion. `None` for a turn to a mark, and for a stretch of a dose by weight.
+    /// Returns the entry of a motion. `None` for a turn that [`Self::told`] has nothing of, and for a stretch of a dose by
+    /// weight.
     fn entry(&self, part: &Unfinished, end: LogEnd) -> Option<LogEntry> {
         let intent = &part.intent;
-        let is_own = intent.purpose != Purpose::Jog && !intent.terms.by_weight;
+        let is_own = (intent.purpose != Purpose::Jog || intent.told.is_some()) && !intent.terms.by_weight;
         is_own.then(|| self.entry_of(part, end))
     }
 
@@ -244,9 +253,4 @@ impl Session<'_> {
         let backflow_ml = prepared.backflow_of_ml(made).unwrap_or(prepared.back_flow.backflow_ml);
         prepared.budget(self.bench.file(), &part, backflow_ml).expanded_ml()
     }
-}
-
-/// Returns a motion after `least` to `most` steps.
-fn part(intent: &Intent, least: i64, most: i64) -> Unfinished {
-    Unfinished { intent: *intent, made_least: least, made_most: most, count_before: None }
 }

@@ -32,7 +32,10 @@ impl SessionLog {
         let mended = mended(&log, folder, recorded);
         let tail = mended.as_ref().ok().copied();
         let doses = recorded.max(tail.map_or(0, |tail| tail.number));
-        let cut_off = story.cut_off.map(|(_, part)| part).filter(|part| part.intent.purpose != Purpose::Jog);
+        let cut_off = story
+            .cut_off
+            .map(|(_, part)| part)
+            .filter(|part| part.intent.told.is_some() || part.intent.purpose != Purpose::Jog);
         // The stretches of a dose by weight are one dose, whose end is not on record.
         let is_unlogged = |part: &Unfinished| {
             part.intent.terms.by_weight && part.intent.told.is_some_and(|told| told.number > doses)

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use pump_model::units::degrees;
 
+use crate::bench::homing::NOT_DELIVERED;
 use crate::bench::session::Session;
 use crate::dosing::{DoseError, disturbed};
 use crate::drives::DriveError;
@@ -67,16 +68,18 @@ impl Session<'_> {
                 let worn_ml = state.wear.volume_ml;
                 // The rest of an unfinished dose begins where the sensor finds the rotor.
                 let may_home = std::mem::replace(&mut self.may_home_unfinished, true);
-                let sought = self.seek_index(watch);
+                let sought = self.turn_to_index(watch);
                 self.may_home_unfinished = may_home;
                 if sought?.is_none() {
                     return Err(DoseError::Connection(DriveError::Interrupted));
                 }
                 let was = if is_known { "disturbed since it was found" } else { "unknown" };
+                let state = self.stands();
                 let text = format!(
                     "the rollers' angle was {was}: the rotor turned to its index sensor first \
-                     and pumped {} mL",
-                    significant(self.stands().wear.volume_ml - worn_ml, 3)
+                     and pumped {} mL{}",
+                    significant(state.wear.volume_ml - worn_ml, 3),
+                    state.unfinished.map_or(String::new(), |_| format!(", which {NOT_DELIVERED}")),
                 );
                 self.notes.push(Notice::from(text));
                 Ok(())

@@ -80,7 +80,7 @@ impl<'a> Tail<'a> {
         for (n, entry) in entries.into_iter().rev() {
             match (entry, &mut under_way) {
                 (Entry::Intent(intent), None) => {
-                    under_way = Some(Unfinished { intent, made_least: 0, made_most: 0, count_before: None });
+                    under_way = Some(Unfinished::of(&intent, 0, 0));
                 }
                 (Entry::Progress { made, may }, Some(dose)) if made <= may => {
                     (dose.made_least, dose.made_most) = (made as i64, may as i64);

@@ -16,6 +16,7 @@ pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,deliver
 pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
     let asked = match &entry.asked {
         Some(asked) => asked.as_str().to_owned(),
+        None if entry.purpose == Purpose::Jog => "to the index".to_owned(),
         None if entry.until_stopped => "until stopped".to_owned(),
         None => format!("{} mL", significant(entry.requested_ml, 6)),
     };
@@ -57,9 +58,10 @@ pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
     )
 }
 
-/// Returns the volume that was asked for, in mL. `None` for a run until it is stopped, which nobody asked a volume of.
+/// Returns the volume that was asked for, in mL. `None` for a run until it is stopped and for a turn to the index, which
+/// nobody asked a volume of.
 fn requested_ml(entry: &LogEntry) -> Option<f64> {
-    Some(entry.requested_ml).filter(|_| !entry.until_stopped)
+    Some(entry.requested_ml).filter(|_| !entry.until_stopped && entry.purpose != Purpose::Jog)
 }
 
 /// Writes a dose of `pump` by `driver` as a row of CSV without its end. A cell is empty where nobody knows the value.

@@ -9,7 +9,7 @@ use crate::record::{LogEntry, Purpose};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct LogTotal {
-    /// Number of doses; the rest of a dose counts, a retraction does not.
+    /// Number of doses; the rest of a dose counts, a retraction and a turn to the index do not.
     pub doses: u64,
     /// Volume delivered less that sucked back or run in reverse, in mL.
     pub delivered_ml: f64,
@@ -36,7 +36,7 @@ impl LogTotal {
     fn add(&mut self, entry: &LogEntry, went_back: bool) {
         self.clock_went_back += u64::from(went_back);
         self.pumped_ml += entry.delivered_ml.abs();
-        self.doses += u64::from(entry.purpose != Purpose::Retract);
+        self.doses += u64::from(!matches!(entry.purpose, Purpose::Retract | Purpose::Jog));
         self.delivered_ml += entry.delivered_ml;
         let delivered_ml = entry.delivered_ml;
         self.unknown_ml += entry

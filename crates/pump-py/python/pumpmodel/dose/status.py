@@ -24,6 +24,7 @@ class Unfinished(Record):
 
     A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one
     run makes. A flow over time has `over_time`: no rest of it can be made, and it can be accepted alone.
+    Turns to find the angle have pumped `searched_ml` meanwhile, which counts as not delivered.
     """
 
     number: int | None
@@ -31,6 +32,7 @@ class Unfinished(Record):
     planned_ml: float
     delivered_least_ml: float
     delivered_most_ml: float
+    searched_ml: float
     steps: int
     steps_made_least: int
     steps_made_most: int
