@@ -23,7 +23,8 @@ fn acid(desk: &Desk, board: &SimulatedNode, more: &str) {
 fn ended_by(desk: &Desk, board: &SimulatedNode, hand: &str) -> String {
     let mut running = desk.command(&["3mL", "--pump", "acid.toml", "--confirm-pump"]);
     let running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    while board.truth().steps[0] < 300 {
+    let before = board.truth().steps[0];
+    while board.truth().steps[0] < before + 300 {
         std::thread::sleep(Duration::from_millis(5));
     }
     board.touch(hand).unwrap();
@@ -73,4 +74,21 @@ fn a_turn_to_the_index_within_a_dose_is_announced_counted_and_told_before_the_re
     let said = "while this dose was unfinished, which count as not delivered";
     assert!(rest.err.contains(said) && rest.err.contains("as much more than 3 mL"), "{}", rest.err);
     assert_eq!(json(&["status"])["unfinished"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_motor_whose_current_is_cut_is_not_said_to_hold() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    acid(&desk, &board, "[drive.pins]\ndriver_fault = true\n");
+    for (hand, other) in [("estop", "release"), ("fault X", "mend X")] {
+        let err = ended_by(&desk, &board, hand);
+        assert!(err.contains("mL were delivered, the motor has no current, and the drive failed"), "{err}");
+        assert!(!err.contains("the motor holds"), "{err}");
+        if hand == "estop" {
+            assert!(err.contains("a bridge from its stop input to GND (GP22 of a Pico)"), "{err}");
+        }
+        board.touch(other).unwrap();
+        assert_eq!(desk.types(&["accept", "--pump", "acid.toml"]).code, 0);
+    }
 }

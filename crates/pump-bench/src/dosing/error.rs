@@ -404,7 +404,7 @@ pub enum DoseError {
         "{} were delivered{}, and the drive failed",
         between(*least_ml, *most_ml),
         // Two different bounds mean that nobody knows where the rotor stands.
-        if least_ml == most_ml { ", the motor holds" } else { "" }
+        error.rest_of_motor().words(least_ml == most_ml)
     )]
     Drive {
         /// Error of the drive.

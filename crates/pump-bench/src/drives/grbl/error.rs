@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::drives::error::MotorRest;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
@@ -384,6 +385,38 @@ impl GrblError {
             Self::Alarm { code } => stops_at_once(*code),
             _ => false,
         }
+    }
+
+    /// Returns what the board knows of its motor after this error.
+    pub(in crate::drives) fn rest_of_motor(&self) -> MotorRest {
+        match self {
+            Self::Gone(_) | Self::Quiet { .. } | Self::Reset => MotorRest::Unknown,
+            _ => MotorRest::Holds,
+        }
+    }
+
+    /// Returns true for a refusal of this program: no board was asked, or none has refused.
+    pub(in crate::drives) fn is_of_this_program(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPort
+                | Self::Open { .. }
+                | Self::Old { .. }
+                | Self::Coarse { .. }
+                | Self::Steep { .. }
+                | Self::SoftLimits
+                | Self::Far { .. }
+                | Self::Slow { .. }
+                | Self::Fast { .. }
+                | Self::FasterThanGrbl { .. }
+                | Self::SettingsChanged { .. }
+                | Self::SettingsRecord { .. }
+                | Self::OtherBoard { .. }
+                | Self::AxisTaken { .. }
+                | Self::BoardRecord { .. }
+                | Self::NoAxis { .. }
+                | Self::Rate { .. }
+        )
     }
 
     /// Returns true if nothing more can be heard from the board.

@@ -9,6 +9,7 @@ use pump_link::message::Refusal;
 use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
+use crate::drives::error::MotorRest;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
@@ -323,7 +324,10 @@ pub enum NodeError {
     )]
     Driver,
     /// The emergency stop was pressed.
-    #[error("the emergency stop is pressed, or was pressed meanwhile; see that it is safe, and release it")]
+    #[error(
+        "the emergency stop is pressed, or was pressed meanwhile; see that it is safe, and release it; a board without \
+         a stop needs a bridge from its stop input to GND (GP22 of a Pico)"
+    )]
     Estop,
     /// The board was stopped by somebody else.
     #[error("the board was stopped by another program; find out why before the rest is made")]
@@ -343,6 +347,40 @@ impl NodeError {
     /// Returns true if nothing more can be heard from the board.
     pub(super) fn ends_link(&self) -> bool {
         matches!(self, Self::Gone(_) | Self::Quiet { .. } | Self::Reset)
+    }
+
+    /// Returns what the board knows of its motor after this error.
+    pub(in crate::drives) fn rest_of_motor(&self) -> MotorRest {
+        match self {
+            Self::Driver | Self::Estop => MotorRest::WithoutCurrent,
+            Self::Gone(_) | Self::Quiet { .. } | Self::Reset | Self::LetGo => MotorRest::Unknown,
+            _ => MotorRest::Holds,
+        }
+    }
+
+    /// Returns true for a refusal of this program: no board was asked, or none has refused.
+    pub(in crate::drives) fn is_of_this_program(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPort
+                | Self::Open { .. }
+                | Self::Version { .. }
+                | Self::OtherBoard { .. }
+                | Self::AxisTaken { .. }
+                | Self::BoardRecord { .. }
+                | Self::SessionRecord { .. }
+                | Self::OneNumber { .. }
+                | Self::NoAxis { .. }
+                | Self::Place { .. }
+                | Self::Twice { .. }
+                | Self::Elsewhere { .. }
+                | Self::Rate { .. }
+                | Self::LineFull { .. }
+                | Self::Fast { .. }
+                | Self::Pulse { .. }
+                | Self::StepsTaken { .. }
+                | Self::Demand(_)
+        )
     }
 
     /// Returns true if the rotor's angle is unknown after this error.
