@@ -54,7 +54,7 @@ pub(super) fn fastest(
     }
     // A try by this bound costs a hundredth of a prediction, and leaves out a seventieth of an octave and more.
     while too_fast > ratio * slowest {
-        let middle = (slowest * too_fast).sqrt();
+        let middle = 0.5 * (slowest + too_fast);
         if is_safe(middle) { slowest = middle } else { too_fast = middle }
     }
     let (mut good, mut holds) = (slowest, at_speed(slowest));
