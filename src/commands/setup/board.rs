@@ -357,6 +357,13 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
         }
     };
     course.settle(Topic::Axis, &question, read, |answers, axis| answers.axis = Some(axis))?;
+    if let (true, Some(axis)) = (course.asker.is_silent(), course.answers.axis) {
+        let why = match free == Some(&axis) {
+            true => "the first of this board that turns no other pump",
+            false => "that of this pump before",
+        };
+        tell_person(&format!("  axis {axis}: {why}; --axis names another"));
+    }
     Ok(true)
 }
 

@@ -10,7 +10,7 @@ use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{Axis, DriverName, PumpFile};
 use pump_bench::report::Explain;
 use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupError, SetupFolder, Topic};
-use pump_bench::{Bench, Prepared, Session};
+use pump_bench::{Bench, Prepared, Session, built_in};
 
 use super::asker::{Asked, Asker, Question, Usual};
 use super::runnable::Runnable;
@@ -208,12 +208,15 @@ impl Course {
         self.neighbours.iter().filter(|other| other.is_at(port)).cloned().collect()
     }
 
-    /// The other pumps of the board at a port that only their records know, as one that another pump file names.
+    /// The other pumps of the board at a port that only their records know, as one that another pump file names. A
+    /// built-in pump, with which the motor was tried, keeps no axis.
     pub(super) fn recorded_at(&self, board: Option<&FoundBoard>, port: &Path) -> Vec<(String, Axis)> {
         let Some(board) = board else { return Vec::new() };
         let opening = Opening::of_pump(&self.answers.name, board.driver(), &self.state_dir);
         let mut recorded = board.pumps_on_record(port, &opening);
-        recorded.retain(|(pump, _)| self.neighbours.iter().all(|other| other.name != *pump));
+        recorded.retain(|(pump, _)| {
+            built_in(pump).is_none() && self.neighbours.iter().all(|other| other.name != *pump)
+        });
         recorded
     }
 
@@ -228,8 +231,9 @@ impl Course {
         }
         for pump in board.expect(port, *axis, bench.opening()).map_err(Failure::of)? {
             let name = &self.answers.name;
+            let trial = built_in(&pump).map_or("", |_| ", since a built-in pump is a trial");
             warn(&[format!(
-                "the axis {axis} turned the pump `{pump}` by the record: `{name}` takes its place"
+                "the axis {axis} turned the pump `{pump}` by the record: `{name}` takes its place{trial}"
             )]);
         }
         Ok(())

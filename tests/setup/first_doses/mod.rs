@@ -1,6 +1,7 @@
 //! First doses that are refused: they leave no record of the board, so a person corrects the port freely.
 
 mod stopped;
+mod trials;
 
 use std::path::Path;
 

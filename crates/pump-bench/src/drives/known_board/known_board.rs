@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::axis_record::RecordedPump;
+use crate::catalogue::BUILT_IN;
 use crate::drives::opening::Opening;
 use crate::drives::wire::port_name;
 #[cfg(all(feature = "grbl", feature = "node"))]
@@ -56,7 +57,13 @@ impl MadePlace {
         let board =
             self.board.iter().map(move |board| format!("another board was on record, {board}; {now}"));
         let pumps = self.pumps.iter().map(|pump| {
-            format!("the axis turned pump `{pump}` by the record; it turns this pump on record now")
+            let trial = match is_built_in(pump) {
+                true => {
+                    "; a built-in pump is a trial and makes place, and its rollers' angle is to be found anew"
+                }
+                false => "",
+            };
+            format!("the axis turned pump `{pump}` by the record; it turns this pump on record now{trial}")
         });
         board.chain(pumps).map(Notice::from)
     }
@@ -159,7 +166,10 @@ impl KnownBoard {
             return Err(BoardError::Other { port, pump: opening.pump.clone(), found, recorded });
         }
         let others = self.pumps_of_axis(opening);
-        if let (Some(other), Some(axis), false) = (others.first(), self.axis, opening.accept_settings) {
+        // A trial with a built-in pump keeps no axis from a pump of the user's own.
+        let keeps_axis = |other: &&RecordedPump| is_built_in_of(opening) || !is_built_in(&other.pump);
+        let keeper = others.iter().find(keeps_axis);
+        if let (Some(other), Some(axis), false) = (keeper, self.axis, opening.accept_settings) {
             let (port, board) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
             let (pump, other) = (opening.pump.clone(), other.pump.clone());
             return Err(BoardError::AxisTaken { port, axis, board, pump, other });
@@ -247,6 +257,16 @@ impl fmt::Display for KnownBoard {
             None => Ok(()),
         }
     }
+}
+
+/// Returns true for the name of a built-in pump, with which a motor is tried before it has a pump file of its own.
+pub(in crate::drives) fn is_built_in(pump: &str) -> bool {
+    BUILT_IN.iter().any(|(name, _)| *name == pump)
+}
+
+/// Returns true if the pump itself is a built-in one.
+fn is_built_in_of(opening: &Opening) -> bool {
+    opening.pump.as_deref().is_some_and(is_built_in)
 }
 
 fn record_path(opening: &Opening) -> Option<PathBuf> {
