@@ -8,7 +8,8 @@
 //! - `link`: blocks over a wire, each taken once and in order.
 //! - `clock`: the board's clock by the computer's.
 //! - `refit`: the steps of a plan as commands of whole ticks.
-#![allow(dead_code, unused_imports, reason = "the rooms wait for the drive that joins them")]
+//! - `tmc`: the stepper driver TMC2209 behind one wire of the board.
+#![allow(dead_code, unreachable_pub, unused_imports, reason = "the rooms wait for the drive that joins them")]
 
 mod clock;
 mod dictionary;
@@ -17,8 +18,10 @@ mod fault;
 mod link;
 mod protocol;
 mod refit;
+mod tmc;
 
 pub use clock::ClockError;
 pub use dictionary::DictionaryError;
 pub use error::KlipperError;
 pub use protocol::MessageError;
+pub use tmc::TmcError;
