@@ -17,6 +17,7 @@ Prints a device that `dose --driver node --port` takes, and runs until it is int
   --piped            ends with its standard input
   --number <number>  number of the board [default: 1]
   --index <axis=steps>  index sensor of an axis, active once in so many steps, as X=3200
+  --fault-high <axis>  stepper driver of an axis whose output is high in a fault, as DIAG of a TMC2209
   --protocol <n>     firmware that speaks this version of the protocol, as 1
 
 Lines on standard input are hands at the board:
@@ -41,6 +42,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--piped" => is_piped = true,
             "--number" => character.number = value()?.parse()?,
             "--protocol" => character.protocol = Some(value()?.parse()?),
+            "--fault-high" => {
+                character.fault_high[place_of(&value()?).ok_or("name an axis X, Y, Z or A")?] = true
+            }
             "--index" => sense(&mut character, &value()?)?,
             other => return Err(format!("{other} is not an option\n{HELP}").into()),
         }
@@ -67,11 +71,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Returns the place of an axis by its letter.
+fn place_of(axis: &str) -> Option<usize> {
+    ["X", "Y", "Z", "A"].iter().position(|name| *name == axis)
+}
+
 /// Connects the index sensor that `X=3200` names.
 fn sense(character: &mut Character, text: &str) -> Result<(), Box<dyn Error>> {
     let wrong = || format!("{text} is no axis X, Y, Z or A with its steps, as X=3200");
     let (axis, steps) = text.split_once('=').ok_or_else(wrong)?;
-    let place = ["X", "Y", "Z", "A"].iter().position(|name| *name == axis).ok_or_else(wrong)?;
+    let place = place_of(axis).ok_or_else(wrong)?;
     character.index_steps[place] = Some(steps.parse()?);
     Ok(())
 }

@@ -38,6 +38,16 @@ fn the_pins_are_those_of_a_drv8825_unless_the_file_gives_others() {
     for value in ["step pulse", "enable level", "stepper driver's fault", "dead-man time"] {
         assert!(given.contains(value), "{value}: {given}");
     }
+    for (value, said) in [
+        ("\"high\"", "fault high in a fault"),
+        ("\"low\"", "fault low in a fault"),
+        ("false", "not connected"),
+    ] {
+        let (code, told) = check(&user, &format!("{NODE}[drive.pins]\ndriver_fault = {value}\n"));
+        assert!(code == 0 && told.contains(said), "{value}: {told}");
+    }
+    let (code, told) = check(&user, &format!("{NODE}[drive.pins]\ndriver_fault = \"maybe\"\n"));
+    assert!(code == 2 && told.contains("allowed: true or \"low\", \"high\", false"), "{told}");
 }
 
 #[test]

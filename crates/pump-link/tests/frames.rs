@@ -95,18 +95,18 @@ fn every_answer_fits_a_frame_and_comes_back() {
 
 #[test]
 fn the_bytes_of_a_frame_stay_what_they_are() {
-    // Version 2, number 2, session 3, `Status` (the third request) of axis 1. The CRC-32 of these bytes is that of zip:
-    // python3 -c 'import zlib; print(hex(zlib.crc32(bytes([2,2,0,3,0,0,0,0,0,0,0,2,1]))))'.
+    // Version 3, number 2, session 3, `Status` (the third request) of axis 1. The CRC-32 of these bytes is that of zip:
+    // python3 -c 'import zlib; print(hex(zlib.crc32(bytes([3,2,0,3,0,0,0,0,0,0,0,2,1]))))'.
     let frame =
         Encoded::request(RequestHeader { number: 2, session: 3 }, &Request::Status { axis: 1 }).unwrap();
     let crc = CRC_OF_THE_EXAMPLE.to_le_bytes();
-    let mut expected = vec![0, 3, 2, 2, 2, 3, 1, 1, 1, 1, 1, 1, 7, 2, 1];
+    let mut expected = vec![0, 3, 3, 2, 2, 3, 1, 1, 1, 1, 1, 1, 7, 2, 1];
     expected.extend(crc);
     expected.push(0);
     assert_eq!(frame.bytes(), expected);
 }
 
-const CRC_OF_THE_EXAMPLE: u32 = 0x2d15_8441;
+const CRC_OF_THE_EXAMPLE: u32 = 0xf083_5dc4;
 
 #[test]
 fn another_version_is_told_by_its_number_and_never_read() {

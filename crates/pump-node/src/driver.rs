@@ -4,7 +4,7 @@ use core::convert::Infallible;
 
 use pump_ctl::drive::StepMotor;
 use pump_ctl::step::Direction;
-use pump_link::message::AxisConfig;
+use pump_link::message::{AxisConfig, FaultOutput};
 
 use crate::board::{Levels, Pins};
 
@@ -59,7 +59,11 @@ impl<P: Pins> Driver<P> {
 
     /// Returns true if the driver reports a fault.
     pub(crate) fn has_fault(&mut self) -> bool {
-        self.config.has_driver_fault && !self.pins.driver_fault_is_high()
+        match self.config.driver_fault {
+            FaultOutput::None => false,
+            FaultOutput::ActiveLow => !self.pins.driver_fault_is_high(),
+            FaultOutput::ActiveHigh => self.pins.driver_fault_is_high(),
+        }
     }
 }
 

@@ -24,6 +24,8 @@ struct State {
     faults: [bool; 4],
     /// Steps from one index mark to the next of each axis that has a sensor.
     index_steps: [Option<u32>; 4],
+    /// True for each axis whose stepper driver's output is high in a fault.
+    fault_high: [bool; 4],
     /// True once somebody has pressed the board's reset, until it is taken.
     reset: bool,
 }
@@ -48,6 +50,11 @@ impl Hardware {
     /// Connects index sensors, each active once in so many steps of its axis.
     pub(super) fn sense_index(&self, index_steps: [Option<u32>; 4]) {
         self.state().index_steps = index_steps;
+    }
+
+    /// Connects stepper drivers whose outputs are high in a fault.
+    pub(super) fn report_high(&self, fault_high: [bool; 4]) {
+        self.state().fault_high = fault_high;
     }
 
     /// Does what a person's hand does at the board. The words are those of [`super::HANDS`].
@@ -170,6 +177,8 @@ impl Pins for SimulatedPins {
     }
 
     fn driver_fault_is_high(&mut self) -> bool {
-        !self.hardware.state().faults.get(self.axis).copied().unwrap_or(false)
+        let state = self.hardware.state();
+        let at = |levels: &[bool; 4]| levels.get(self.axis).copied().unwrap_or(false);
+        at(&state.faults) == at(&state.fault_high)
     }
 }

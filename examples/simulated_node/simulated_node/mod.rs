@@ -42,6 +42,8 @@ pub(crate) struct Character {
     pub(crate) protocol: Option<u8>,
     /// Steps from one index mark to the next of each axis that has a sensor.
     pub(crate) index_steps: [Option<u32>; 4],
+    /// True for each axis whose stepper driver's output is high in a fault, as DIAG of a TMC2209.
+    pub(crate) fault_high: [bool; 4],
 }
 
 /// Truth about a board, whatever the board says.
@@ -79,6 +81,7 @@ impl SimulatedNode {
         let ((line, path), carrier) = (Line::new()?, Carrier::new()?);
         let (shared, hardware) = (Arc::clone(&truth), Hardware::default());
         hardware.sense_index(character.index_steps);
+        hardware.report_high(character.fault_high);
         let simulation = (hardware.clone(), line);
         let thread = std::thread::spawn(move || Simulation::new(character, simulation).run(carrier, &shared));
         Ok(Self { path, truth, hardware, thread: Some(thread) })

@@ -7,7 +7,7 @@ use std::time::Duration;
 use pump_bench::built_in;
 use pump_bench::drives::wire::Wire;
 use pump_bench::drives::{Disturbance, Drive, Leave, Node, NodeError, Opening};
-use pump_bench::pump_file::{Axis, DriveTable, DriverName, PinsTable};
+use pump_bench::pump_file::{Axis, DriveTable, DriverFault, DriverName, PinsTable};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 
 use crate::board::emulator::{Edge, Emulator};
@@ -45,7 +45,8 @@ fn fault_pin(axis: u8) -> u8 {
 pub(crate) fn sensors(firmware: &Path) -> Result<(), Box<dyn Error>> {
     stop(firmware)?;
     for axis in AXES {
-        fault(firmware, axis)?;
+        fault(firmware, axis, DriverFault::Low)?;
+        fault(firmware, axis, DriverFault::High)?;
         index(firmware, axis)?;
     }
     halt(firmware)
@@ -64,10 +65,20 @@ impl Scene {
         axis: Axis,
         change: impl FnOnce(DriveTable) -> DriveTable,
     ) -> Result<Self, Box<dyn Error>> {
-        let emulator = Emulator::new(firmware)?;
         // The drivers' fault outputs are high, as their pull-ups leave them.
+        Self::of(firmware, axis, true, change)
+    }
+
+    /// Makes a board whose drivers' fault outputs are all at this level.
+    fn of(
+        firmware: &Path,
+        axis: Axis,
+        faultless: bool,
+        change: impl FnOnce(DriveTable) -> DriveTable,
+    ) -> Result<Self, Box<dyn Error>> {
+        let emulator = Emulator::new(firmware)?;
         for other in AXES {
-            emulator.input(fault_pin(other as u8), true)?;
+            emulator.input(fault_pin(other as u8), faultless)?;
         }
         let file = built_in("three-roller").ok_or("no such pump")?;
         let table = change(DriveTable::of(DriverName::Node).with_axis(axis));
@@ -111,24 +122,28 @@ fn stop(firmware: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Has the drivers of all other axes report a fault, and then that of this one.
-fn fault(firmware: &Path, axis: Axis) -> Result<(), Box<dyn Error>> {
+fn fault(firmware: &Path, axis: Axis, output: DriverFault) -> Result<(), Box<dyn Error>> {
     let mut pins = PinsTable::default();
-    pins.driver_fault = Some(true);
-    let Scene { emulator, mut node, plan } = Scene::new(firmware, axis, |table| table.with_pins(pins))?;
+    pins.driver_fault = Some(output);
+    let is_high = output == DriverFault::High;
+    let Scene { emulator, mut node, plan } =
+        Scene::of(firmware, axis, !is_high, |table| table.with_pins(pins))?;
     for other in AXES.into_iter().filter(|other| *other != axis) {
-        emulator.input(fault_pin(other as u8), false)?;
+        emulator.input(fault_pin(other as u8), is_high)?;
     }
     let (board, mut is_told, mut told_at) = (emulator.clone(), false, 0);
     let fault = node.run(&plan, &mut |made, _| {
         if made >= AFTER && !is_told {
-            (is_told, told_at) = (board.input(fault_pin(axis as u8), false).is_ok(), made);
+            (is_told, told_at) = (board.input(fault_pin(axis as u8), is_high).is_ok(), made);
         }
         Leave::Go
     });
     let Err(fault) = fault else { return Err(format!("a fault of driver {axis} went unnoticed").into()) };
     let edges = emulator.take_edges();
     let made = rises(&edges, axis as u8).len() as u64;
-    println!("a fault of driver {axis} after {told_at} steps: {made} were made, and the motor is let go");
+    println!(
+        "a fault of driver {axis}, {output:?}, after {told_at} steps: {made} were made, and the motor is let go"
+    );
     let is_told = matches!(node_error(&fault.error), Some(NodeError::Driver)) && fault.lost;
     check(is_told, "that a driver's fault is told, and the angle lost")?;
     check(made >= AFTER && fault.made_most as u64 == made, "the count of a driver's fault")?;

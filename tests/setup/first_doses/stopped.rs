@@ -92,3 +92,18 @@ fn a_motor_whose_current_is_cut_is_not_said_to_hold() {
         assert_eq!(desk.types(&["accept", "--pump", "acid.toml"]).code, 0);
     }
 }
+
+#[test]
+fn a_fault_output_that_is_high_in_a_fault_is_read_as_such() {
+    let desk = Desk::new();
+    let fault_high = [true, false, false, false];
+    let board = SimulatedNode::start_as(Character { number: 7, fault_high, ..Character::default() }).unwrap();
+    acid(&desk, &board, "[drive.pins]\ndriver_fault = true\n");
+    let wrong = desk.types(&["0.2mL", "--pump", "acid.toml", "--confirm-pump"]);
+    assert!(wrong.code == 2 && wrong.err.contains("the stepper driver reported a fault"), "{}", wrong.err);
+    acid(&desk, &board, "[drive.pins]\ndriver_fault = \"high\"\n");
+    let err = ended_by(&desk, &board, "fault X");
+    assert!(err.contains("the stepper driver reported a fault"), "{err}");
+    board.touch("mend X").unwrap();
+    assert_eq!(desk.types(&["resume", "--pump", "acid.toml"]).code, 0);
+}

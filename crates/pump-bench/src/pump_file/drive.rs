@@ -1,11 +1,13 @@
 //! `[drive]`: the drive that turns the motor.
 
+mod driver_fault;
 mod pins;
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+pub use driver_fault::DriverFault;
 pub use pins::{Pins, PinsTable};
 
 use super::range::{WrongValue, allow, within, within_if_given};

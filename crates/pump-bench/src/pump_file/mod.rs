@@ -18,7 +18,7 @@ mod uncertainty;
 
 pub use ambient::{AmbientSource, AmbientTable};
 pub use dose_limits::UncheckedLimit;
-pub use drive::{Axis, DriveTable, DriverName, Pace, Pins, PinsTable};
+pub use drive::{Axis, DriveTable, DriverFault, DriverName, Pace, Pins, PinsTable};
 pub use error::PumpFileError;
 pub use file::PumpFile;
 pub(crate) use file::SCHEMA;

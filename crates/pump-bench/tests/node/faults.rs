@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use pump_bench::drives::{CommonBegin, Disturbance, Drive, Node, NodeBoard, NodeError};
-use pump_bench::pump_file::PinsTable;
+use pump_bench::pump_file::{DriverFault, PinsTable};
 
 use crate::rig::{Rig, dose, go, node_error, run, worst};
 use crate::several::{PATIENT, Shared, counts, pour};
@@ -162,7 +162,7 @@ fn an_emergency_stop_at_rest_is_told_too_while_the_board_is_met_and_before() {
 fn a_fault_of_the_stepper_driver_that_stays_is_named_and_is_one_disturbance() {
     let rig = Rig::new();
     let mut pins = PinsTable::default();
-    pins.driver_fault = Some(true);
+    pins.driver_fault = Some(DriverFault::Low);
     let table = Rig::table().with_pins(pins);
     let open = || rig.open_by(&table, &rig.opening()).unwrap();
     let plan = dose(1.0, 4.0, false);

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pump_bench::drives::Node;
-use pump_bench::pump_file::PinsTable;
+use pump_bench::pump_file::{DriverFault, PinsTable};
 use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Cruise, Phase, PlanError};
@@ -126,7 +126,7 @@ fn an_angle_that_one_reset_makes_unknown_was_not_disturbed_twice() {
 fn a_fault_that_stays_is_one_disturbance_and_an_emergency_stop_at_rest_makes_the_angle_unknown() {
     let (rig, folder) = (Rig::new(), tempfile::tempdir().unwrap());
     let mut pins = PinsTable::default();
-    pins.driver_fault = Some(true);
+    pins.driver_fault = Some(DriverFault::Low);
     let open = || rig.open_by(&Rig::table().with_pins(pins), &rig.opening()).unwrap();
     let bench = bench(folder.path(), &open());
     let hand = |change: fn(&mut Hardware)| {

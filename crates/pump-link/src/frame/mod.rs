@@ -15,7 +15,7 @@ pub use error::FrameError;
 pub use header::{AnswerHeader, RequestHeader};
 
 /// Version of the protocol. It grows when the meaning of any byte changes.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Largest header and body of a frame, bytes.
 pub const MAX_PAYLOAD: usize = 240;

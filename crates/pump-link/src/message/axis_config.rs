@@ -30,14 +30,25 @@ pub struct AxisConfig {
     pub has_index: bool,
     /// True if the index sensor is active while its pin is low.
     pub index_active_low: bool,
-    /// True if the driver's fault output is connected. It is active low.
-    pub has_driver_fault: bool,
+    /// Output by which the driver reports a fault.
+    pub driver_fault: FaultOutput,
     /// True if the motor is energised as soon as the axis is configured. If not, it is let go until its next move.
     pub energised: bool,
     /// Time at rest after which the motor is let go, ms. It is 0 for a motor that is held for ever.
     pub idle_release_ms: u32,
     /// Number of entries of the brake, 1 to 32.
     pub brake_entries: u8,
+}
+
+/// Output by which a stepper driver reports a fault, as it is connected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FaultOutput {
+    /// Nothing is connected.
+    None,
+    /// The output is low in a fault, as nFAULT of a DRV8825.
+    ActiveLow,
+    /// The output is high in a fault, as DIAG of a TMC2209.
+    ActiveHigh,
 }
 
 /// Longest time of a step pulse that a node waits for in its interrupt, ns.
@@ -60,7 +71,7 @@ impl AxisConfig {
             reversed: false,
             has_index: false,
             index_active_low: false,
-            has_driver_fault: false,
+            driver_fault: FaultOutput::None,
             energised: false,
             idle_release_ms: 0,
             brake_entries,

@@ -13,7 +13,7 @@ mod refusal;
 mod request;
 
 pub use answer::{Answer, Stopping};
-pub use axis_config::AxisConfig;
+pub use axis_config::{AxisConfig, FaultOutput};
 pub use axis_status::{AxisState, AxisStatus, End};
 pub use faults::FaultCounts;
 pub use identity::Identity;

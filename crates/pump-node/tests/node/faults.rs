@@ -1,6 +1,6 @@
 //! Faults: a silent host, a dry queue, a late interrupt, a driver, the emergency stop, and a motor that rests.
 
-use pump_link::message::{Answer, AxisConfig, AxisState, End, FaultCounts, Refusal, Request};
+use pump_link::message::{Answer, AxisConfig, AxisState, End, FaultCounts, FaultOutput, Refusal, Request};
 
 use super::direct::{Direct, EVEN, Edge, config_with, order};
 
@@ -73,6 +73,26 @@ fn an_interrupt_that_is_too_late_stops_the_motor_and_is_told() {
 }
 
 #[test]
+fn a_fault_output_is_read_at_the_level_that_its_driver_has_in_a_fault() {
+    // The pins of the test are low in a fault, so that a driver with DIAG has one while they report none.
+    for (output, reports) in [
+        (FaultOutput::None, [false, false]),
+        (FaultOutput::ActiveLow, [false, true]),
+        (FaultOutput::ActiveHigh, [true, false]),
+    ] {
+        for (is_low, has_fault) in [(false, reports[0]), (true, reports[1])] {
+            let mut direct = Direct::configured(0);
+            direct.configure(0, config_with(|config| config.driver_fault = output));
+            direct.with(|hardware| hardware.driver_fault[0] = is_low);
+            let prepare = Request::Prepare { axis: 0, move_number: 1, order: order(0, 10) };
+            let answer = direct.ask(&prepare);
+            let is_refused = answer == Answer::Refused(Refusal::Driver);
+            assert_eq!(is_refused, has_fault, "{output:?}, low: {is_low}: {answer:?}");
+        }
+    }
+}
+
+#[test]
 fn the_emergency_stop_stops_dead_and_loses_the_angle() {
     let mut direct = Direct::configured(2);
     let at = direct.go(0, 1, 30);
@@ -103,7 +123,7 @@ fn the_emergency_stop_stops_dead_and_loses_the_angle() {
 #[test]
 fn a_drivers_fault_lets_go_of_the_motor() {
     let mut direct = Direct::configured(0);
-    direct.configure(0, config_with(|config| config.has_driver_fault = true));
+    direct.configure(0, config_with(|config| config.driver_fault = FaultOutput::ActiveLow));
     direct.with(|hardware| hardware.driver_fault[0] = true);
     let prepare = Request::Prepare { axis: 0, move_number: 1, order: order(0, 10) };
     assert_eq!(direct.refused(&prepare), Refusal::Driver);

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use pump_ctl::step::{Brake, TickRate};
 use pump_link::message::{
-    Answer, AxisConfig, AxisState, AxisStatus, FaultCounts, Identity, MAX_PACKED, Refusal, Request,
+    Answer, AxisConfig, AxisState, AxisStatus, FaultCounts, FaultOutput, Identity, MAX_PACKED, Refusal,
+    Request,
 };
 use pump_link::packing::{Codec, Grain};
 
@@ -18,7 +19,7 @@ use super::link::Link;
 use super::session_record::SessionRecord;
 use crate::drives::known_board::{KnownBoard, MadePlace};
 use crate::drives::{Disturbance, Opening};
-use crate::pump_file::{Axis, DriveTable, Pins};
+use crate::pump_file::{Axis, DriveTable, DriverFault, Pins};
 
 /// Longest wait for a first answer.
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
@@ -87,7 +88,11 @@ impl Terms {
         config.step_active_low = pins.step_active_low;
         config.enable_active_low = pins.enable_active_low;
         config.index_active_low = pins.index_active_low;
-        config.has_driver_fault = pins.driver_fault;
+        config.driver_fault = match pins.driver_fault {
+            DriverFault::None => FaultOutput::None,
+            DriverFault::Low => FaultOutput::ActiveLow,
+            DriverFault::High => FaultOutput::ActiveHigh,
+        };
         config.reversed = self.invert;
         config.has_index = self.has_index;
         config.energised = energised;

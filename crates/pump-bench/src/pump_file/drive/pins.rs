@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::driver_fault::DriverFault;
 use crate::pump_file::range::{WrongValue, within_if_given};
 
 /// Longest time of a pulse, and of the direction pin before and after a step, in us. A node waits for it in its
@@ -55,9 +56,9 @@ pub struct PinsTable {
     /// True if the index sensor is active while its pin is low.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index_active_low: Option<bool>,
-    /// True if the stepper driver's fault output is connected. It is low in a fault.
+    /// Fault output of the stepper driver.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub driver_fault: Option<bool>,
+    pub driver_fault: Option<DriverFault>,
 }
 
 /// Times and polarity of a step driver's pins, none of which is left out.
@@ -80,8 +81,8 @@ pub struct Pins {
     pub enable_active_low: bool,
     /// True if the index sensor is active while its pin is low.
     pub index_active_low: bool,
-    /// True if the stepper driver's fault output is connected. It is low in a fault.
-    pub driver_fault: bool,
+    /// Fault output of the stepper driver.
+    pub driver_fault: DriverFault,
 }
 
 impl PinsTable {
@@ -96,7 +97,7 @@ impl PinsTable {
             step_active_low: self.step_active_low.unwrap_or(false),
             enable_active_low: self.enable_active_low.unwrap_or(true),
             index_active_low: self.index_active_low.unwrap_or(false),
-            driver_fault: self.driver_fault.unwrap_or(false),
+            driver_fault: self.driver_fault.unwrap_or(DriverFault::None),
         }
     }
 

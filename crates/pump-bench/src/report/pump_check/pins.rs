@@ -1,6 +1,6 @@
 //! The pins of a step driver at a node, and which of their values the pump file gives.
 
-use crate::pump_file::{DriverName, Pins, PumpFile};
+use crate::pump_file::{DriverFault, DriverName, Pins, PumpFile};
 
 /// Returns the times and the polarity of the pins, for a pump at a node.
 pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
@@ -11,7 +11,11 @@ pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
     let level = |is_low: bool| if is_low { "low" } else { "high" };
     let [step, enable, index] =
         [pins.step_active_low, pins.enable_active_low, pins.index_active_low].map(level);
-    let fault = if pins.driver_fault { "low in a fault" } else { "not connected" };
+    let fault = match pins.driver_fault {
+        DriverFault::None => "not connected",
+        DriverFault::Low => "low in a fault",
+        DriverFault::High => "high in a fault",
+    };
     Some(format!(
         "step {step} for {step_pulse_us} us, then {step_pause_us} us off; direction {direction_setup_us} us before and \
          {direction_hold_us} us after a step; enable {enable}, {enable_setup_ms} ms before a step; index {index}; \
