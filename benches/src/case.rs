@@ -3,11 +3,16 @@
 
 use std::f64::consts::TAU;
 
-use pump_model::{ExactRun, Leg, Line, Port, Pump, Stretches};
+use pump_model::integrator::IntegrationError;
+use pump_model::{ExactRun, Friction, Leg, Line, Port, Pump, Stretches};
+
+use crate::ours;
 
 pub(crate) const DT_S: f64 = 1e-3;
 pub(crate) const SAMPLES: usize = 10_000;
 pub(crate) const END_S: f64 = DT_S * SAMPLES as f64;
+/// Tightest tolerance of the integrator.
+const TIGHTEST: f64 = 1e-13;
 pub(crate) const PORTS: [Port; 2] = [Port::Inlet, Port::Outlet];
 
 /// Samples of P_in and P_out, kPa absolute, at 0, 1 ms, 2 ms ...
@@ -51,11 +56,12 @@ impl Segment {
     }
 }
 
-/// The equations of one port for the peers: C dp/dt = s (Q - q), L dq/dt = s p - R q, with s = -1 at the
-/// inlet.
+/// The equations of one port for the peers: C dp/dt = s (Q - q), L dq/dt = s p - dP(q), with s = -1 at the
+/// inlet. The drop dP is R q, or that of a hose's friction.
 pub(crate) struct PortCase {
     pub sign: f64,
     pub line: Line,
+    pub friction: Option<Friction>,
     pub segments: Vec<Segment>,
 }
 
@@ -78,14 +84,22 @@ impl PortCase {
                 _ => segments.push(piece),
             }
         }
-        Self { sign, line: *pump.line(port), segments }
+        Self { sign, line: *pump.line(port), friction: None, segments }
     }
 
     /// Returns d(p, q)/dt where the flow at the rollers is `flow`.
     #[inline]
     pub(crate) fn derivative(&self, flow: f64, [p, q]: [f64; 2]) -> [f64; 2] {
         let Line { resistance_kpa_s_ml: r, compliance_ml_kpa: c, inertance_kpa_s2_ml: l, .. } = self.line;
-        [self.sign * (flow - q) / c, (self.sign * p - r * q) / l]
+        let drop_kpa = self.friction.map_or(r * q, |friction| friction.drop_kpa(q));
+        [self.sign * (flow - q) / c, (self.sign * p - drop_kpa) / l]
+    }
+
+    /// Returns the Jacobian at the line's flow `at_ml_s` times a vector.
+    pub(crate) fn jacobian_times(&self, at_ml_s: f64, [p, q]: [f64; 2]) -> [f64; 2] {
+        let Line { resistance_kpa_s_ml: r, compliance_ml_kpa: c, inertance_kpa_s2_ml: l, .. } = self.line;
+        let slope = self.friction.map_or(r, |friction| friction.slope_kpa_s_ml(at_ml_s));
+        [-self.sign * q / c, (self.sign * p - slope * q) / l]
     }
 }
 
@@ -119,6 +133,19 @@ impl Case {
         });
         let joint = joined(&ports);
         Self { pump, leg, ports, joint, exact }
+    }
+
+    /// Returns the case with a hose's friction at both ports. Its reference is the integrator's own solution at the
+    /// tightest tolerance.
+    pub(crate) fn with_friction(friction: Friction) -> Result<Self, IntegrationError> {
+        let mut case = Self::new();
+        for port in &mut case.ports {
+            port.friction = Some(friction);
+        }
+        let mut exact = room();
+        ours::rubbed(&case, TIGHTEST, &mut exact)?;
+        case.exact = exact;
+        Ok(case)
     }
 
     /// Returns the largest difference to the exact solution, kPa. It is infinite if a solver gave no number.

@@ -1,7 +1,8 @@
 //! The solvers of this project: the exact solution and the two integrators.
 
+use pump_model::circuit::Resistance;
 use pump_model::integrator::IntegrationError;
-use pump_model::{ExactRun, PortRun};
+use pump_model::{ExactRun, Leg, LineState, PortRun};
 
 use crate::case::{Case, DT_S, END_S, PORTS, SAMPLES, Samples, sample_s};
 
@@ -44,13 +45,37 @@ pub(crate) fn integrated(
             Method::Rodas5p => run,
             Method::Radau => run.with_radau()?,
         };
-        let mut due = 0;
-        while let Some(step) = run.step(END_S)? {
-            let pressure = step.polynomial(0);
-            while due < SAMPLES && sample_s(due) <= step.end_s() {
-                kpa[due] = base_kpa + pressure.at((sample_s(due) - step.start_s) / step.length_s);
-                due += 1;
-            }
+        sampled(&mut run, base_kpa, kpa)?;
+    }
+    Ok(())
+}
+
+/// Samples the integrator's solution with the friction of the case's hoses.
+pub(crate) fn rubbed(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), IntegrationError> {
+    for ((port, friction), kpa) in
+        PORTS.into_iter().zip(case.ports.iter().filter_map(|p| p.friction)).zip(samples)
+    {
+        let base_kpa = case.pump.line(port).reservoir_kpa;
+        let rest = LineState::AT_REST;
+        let mut run =
+            PortRun::<_, 2, _>::with_friction(&case.pump, friction, port, [case.leg], rest, tolerance)?;
+        sampled(&mut run, base_kpa, kpa)?;
+    }
+    Ok(())
+}
+
+/// Samples a run by its dense output.
+fn sampled<R: Resistance>(
+    run: &mut PortRun<'_, impl Iterator<Item = Leg>, 2, R>,
+    base_kpa: f64,
+    kpa: &mut [f64],
+) -> Result<(), IntegrationError> {
+    let mut due = 0;
+    while let Some(step) = run.step(END_S)? {
+        let pressure = step.polynomial(0);
+        while due < SAMPLES && sample_s(due) <= step.end_s() {
+            kpa[due] = base_kpa + pressure.at((sample_s(due) - step.start_s) / step.length_s);
+            due += 1;
         }
     }
     Ok(())

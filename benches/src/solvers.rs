@@ -71,7 +71,32 @@ pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
             Ok(())
         })?,
     ];
-    for (name, solve) in SOLVERS {
+    rows.extend(rows_of(&SOLVERS, case)?);
+    Ok(rows)
+}
+
+/// Rows of the case with a hose's friction: our integrator at each goal, then diffsol's BDF and ESDIRK34.
+const RUBBING: [(&str, Solve); 3] = [
+    ("with friction: integrator, RODAS5P", |case, tolerance, samples| {
+        Ok(ours::rubbed(case, tolerance, samples)?)
+    }),
+    ("with friction: diffsol BDF", |case, tolerance, samples| {
+        Ok(implicit::run(case, implicit::Method::Bdf, tolerance, samples)?)
+    }),
+    ("with friction: diffsol ESDIRK34", |case, tolerance, samples| {
+        Ok(implicit::run(case, implicit::Method::Esdirk34, tolerance, samples)?)
+    }),
+];
+
+/// Returns the rows of the case with a hose's friction, a pair for each solver, as many as there are [`GOALS_KPA`].
+pub(crate) fn rubbing_rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
+    rows_of(&RUBBING, case)
+}
+
+/// Returns a row of each solver for each goal, at the loosest tolerance that reaches it.
+fn rows_of<'a>(solvers: &[(&str, Solve)], case: &'a Case) -> Result<Vec<Row<'a>>, Box<dyn Error>> {
+    let mut rows = Vec::new();
+    for &(name, solve) in solvers {
         for goal_kpa in GOALS_KPA {
             let mut samples = room();
             let suffices = |tolerance: &f64| {

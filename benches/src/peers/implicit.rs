@@ -30,9 +30,10 @@ pub(crate) fn run(
     let segments = &case.joint;
     let current = Cell::new(segments[0]);
     let derivative = |z: &[f64], _: &[f64], t: f64, dz: &mut [f64]| slope(case, &current.get(), t, z, dz);
-    let jacobian = |_: &[f64], _: &[f64], _: f64, v: &[f64], jv: &mut [f64]| {
-        for (port, (v, jv)) in case.ports.iter().zip(v.chunks_exact(2).zip(jv.chunks_exact_mut(2))) {
-            jv.copy_from_slice(&port.derivative(0.0, [v[0], v[1]]));
+    let jacobian = |z: &[f64], _: &[f64], _: f64, v: &[f64], jv: &mut [f64]| {
+        let sides = z.chunks_exact(2).zip(v.chunks_exact(2)).zip(jv.chunks_exact_mut(2));
+        for (port, ((z, v), jv)) in case.ports.iter().zip(sides) {
+            jv.copy_from_slice(&port.jacobian_times(z[1], [v[0], v[1]]));
         }
     };
     let problem = OdeBuilder::<Matrix>::new()
