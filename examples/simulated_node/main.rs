@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--number" => character.number = value()?.parse()?,
             "--protocol" => character.protocol = Some(value()?.parse()?),
             "--fault-high" => {
-                character.fault_high[place_of(&value()?).ok_or("name an axis X, Y, Z or A")?] = true
+                character.fault_high[place_of(&value()?).ok_or("name an axis X, Y, Z or A")?] = true;
             }
             "--index" => sense(&mut character, &value()?)?,
             other => return Err(format!("{other} is not an option\n{HELP}").into()),

@@ -148,7 +148,7 @@ pub(crate) fn fault(defects: Defects) -> DriveFault {
 /// Returns the board's error behind a drive's error.
 pub(crate) fn grbl_error(error: DriveError) -> GrblError {
     match error {
-        DriveError::Device(error) => *error.downcast().unwrap(),
+        DriveError::Device(error) | DriveError::Refused(error) => *error.downcast().unwrap(),
         other => panic!("{other}"),
     }
 }

@@ -187,8 +187,8 @@ impl Session<'_> {
         let dose = self.stands().unfinished?;
         let most_ml = self.bench.model().revolution_ml();
         Some(Notice::from(format!(
-            "a dose of {} mL is unfinished, and this turn is no part of it: it pumps up to {} mL, of which nothing is to \
-             get into the vessel; put the tube's end over waste first",
+            "a dose of {} mL is unfinished, and this turn is no part of it: it pumps up to {} mL, of which nothing is \
+             to get into the vessel; put the tube's end over waste first",
             significant(dose.intent.whole_requested_ml(), 6),
             significant(most_ml, 3),
         )))
@@ -198,7 +198,8 @@ impl Session<'_> {
     /// stands.
     ///
     /// While a dose is unfinished, the turn counts as not delivered, and a note tells what it pumped.
-    /// [`Self::search_warning`] is to be told before. The carry is zero afterwards. Returns `None` if `watch` broke before the index was found.
+    /// [`Self::search_warning`] is to be told before. The carry is zero afterwards. Returns `None` if `watch` broke
+    /// before the index was found.
     ///
     /// # Errors
     ///

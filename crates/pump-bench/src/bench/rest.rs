@@ -250,12 +250,13 @@ impl Bench {
     }
 }
 
-/// Tells the volume that turns to find the angle pumped since the dose was stopped, which the rest does not make up for.
+/// Tells the volume that turns to find the angle pumped since the dose was stopped, which the rest does not make up
+/// for.
 fn searched(dose: &Unfinished) -> Option<Notice> {
     let searched_ml = Some(dose.searched_ml()).filter(|ml| *ml != 0.0)?;
     let text = Notice::from(format!(
-        "turns to find the angle pumped {} mL while this dose was unfinished, which count as not delivered: if they got \
-         into the vessel, it will hold as much more than {} mL",
+        "turns to find the angle pumped {} mL while this dose was unfinished, which count as not delivered: if they \
+         got into the vessel, it will hold as much more than {} mL",
         significant(searched_ml, 3),
         significant(dose.intent.whole_requested_ml(), 6),
     ));

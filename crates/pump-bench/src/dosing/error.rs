@@ -1,6 +1,7 @@
 //! The errors of a dose that was refused or failed.
 
 mod kinds;
+mod motor_words;
 mod no_rest_by_weight;
 mod weight_fault;
 
@@ -25,6 +26,7 @@ use super::flow_profile::{FlowWayOut, ProfileError};
 use super::request::RunBound;
 use super::tube_life::LifeUnit;
 use super::unknown_angle::disturbed;
+use motor_words::motor_in_words;
 
 pub use no_rest_by_weight::NoRestByWeight;
 pub use weight_fault::WeightFault;
@@ -404,7 +406,7 @@ pub enum DoseError {
         "{} were delivered{}, and the drive failed",
         between(*least_ml, *most_ml),
         // Two different bounds mean that nobody knows where the rotor stands.
-        error.rest_of_motor().words(least_ml == most_ml)
+        motor_in_words(error, least_ml == most_ml)
     )]
     Drive {
         /// Error of the drive.

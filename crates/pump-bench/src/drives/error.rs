@@ -5,10 +5,6 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-#[cfg(feature = "grbl")]
-use super::grbl::GrblError;
-#[cfg(feature = "node")]
-use super::node::NodeError;
 use crate::notice::Remedy;
 
 /// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
@@ -76,10 +72,13 @@ pub enum DriveError {
     /// The user asked to stop while the device was at rest.
     #[error("stopped by the user before anything moved")]
     Interrupted,
-    /// The device refused or failed with an error of its own, which is the source of this one. A refusal of this
-    /// program, before the device was asked, is worded as such.
-    #[error("{}", who_refused(.0.as_ref()))]
+    /// The device refused or failed with an error of its own, which is the source of this one.
+    #[error("the device refused or failed")]
     Device(#[source] Box<dyn StdError + Send + Sync>),
+    /// This program refused, for the reason that is the source of this error. The device was not asked, or did not
+    /// refuse.
+    #[error("this program refused")]
+    Refused(#[source] Box<dyn StdError + Send + Sync>),
     /// The drive has a name that no folder can have, or that of a drive that a pump file names.
     #[error("the drive is named `{id}`, and a name is {allowed}; name the drive so")]
     Name {
@@ -159,20 +158,6 @@ impl DriveError {
         Self::Device(error.into())
     }
 
-    /// Returns what the drive knows of its motor after this error.
-    pub(crate) fn rest_of_motor(&self) -> MotorRest {
-        let Self::Device(_source) = self else { return MotorRest::Holds };
-        #[cfg(feature = "node")]
-        if let Some(error) = _source.downcast_ref::<NodeError>() {
-            return error.rest_of_motor();
-        }
-        #[cfg(feature = "grbl")]
-        if let Some(error) = _source.downcast_ref::<GrblError>() {
-            return error.rest_of_motor();
-        }
-        MotorRest::Holds
-    }
-
     /// Returns the refusal of a drive that cannot let go of its motor.
     pub(crate) fn no_release(driver: &str) -> Self {
         Self::Unable {
@@ -201,39 +186,4 @@ impl DriveError {
     pub(crate) fn no_index(driver: &str) -> Self {
         Self::Unable { driver: driver.to_owned(), ability: "index sensor", instead: Remedy::SayAngleOrMark }
     }
-}
-
-/// Knowledge of a drive about its motor after an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum MotorRest {
-    /// The motor holds where its steps ended.
-    Holds,
-    /// The motor has no current.
-    WithoutCurrent,
-    /// The device is out of reach, was reset, or has let go of the motor.
-    Unknown,
-}
-
-impl MotorRest {
-    /// Returns the words for the end of a motion, with a comma before them. `is_counted` is true if its steps are known.
-    pub(crate) fn words(self, is_counted: bool) -> &'static str {
-        match self {
-            Self::Holds if is_counted => ", the motor holds",
-            Self::WithoutCurrent => ", the motor has no current",
-            Self::Holds | Self::Unknown => "",
-        }
-    }
-}
-
-/// Says who refused or failed, before the error itself.
-fn who_refused(_source: &(dyn StdError + Send + Sync + 'static)) -> &'static str {
-    #[cfg(feature = "node")]
-    if _source.downcast_ref().is_some_and(NodeError::is_of_this_program) {
-        return "this program refused";
-    }
-    #[cfg(feature = "grbl")]
-    if _source.downcast_ref().is_some_and(GrblError::is_of_this_program) {
-        return "this program refused";
-    }
-    "the device refused or failed"
 }

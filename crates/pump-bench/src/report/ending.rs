@@ -113,6 +113,7 @@ impl DriveError {
             Self::Interrupted => Ending::Stopped,
             Self::Unable { .. }
             | Self::Device(_)
+            | Self::Refused(_)
             | Self::Name { .. }
             | Self::Other { .. }
             | Self::NotGiven { .. }

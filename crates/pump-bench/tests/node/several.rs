@@ -127,7 +127,7 @@ fn rises(world: &SharedWorld, axis: usize) -> Vec<u64> {
 
 /// Returns the drive's own error.
 fn of_node(error: &DoseError) -> &NodeError {
-    let (DoseError::Connection(DriveError::Device(error))
+    let (DoseError::Connection(DriveError::Device(error) | DriveError::Refused(error))
     | DoseError::Drive { error: DriveError::Device(error), .. }) = error
     else {
         panic!("{error:?}")

@@ -29,7 +29,7 @@ fn run(axes: &mut NodeAxes, plans: &[Plan], gates: &mut [&mut Gate<'_>]) -> Vec<
     made.into_iter()
         .map(|made| {
             made.map_err(|fault| match fault.error {
-                DriveError::Device(error) => *error.downcast().unwrap(),
+                DriveError::Device(error) | DriveError::Refused(error) => *error.downcast().unwrap(),
                 error => panic!("{error:?}"),
             })
         })

@@ -31,8 +31,8 @@ impl Session<'_> {
         self.log.rack = Some(ShortText::new(rack));
     }
 
-    /// Returns the part of an intent that only the log needs. `None` for a turn to find the angle, unless it is a search
-    /// for the index within an unfinished dose, whose volume goes where that dose goes.
+    /// Returns the part of an intent that only the log needs. `None` for a turn to find the angle, unless it is a
+    /// search for the index within an unfinished dose, whose volume goes where that dose goes.
     pub(in crate::bench) fn told(&self, motion: &RecordedMotion<'_>, now: Stamp) -> Option<Told> {
         let prepared = motion.prepared;
         (motion.purpose != Purpose::Jog || self.searches_unfinished(motion)).then(|| Told {
@@ -206,8 +206,8 @@ impl Session<'_> {
         }
     }
 
-    /// Returns the entry of a motion. `None` for a turn that [`Self::told`] has nothing of, and for a stretch of a dose by
-    /// weight.
+    /// Returns the entry of a motion. `None` for a turn that [`Self::told`] has nothing of, and for a stretch of a dose
+    /// by weight.
     fn entry(&self, part: &Unfinished, end: LogEnd) -> Option<LogEntry> {
         let intent = &part.intent;
         let is_own = (intent.purpose != Purpose::Jog || intent.told.is_some()) && !intent.terms.by_weight;

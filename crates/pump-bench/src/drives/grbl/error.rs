@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::drives::error::MotorRest;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
@@ -387,16 +386,13 @@ impl GrblError {
         }
     }
 
-    /// Returns what the board knows of its motor after this error.
-    pub(in crate::drives) fn rest_of_motor(&self) -> MotorRest {
-        match self {
-            Self::Gone(_) | Self::Quiet { .. } | Self::Reset => MotorRest::Unknown,
-            _ => MotorRest::Holds,
-        }
+    /// Returns true if nobody knows whether the motor holds after this error.
+    pub(crate) fn hides_motor(&self) -> bool {
+        self.ends_link() || matches!(self, Self::Reset)
     }
 
     /// Returns true for a refusal of this program: no board was asked, or none has refused.
-    pub(in crate::drives) fn is_of_this_program(&self) -> bool {
+    fn is_of_this_program(&self) -> bool {
         matches!(
             self,
             Self::NoPort
@@ -443,6 +439,7 @@ impl From<GrblError> for DriveError {
     fn from(error: GrblError) -> Self {
         match error {
             GrblError::Interrupted => Self::Interrupted,
+            error if error.is_of_this_program() => Self::Refused(Box::new(error)),
             error => Self::Device(Box::new(error)),
         }
     }

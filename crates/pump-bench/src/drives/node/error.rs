@@ -9,7 +9,6 @@ use pump_link::message::Refusal;
 use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
-use crate::drives::error::MotorRest;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
@@ -349,22 +348,22 @@ impl NodeError {
         matches!(self, Self::Gone(_) | Self::Quiet { .. } | Self::Reset)
     }
 
-    /// Returns what the board knows of its motor after this error.
-    pub(in crate::drives) fn rest_of_motor(&self) -> MotorRest {
-        match self {
-            Self::Driver | Self::Estop => MotorRest::WithoutCurrent,
-            Self::Gone(_) | Self::Quiet { .. } | Self::Reset | Self::LetGo => MotorRest::Unknown,
-            _ => MotorRest::Holds,
-        }
+    /// Returns true if the motor is without current after this error.
+    pub(crate) fn cuts_current(&self) -> bool {
+        matches!(self, Self::Driver | Self::Estop)
+    }
+
+    /// Returns true if nobody knows whether the motor holds after this error.
+    pub(crate) fn hides_motor(&self) -> bool {
+        self.ends_link() || matches!(self, Self::LetGo)
     }
 
     /// Returns true for a refusal of this program: no board was asked, or none has refused.
-    pub(in crate::drives) fn is_of_this_program(&self) -> bool {
+    fn is_of_this_program(&self) -> bool {
         matches!(
             self,
             Self::NoPort
                 | Self::Open { .. }
-                | Self::Version { .. }
                 | Self::OtherBoard { .. }
                 | Self::AxisTaken { .. }
                 | Self::BoardRecord { .. }
@@ -419,6 +418,7 @@ impl From<NodeError> for DriveError {
         match error {
             NodeError::Interrupted => Self::Interrupted,
             NodeError::Busy { device, holder } => Self::Busy { device, holder },
+            error if error.is_of_this_program() => Self::Refused(Box::new(error)),
             error => Self::Device(Box::new(error)),
         }
     }

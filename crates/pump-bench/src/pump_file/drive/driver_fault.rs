@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Fault output of a stepper driver, as it is connected. A pump file writes `false`, `true` (low in a fault) or `"high"`.
+/// Fault output of a stepper driver, as it is connected. A pump file writes `false`, `true` (low in a fault) or
+/// `"high"`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub enum DriverFault {

@@ -21,7 +21,7 @@ impl Explain for DriveError {
             Self::Busy { holder, .. } => ErrorFacts::of(ErrorKind::Busy).value(holder),
             Self::Interrupted => ErrorFacts::of(ErrorKind::Stopped),
             Self::Unable { driver, .. } | Self::NotGiven { id: driver } => drive.value(driver),
-            Self::Device(error) => of_device(error.as_ref()).unwrap_or(drive),
+            Self::Device(error) | Self::Refused(error) => of_device(error.as_ref()).unwrap_or(drive),
             Self::Name { id, allowed } => drive.value(id).allowed(allowed),
             Self::Other { bench, given } => drive.value(given).allowed(bench),
             Self::OtherDriver { driver, named, .. } => drive.value(named).allowed(driver),

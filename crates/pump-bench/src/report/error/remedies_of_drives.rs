@@ -19,7 +19,7 @@ impl DriveError {
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
         match self {
             Self::Unable { instead, .. } => vec![*instead],
-            Self::Device(error) => of_device(error.as_ref()).into_iter().collect(),
+            Self::Device(error) | Self::Refused(error) => of_device(error.as_ref()).into_iter().collect(),
             Self::Busy { .. }
             | Self::Interrupted
             | Self::Name { .. }

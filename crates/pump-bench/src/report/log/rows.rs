@@ -58,8 +58,8 @@ pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
     )
 }
 
-/// Returns the volume that was asked for, in mL. `None` for a run until it is stopped and for a turn to the index, which
-/// nobody asked a volume of.
+/// Returns the volume that was asked for, in mL. `None` for a run until it is stopped and for a turn to the index,
+/// which nobody asked a volume of.
 fn requested_ml(entry: &LogEntry) -> Option<f64> {
     Some(entry.requested_ml).filter(|_| !entry.until_stopped && entry.purpose != Purpose::Jog)
 }
