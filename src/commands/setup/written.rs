@@ -1,7 +1,7 @@
 //! The summary of the answers, and the pump file that they make.
 
 use pump_bench::catalogue::unusual;
-use pump_bench::pump_file::{DriverName, OutletEnd, PumpFile, Reservoir};
+use pump_bench::pump_file::{DriveTable, DriverName, OutletEnd, PumpFile, Reservoir};
 use pump_bench::setup::Topic;
 
 use super::asker::{Asked, Question, Stop, Usual};
@@ -133,6 +133,7 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
         _ => "sim: no motor moves".to_owned(),
     };
     line("board", &board);
+    usual_pins(file).into_iter().for_each(|pins| line("pins", pins));
     let lift = |reservoir: Reservoir, what: &str, place: &str, side: &str| match reservoir {
         Reservoir::Lift(0.0) => String::new(),
         Reservoir::Lift(mm) if mm < 0.0 => format!(", {place} {} m {side} the pump", rounded(-1e-3 * mm)),
@@ -152,6 +153,15 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
     let speed_rpm = 60.0 * rate_ml_s / model.revolution_ml();
     line("rate", &format!("{rate_ml_s} mL/s, {} r/min of the head", rounded_to(speed_rpm, 3)));
     Ok(lines)
+}
+
+/// The pins of a node's stepper driver, if the file leaves them out.
+fn usual_pins(file: &PumpFile) -> Option<&'static str> {
+    let is_unsaid = |drive: &&DriveTable| drive.driver == DriverName::Node && drive.pins.is_none();
+    file.drive.as_ref().filter(is_unsaid).map(|_| {
+        "those of a DRV8825, without its fault output; docs/node.md says what the pump file names for a TMC2209 or \
+         another stepper driver"
+    })
 }
 
 /// A number with four digits at most.

@@ -38,6 +38,7 @@ fn a_trial_with_a_built_in_pump_keeps_no_axis_from_a_pump_of_the_users_own() {
     let place =
         "the axis X turned the pump `three-roller` by the record: `acid` takes its place, since a built-in";
     assert!(acid.code == 0 && acid.err.contains(first) && acid.err.contains(place), "{}", acid.err);
+    assert!(acid.err.contains("pins    those of a DRV8825, without its fault output"), "{}", acid.err);
     // A pump of the user's own keeps its axis, and a trial is refused in its turn.
     let base = set_up("base");
     assert!(
