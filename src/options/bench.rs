@@ -58,11 +58,16 @@ impl BenchOptions {
                  sim",
             ));
         }
-        if *configure && driver.driver.unwrap_or(file.driver()) == DriverName::Node {
-            return Err(Failure::refused(
-                "--configure writes the settings of a grbl board, and a node keeps none: each command sends it \
+        let keeps_none = match driver.driver.unwrap_or(file.driver()) {
+            DriverName::Node => Some("a node"),
+            DriverName::Klipper => Some("a Klipper board"),
+            DriverName::Sim | DriverName::Grbl => None,
+        };
+        if let Some(board) = keeps_none.filter(|_| *configure) {
+            return Err(Failure::refused(format!(
+                "--configure writes the settings of a grbl board, and {board} keeps none: each command sends it \
                  those of the pump file; leave it out",
-            ));
+            )));
         }
         Ok(self
             .simulated(file)?

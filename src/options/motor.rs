@@ -17,10 +17,11 @@ pub(crate) struct DriverOption {
         long_help = "Driver of the motor. The default is the pump file's, and sim without one: a simulated \
         motor."
     )]
-    #[arg(long, value_name = "sim|grbl|node", value_parser = choice(&[
+    #[arg(long, value_name = "sim|grbl|node|klipper", value_parser = choice(&[
         (DriverName::Sim, "A simulated stepper, pump and vessel"),
         (DriverName::Grbl, "A board that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC"),
         (DriverName::Node, "A board with this project's own firmware, which makes each step at the plan's time"),
+        (DriverName::Klipper, "A board with the Klipper firmware, which makes each step at the plan's time"),
     ]))]
     pub(crate) driver: Option<DriverName>,
 }

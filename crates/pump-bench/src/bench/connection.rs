@@ -136,7 +136,10 @@ impl<'a> Session<'a> {
         let (model, stands) = (self.bench.model(), self.stands());
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
         // The drive reports disturbances first: it may hear of a reset that changes the count.
-        let told = drive.disturbed();
+        let (told, halted) = match drive.disturbed() {
+            Some(halted @ Disturbance::Halted { .. }) => (None, Some(halted)),
+            told => (told, None),
+        };
         let count = drive.count();
         let mut met = stands;
         // A device that counts from zero again was switched off and on unheard. So a count of zero proves
@@ -178,7 +181,25 @@ impl<'a> Session<'a> {
                 }
             };
         }
+        if let Some(halted) = halted {
+            // The count is that of the steps all the same, so the halt comes on top.
+            met = after_event(met, halted, self.fall_rad(halted), model);
+            notes.push(
+                Notice::from(format!("{halted}: the rollers' angle is known less well"))
+                    .with_remedy(Remedy::FindAngle),
+            );
+        }
         PumpState { count, released: false, ..met }
+    }
+
+    /// Returns the angle by which the rotor may have turned in an event.
+    pub(super) fn fall_rad(&self, event: Disturbance) -> f64 {
+        match event {
+            Disturbance::Halted { slip_steps } => {
+                f64::from(slip_steps) * self.file().limits().motor.step_rad()
+            }
+            _ => self.bench.fall_rad(),
+        }
     }
 
     /// Returns the state of a pump whose rotor was released, by a device that counts `count` now.

@@ -56,7 +56,10 @@ impl Session<'_> {
                 "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}",
                 self.journal.path().display()
             );
-        } else if self.bench.drive_id() == DriverName::Node.as_str() {
+        } else if [DriverName::Node, DriverName::Klipper]
+            .iter()
+            .any(|driver| driver.as_str() == self.bench.drive_id())
+        {
             text += "the board made each step at its time, and other programs held this computer up, or its line \
                      to the board was late";
         } else if self.bench.identity().abilities.step_times {

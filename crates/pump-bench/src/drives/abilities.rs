@@ -51,6 +51,15 @@ impl Abilities {
         .with_flow_over_time(true)
         .with_together(Together::Begin);
 
+    /// Abilities of a motor at a board with the Klipper firmware, which makes each step at the plan's time.
+    pub(super) const KLIPPER: Self = Self::new()
+        .with_index(true)
+        .with_readback(true)
+        .with_release(true)
+        .with_step_times(true)
+        .with_angle_dependent_speed(true)
+        .with_flow_over_time(true);
+
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.
     pub const fn new() -> Self {

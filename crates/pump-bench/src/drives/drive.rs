@@ -75,8 +75,8 @@ impl DriveLimits {
 
 /// Event that the rotor's angle may not have survived.
 ///
-/// Each event but one widens the angle by two full steps of the motor: a released rotor may fall that far before it
-/// is caught again. After an emergency stop the angle is unknown.
+/// Each event but two widens the angle by two full steps of the motor: a released rotor may fall that far before it
+/// is caught again. After an emergency stop the angle is unknown. A motor that was halted may have slipped farther.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Disturbance {
     /// The device was reset, or switched on.
@@ -87,6 +87,12 @@ pub enum Disturbance {
     LinkLost,
     /// The emergency stop has cut the current of every motor of the device. People may have turned the rotor meanwhile.
     EmergencyStop,
+    /// The motor was stopped in motion without a ramp, and may have slipped by so many steps. The device's count is
+    /// that of the steps which the motor was given.
+    Halted {
+        /// Most steps by which the motor may have slipped.
+        slip_steps: u32,
+    },
     /// Another axis of the device turns the motor than before. Its count says nothing of this rotor, which was without
     /// current while it was connected to the other axis.
     OtherAxis,
@@ -101,6 +107,7 @@ impl Display for Disturbance {
             Self::EmergencyStop => {
                 "the emergency stop was pressed, and each motor of the board was without current"
             }
+            Self::Halted { .. } => "the motor was stopped in motion without a ramp, and may have slipped",
             Self::OtherAxis => {
                 "the motor is at another axis of the board than before, which counts from elsewhere"
             }

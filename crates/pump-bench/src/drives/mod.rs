@@ -14,23 +14,21 @@ pub(crate) mod grbl_speeds;
 mod identity;
 #[cfg(feature = "klipper")]
 mod klipper;
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 mod known_board;
 #[cfg(feature = "node")]
 mod node;
-#[cfg(not(all(feature = "grbl", feature = "node")))]
+#[cfg(not(all(feature = "grbl", feature = "node", feature = "klipper")))]
 mod not_built;
 mod opening;
 pub(crate) mod registry;
+#[cfg(any(feature = "node", feature = "klipper"))]
+mod sent_lead;
 mod sim;
 mod stepped;
 mod stop_request;
 #[doc(hidden)]
 #[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
-#[cfg_attr(
-    not(any(feature = "grbl", feature = "node")),
-    allow(dead_code, unused_imports, reason = "the drive klipper opens no port yet")
-)]
 pub mod wire;
 
 pub use abilities::{Abilities, Together};
@@ -47,7 +45,7 @@ pub use grbl::reply as grbl_reply;
 pub use grbl::{Grbl, GrblBoard, GrblError, ask_ports};
 pub(crate) use identity::Identity;
 #[cfg(feature = "klipper")]
-pub use klipper::{ClockError, DictionaryError, KlipperError, MessageError};
+pub use klipper::{ClockError, DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 pub use opening::Opening;

@@ -5,6 +5,7 @@ use super::drive::Drive;
 use super::drive::DriveLimits;
 use super::error::DriveError;
 use super::opening::Opening;
+#[cfg(not(all(feature = "grbl", feature = "node")))]
 use super::stop_request::StopRequest;
 use crate::pump_file::{DriveTable, PumpFile};
 
@@ -28,6 +29,7 @@ pub(super) fn recorded_limits(
 }
 
 /// Returns the error as it is: a program with one kind of board, or none, asks for no other.
+#[cfg(not(all(feature = "grbl", feature = "node")))]
 pub(super) fn told_apart(error: DriveError, _table: &DriveTable, _stop: &StopRequest) -> DriveError {
     error
 }

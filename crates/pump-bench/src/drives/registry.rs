@@ -11,12 +11,16 @@ use super::find;
 #[cfg(feature = "grbl")]
 use super::grbl;
 use super::identity::Identity;
+#[cfg(feature = "klipper")]
+use super::klipper;
 #[cfg(feature = "node")]
 use super::node;
 #[cfg(not(all(feature = "grbl", feature = "node")))]
 use super::not_built as find;
 #[cfg(not(feature = "grbl"))]
 use super::not_built as grbl;
+#[cfg(not(feature = "klipper"))]
+use super::not_built as klipper;
 #[cfg(not(feature = "node"))]
 use super::not_built as node;
 use super::opening::Opening;
@@ -29,6 +33,7 @@ pub(crate) fn identity(driver: DriverName) -> Identity {
         DriverName::Sim => (true, sim::ABILITIES),
         DriverName::Grbl => (false, Abilities::GRBL),
         DriverName::Node => (false, Abilities::NODE),
+        DriverName::Klipper => (false, Abilities::KLIPPER),
     };
     Identity { id: driver.as_str().to_owned(), is_simulated, abilities }
 }
@@ -45,7 +50,7 @@ pub(crate) fn recorded_limits(
 ) -> Result<Option<DriveLimits>, DriveError> {
     match table.driver {
         DriverName::Grbl => grbl::recorded_limits(table, opening, step_rad),
-        DriverName::Sim | DriverName::Node => Ok(None),
+        DriverName::Sim | DriverName::Node | DriverName::Klipper => Ok(None),
     }
 }
 
@@ -64,6 +69,7 @@ pub(crate) fn open<'a>(
         DriverName::Sim => return Ok(Box::new(sim::Sim::new(model))),
         DriverName::Grbl => grbl::open(table, file, opening),
         DriverName::Node => node::open(table, file, opening),
+        DriverName::Klipper => klipper::open(table, file, opening),
     };
     opened.map_err(|error| find::told_apart(error, table, &opening.stop))
 }

@@ -8,13 +8,14 @@ use pump_ctl::plan::PlannedMotion;
 use crate::drives::wire::AskClock;
 use crate::drives::{Gate, Leave};
 
-/// Time of the motion for which there is leave ahead of the motor, besides the way in which it stops, in s. The
-/// thread that asks for leave may be held up for 1 s, and the board's queue still holds 200 ms.
-const LEAVE_AHEAD_S: f64 = 1.6;
-
-/// Time of the motion that is sent ahead of the motor, in s. The board's queue then holds 200 ms at least while
-/// answers are under way.
-const SENT_AHEAD_S: f64 = 0.6;
+/// Times for which there is leave, and for which steps are sent.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::drives) struct Ahead {
+    /// Time of the motion for which there is leave ahead of the motor, besides the way in which it stops, in s.
+    pub(in crate::drives) leave_s: f64,
+    /// Time of the motion that is sent ahead of the motor, in s.
+    pub(in crate::drives) sent_s: f64,
+}
 
 /// Steps beyond these times. One of them is under way. The other is due after it, and the host hears of a step only
 /// once it is made: at a slow speed a motor with one step ahead would rest at each.
@@ -25,8 +26,9 @@ const PARTS: u64 = 8;
 
 /// Leave for the steps of a motion.
 #[derive(Debug)]
-pub(in crate::drives::node) struct SentLead<'p> {
+pub(in crate::drives) struct SentLead<'p> {
     plan: PlannedMotion<'p>,
+    ahead: Ahead,
     /// Last step that has leave. It never falls.
     left: AtomicU64,
     /// Steps made, as the board told last.
@@ -41,9 +43,10 @@ pub(in crate::drives::node) struct SentLead<'p> {
 
 impl<'p> SentLead<'p> {
     /// Begins with no step that has leave.
-    pub(in crate::drives::node) fn new(plan: PlannedMotion<'p>, brake_steps: u64) -> Self {
+    pub(in crate::drives) fn new(plan: PlannedMotion<'p>, ahead: Ahead, brake_steps: u64) -> Self {
         Self {
             plan,
+            ahead,
             left: AtomicU64::new(0),
             made: AtomicU64::new(0),
             brake_steps,
@@ -69,47 +72,48 @@ impl<'p> SentLead<'p> {
 
     /// Returns the last step that may be sent now, if those up to `sent` are: within the leave, and not too far ahead
     /// of the motor. Some steps are sent at a time.
-    pub(in crate::drives::node) fn sendable(&self, sent: u64) -> u64 {
+    pub(in crate::drives) fn sendable(&self, sent: u64) -> u64 {
         let made = self.made.load(Ordering::Acquire);
-        let goal = self.within(made, SENT_AHEAD_S).saturating_add(BEYOND).min(self.all());
+        let goal = self.within(made, self.ahead.sent_s).saturating_add(BEYOND).min(self.all());
         let part = (goal.saturating_sub(made) / PARTS).max(1);
         let is_worth = match self.plan {
             PlannedMotion::Dose(_) => goal >= sent.max(made) + part,
-            PlannedMotion::Flow(_) => self.is_later(goal, sent.max(made), SENT_AHEAD_S),
+            PlannedMotion::Flow(_) => self.is_later(goal, sent.max(made), self.ahead.sent_s),
         };
         let is_worth = goal == self.all() || is_worth;
         if is_worth { goal.min(self.reach()).max(sent) } else { sent }
     }
 
     /// Returns true if all that has leave is sent, up to step `sent`, and the plan goes on.
-    pub(in crate::drives::node) fn is_withheld(&self, sent: u64) -> bool {
+    #[cfg(feature = "node")]
+    pub(in crate::drives) fn is_withheld(&self, sent: u64) -> bool {
         let reach = self.reach();
         sent >= reach && reach < self.all()
     }
 
     /// Notes the number of steps made.
-    pub(in crate::drives::node) fn note_made(&self, made: u64) {
+    pub(in crate::drives) fn note_made(&self, made: u64) {
         self.made.store(made, Ordering::Release);
     }
 
     /// Has the motion end.
-    pub(in crate::drives::node) fn stop(&self) {
+    pub(in crate::drives) fn stop(&self) {
         self.stops.store(true, Ordering::Release);
     }
 
     /// Returns true once the motion is to end before its plan.
-    pub(in crate::drives::node) fn stops(&self) -> bool {
+    pub(in crate::drives) fn stops(&self) -> bool {
         self.stops.load(Ordering::Acquire)
     }
 
     /// Notes that the motion has ended.
-    pub(in crate::drives::node) fn end(&self) {
+    pub(in crate::drives) fn end(&self) {
         self.has_ended.store(true, Ordering::Release);
     }
 
     /// Asks `gate` for leave ahead of the motor, some steps at a time. If nothing is to be asked for, the gate may
     /// still say stop.
-    pub(in crate::drives::node) fn ask(&self, gate: &mut Gate<'_>) {
+    pub(in crate::drives) fn ask(&self, gate: &mut Gate<'_>) {
         loop {
             if self.stops() || self.has_ended.load(Ordering::Acquire) {
                 return;
@@ -120,7 +124,7 @@ impl<'p> SentLead<'p> {
             let is_due = match self.plan {
                 PlannedMotion::Dose(_) => goal.saturating_sub(left) >= part,
                 PlannedMotion::Flow(_) => {
-                    self.is_later(goal.saturating_sub(self.brake_steps), self.reach(), LEAVE_AHEAD_S)
+                    self.is_later(goal.saturating_sub(self.brake_steps), self.reach(), self.ahead.leave_s)
                 }
             };
             let wants = left < goal && (goal == self.all() || is_due || self.reach() <= made);
@@ -150,7 +154,7 @@ impl<'p> SentLead<'p> {
 
     /// Returns the last step to have leave for once `made` are made.
     fn goal(&self, made: u64) -> u64 {
-        let ahead = self.within(made, LEAVE_AHEAD_S).saturating_add(BEYOND);
+        let ahead = self.within(made, self.ahead.leave_s).saturating_add(BEYOND);
         ahead.saturating_add(self.brake_steps).min(self.all())
     }
 
@@ -177,7 +181,10 @@ impl<'p> SentLead<'p> {
 }
 
 /// Guard of motions: however the thread that asks their gates ends, their motors stop.
-pub(super) struct Ends<'a, 'p>(pub(super) &'a [SentLead<'p>], pub(super) &'a dyn AskClock);
+pub(in crate::drives) struct Ends<'a, 'p>(
+    pub(in crate::drives) &'a [SentLead<'p>],
+    pub(in crate::drives) &'a dyn AskClock,
+);
 
 impl Drop for Ends<'_, '_> {
     fn drop(&mut self) {

@@ -1,7 +1,7 @@
 //! Files that a bench reads and writes: tables in, whole files out.
 
 mod plain;
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 mod small_records;
 mod staged;
 mod table;
@@ -10,7 +10,7 @@ mod without_links;
 pub use plain::{
     FileError, MOST_PUMP_FILE_BYTES, MOST_TABLE_BYTES, is_one_file, names_in, place_of, read_text,
 };
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 pub(crate) use small_records::{read_plain, replace_plain};
 pub use staged::Staged;
 pub(crate) use staged::{folder_of, sync_folder};

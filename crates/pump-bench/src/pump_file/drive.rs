@@ -1,6 +1,8 @@
 //! `[drive]`: the drive that turns the motor.
 
 mod driver_fault;
+mod klipper;
+mod klipper_pin;
 mod pins;
 
 use std::path::PathBuf;
@@ -8,6 +10,8 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 pub use driver_fault::DriverFault;
+pub use klipper::{KlipperTable, TmcTable};
+pub use klipper_pin::{KlipperPin, KlipperPinError, PinPull};
 pub use pins::{Pins, PinsTable};
 
 use super::range::{WrongValue, allow, within, within_if_given};
@@ -50,7 +54,8 @@ pub struct DriveTable {
     /// Largest error of the index angle, in deg.
     #[serde(default = "usual_index_width_deg")]
     pub index_width_deg: f64,
-    /// Time without a word of this computer after which a node decelerates, in ms. `None` takes 500 ms.
+    /// Time without a word of this computer after which a node decelerates and a Klipper board stops, in ms. `None`
+    /// takes 500 ms.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dead_man_ms: Option<u16>,
     /// Pace of a simulated motor. `None` takes no time for a motion.
@@ -59,6 +64,9 @@ pub struct DriveTable {
     /// Times and polarity of a step driver's pins, which a node keeps to. `None` takes those of a DRV8825.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pins: Option<PinsTable>,
+    /// Pins and stepper driver at a board with the Klipper firmware, which needs them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub klipper: Option<KlipperTable>,
 }
 
 /// Shortest and longest dead-man time, and the usual one, in ms. The board's queue holds 200 ms at least.
@@ -83,6 +91,8 @@ pub enum DriverName {
     Grbl,
     /// Axis of a board that runs this project's own firmware and makes each step at the plan's time.
     Node,
+    /// Motor at a board that runs the Klipper firmware and makes each step at the plan's time.
+    Klipper,
 }
 
 /// An axis of a controller. grbl 1.1 has the first three, a node the first four: its axes 0 to 3.
@@ -114,7 +124,7 @@ pub enum Pace {
 }
 
 words!(Pace { Real = "real", Fast = "fast" });
-words!(DriverName { Sim = "sim", Grbl = "grbl", Node = "node" });
+words!(DriverName { Sim = "sim", Grbl = "grbl", Node = "node", Klipper = "klipper" });
 words!(Axis { X = "X", Y = "Y", Z = "Z", A = "A", B = "B", C = "C" });
 
 impl DriveTable {
@@ -132,7 +142,14 @@ impl DriveTable {
             dead_man_ms: None,
             pace: None,
             pins: None,
+            klipper: None,
         }
+    }
+
+    /// Returns the table with the pins and the stepper driver at a board with the Klipper firmware.
+    #[must_use]
+    pub fn with_klipper(self, klipper: KlipperTable) -> Self {
+        Self { klipper: Some(klipper), ..self }
     }
 
     /// Returns the table with the times and the polarity of a step driver's pins.
@@ -201,11 +218,13 @@ impl DriveTable {
 
     /// Returns the rate of the serial port, in bits per second: the one that is given, or the driver's usual one.
     ///
-    /// Most grbl boards on a USB cable speak 115200. A node needs more for a smooth flow.
+    /// Most grbl boards on a USB cable speak 115200. A node needs more for a smooth flow. The Klipper firmware speaks
+    /// 250000 (Klipper3d/klipper, `docs/Config_Reference.md`, `[mcu]`).
     pub fn rate_baud(&self) -> u32 {
         self.baud.unwrap_or(match self.driver {
             DriverName::Sim | DriverName::Grbl => 115_200,
             DriverName::Node => 460_800,
+            DriverName::Klipper => 250_000,
         })
     }
 
@@ -213,7 +232,7 @@ impl DriveTable {
     pub(super) fn check_port(&self) -> Result<(), WrongValue> {
         let needs_port = match self.driver {
             DriverName::Sim => false,
-            DriverName::Grbl | DriverName::Node => true,
+            DriverName::Grbl | DriverName::Node | DriverName::Klipper => true,
         };
         if needs_port && self.port.is_none() {
             let allowed = "a serial port, as \"/dev/ttyUSB0\"";
@@ -237,12 +256,7 @@ impl DriveTable {
         }
         within_if_given("[drive] index_angle_deg", self.index_angle_deg, -360.0..=360.0)?;
         within("[drive] index_width_deg", self.index_width_deg, 0.0..=180.0)?;
-        let of_node =
-            [("[drive] dead_man_ms", self.dead_man_ms.is_some()), ("[drive.pins]", self.pins.is_some())];
-        for (key, is_given) in of_node {
-            let allowed = "beside driver = \"node\" only, since other boards have their own";
-            allow(!is_given || self.driver == DriverName::Node, key, "given", allowed)?;
-        }
+        self.check_board_keys()?;
         let is_simulated = self.driver == DriverName::Sim;
         let allowed = "beside driver = \"sim\" only, since a real motor keeps real time";
         allow(is_simulated || self.pace.is_none(), "[drive] pace", "given", allowed)?;
@@ -251,5 +265,26 @@ impl DriveTable {
             within("[drive] dead_man_ms", dead_man_ms, least..=most)?;
         }
         self.pins.map_or(Ok(()), |pins| pins.check())
+    }
+
+    /// Refuses keys of another board than the driver's, and a Klipper board without its pins.
+    fn check_board_keys(&self) -> Result<(), WrongValue> {
+        let is = |driver| self.driver == driver;
+        let (is_node, is_klipper) = (is(DriverName::Node), is(DriverName::Klipper));
+        let allowed = "beside driver = \"node\" only, since other boards have their own";
+        allow(self.pins.is_none() || is_node, "[drive.pins]", "given", allowed)?;
+        let allowed = "beside driver = \"node\" or \"klipper\" only, since other boards have their own";
+        allow(self.dead_man_ms.is_none() || is_node || is_klipper, "[drive] dead_man_ms", "given", allowed)?;
+        let allowed = "beside driver = \"klipper\" only, since other boards have pins of their own";
+        allow(self.klipper.is_none() || is_klipper, "[drive.klipper]", "given", allowed)?;
+        match &self.klipper {
+            Some(klipper) => klipper.check(self.index_angle_deg.is_some()),
+            None if is_klipper => {
+                let allowed =
+                    "a table with the pins step and dir, as step = \"PB13\", and enable if there is one";
+                Err(WrongValue::missing("[drive.klipper]", allowed))
+            }
+            None => Ok(()),
+        }
     }
 }

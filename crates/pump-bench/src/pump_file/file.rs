@@ -130,7 +130,7 @@ impl PumpFile {
             origin: origin.to_owned(),
             message: match error.message() {
                 "missing field `driver`" => {
-                    "[drive] has no driver, sim, grbl or node; add it, as driver = \"sim\" beside pace"
+                    "[drive] has no driver, sim, grbl, node or klipper; add it, as driver = \"sim\" beside pace"
                         .to_owned()
                 }
                 _ => error.to_string().trim_end().to_owned(),

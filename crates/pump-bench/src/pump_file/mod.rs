@@ -18,7 +18,10 @@ mod uncertainty;
 
 pub use ambient::{AmbientSource, AmbientTable};
 pub use dose_limits::UncheckedLimit;
-pub use drive::{Axis, DriveTable, DriverFault, DriverName, Pace, Pins, PinsTable};
+pub use drive::{
+    Axis, DriveTable, DriverFault, DriverName, KlipperPin, KlipperPinError, KlipperTable, Pace, PinPull,
+    Pins, PinsTable, TmcTable,
+};
 pub use error::PumpFileError;
 pub use file::PumpFile;
 pub(crate) use file::SCHEMA;

@@ -75,7 +75,7 @@ impl Answers {
             file.model()?.revolution_ml() / (f64::from(file.motor.steps_per_rev) * file.motor.gear);
         let usual_ml_s = file.pump.default_rate_ml_s;
         Ok(match file.driver() {
-            DriverName::Sim | DriverName::Node => usual_ml_s,
+            DriverName::Sim | DriverName::Node | DriverName::Klipper => usual_ml_s,
             // Half of the range, so that the digits that are cut away leave it.
             DriverName::Grbl => {
                 usual_ml_s.min(0.5 * MOST_STEPS_S * ml_per_step).max(2.0 * LEAST_STEPS_S * ml_per_step)

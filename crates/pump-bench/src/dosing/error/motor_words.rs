@@ -3,6 +3,8 @@
 use crate::drives::DriveError;
 #[cfg(feature = "grbl")]
 use crate::drives::GrblError;
+#[cfg(feature = "klipper")]
+use crate::drives::KlipperError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
 
@@ -12,6 +14,14 @@ pub(super) fn motor_in_words(error: &DriveError, is_counted: bool) -> &'static s
     let DriveError::Device(_source) = error else { return if is_counted { ", the motor holds" } else { "" } };
     #[cfg(feature = "node")]
     if let Some(error) = _source.downcast_ref::<NodeError>() {
+        if error.cuts_current() {
+            return ", the motor has no current";
+        } else if error.hides_motor() {
+            return "";
+        }
+    }
+    #[cfg(feature = "klipper")]
+    if let Some(error) = _source.downcast_ref::<KlipperError>() {
         if error.cuts_current() {
             return ", the motor has no current";
         } else if error.hides_motor() {

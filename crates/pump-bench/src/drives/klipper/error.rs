@@ -8,7 +8,10 @@ use thiserror::Error;
 use super::clock::ClockError;
 use super::dictionary::DictionaryError;
 use super::protocol::MessageError;
+use super::refit::RefitError;
+use super::tmc::TmcError;
 use crate::drives::DriveError;
+use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 
 /// Error of a board with the Klipper firmware.
@@ -126,6 +129,135 @@ pub enum KlipperError {
         /// Checksum of the configuration that is needed.
         wanted: u32,
     },
+    /// The pump file names no pins.
+    #[error(
+        "the pump file names no pins for the board; add the table [drive.klipper] with step and dir, as \
+         step = \"PB13\", and enable where the motor has one"
+    )]
+    NoPins,
+    /// The port is open for another pump of this process.
+    #[error(
+        "the board at {} turns another pump of this program, and a board with the Klipper firmware turns one pump at a \
+         time; give each pump a board of its own, or run one after the other", .port.display()
+    )]
+    Shared {
+        /// Path of the port.
+        port: PathBuf,
+    },
+    /// Another firmware than Klipper's is on the board.
+    #[error("the board at {} runs the firmware {app:?}, and this driver needs Klipper's; load that", .port.display())]
+    OtherFirmware {
+        /// Path of the port.
+        port: PathBuf,
+        /// Name of the firmware.
+        app: String,
+    },
+    /// Another board than the one on record is at the port.
+    #[error(
+        "another board is at {} than the one of {}: found {found}, and on record is {recorded}; check the port",
+        .port.display(), pump_in_words(.pump.as_deref())
+    )]
+    OtherBoard {
+        /// Path of the port.
+        port: PathBuf,
+        /// Id of the pump.
+        pump: Option<String>,
+        /// Words for the board at the port.
+        found: String,
+        /// Words for the board on record.
+        recorded: String,
+    },
+    /// The record of the board cannot be used.
+    #[error("the record of the board in {} cannot be {action}: {reason}", .record.display())]
+    BoardRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
+    },
+    /// The record of the board's session cannot be used.
+    #[error("the record of the board's session in {} cannot be {action}: {reason}", .record.display())]
+    SessionRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
+    },
+    /// Something else moves the motor.
+    #[error(
+        "the board has been moving its motor for {waited_s:.0} s without being told to by this program; stop what \
+         moves it"
+    )]
+    Moving {
+        /// Time waited, in s.
+        waited_s: f64,
+    },
+    /// The board does not forget its configuration.
+    #[error("the board was told to reset, and still has its configuration; switch it off and on")]
+    NoReset,
+    /// The stepper driver has a fault, or does not answer.
+    #[error(transparent)]
+    Driver(#[from] TmcError),
+    /// The steps of a plan are none that the board makes.
+    #[error(transparent)]
+    Steps(#[from] RefitError),
+    /// The plan has more commands than the board's queue holds.
+    #[error(
+        "the plan has {commands} commands within {within_s} s, and the board's queue holds {slots}; dose more slowly, \
+         or use a board with more memory"
+    )]
+    Queue {
+        /// Most commands of the plan within that time.
+        commands: usize,
+        /// Time for which the queue is filled, in s.
+        within_s: f64,
+        /// Commands that the queue holds.
+        slots: u16,
+    },
+    /// The plan needs more bytes than the line carries.
+    #[error(
+        "the plan needs {needed_bytes_s} bytes/s, and the line carries {allowed_bytes_s} of them; raise the rate of \
+         the port in the firmware and in [drive] baud, or dose more slowly"
+    )]
+    Line {
+        /// Bytes a second that the plan needs.
+        needed_bytes_s: u32,
+        /// Bytes a second that commands of steps may take.
+        allowed_bytes_s: u32,
+    },
+    /// The board's count differs from the steps made.
+    #[error("the board counts {counted} steps where {expected} were expected: the rotor's angle is unknown")]
+    Count {
+        /// Count that the board reports, in steps.
+        counted: i64,
+        /// Count that was expected, in steps.
+        expected: i64,
+    },
+    /// The board ran out of steps at speed.
+    #[error(
+        "the board ran out of steps while the motor turned, because this program was held up or the line was late; the \
+         motor stopped without a ramp; check its cable, and what held this computer up"
+    )]
+    HeldUp,
+    /// A flow over time came to rest on its way, because its steps did not reach the board in time.
+    #[error(
+        "the flow over time came to rest on its way; this computer or the line was late, and a flow that has paused \
+         cannot go on"
+    )]
+    FlowPaused,
+    /// The board heard nothing of this program for too long, and stopped the motor.
+    #[error(
+        "the board stopped the motor because it heard nothing of this program for {dead_man_ms} ms; check its cable, \
+         and what held this computer up"
+    )]
+    DeadMan {
+        /// Time without a word, in ms.
+        dead_man_ms: u128,
+    },
     /// The connection to the board broke.
     #[error("the connection to the board broke")]
     Gone(#[source] io::Error),
@@ -134,11 +266,75 @@ pub enum KlipperError {
     Interrupted,
 }
 
+impl KlipperError {
+    /// Returns true if the link has ended with the error, and the board may still be there.
+    pub(super) fn ends_link(&self) -> bool {
+        matches!(
+            self,
+            Self::Gone(_)
+                | Self::Quiet { .. }
+                | Self::Garbled { .. }
+                | Self::OutOfStep { .. }
+                | Self::NoAnswer { .. }
+        )
+    }
+
+    /// Returns true if the motor is without current after this error.
+    pub(crate) fn cuts_current(&self) -> bool {
+        matches!(self, Self::Shutdown { .. } | Self::Driver(TmcError::Off { .. } | TmcError::Reset { .. }))
+    }
+
+    /// Returns true if nobody knows whether the motor holds after this error.
+    pub(crate) fn hides_motor(&self) -> bool {
+        self.ends_link() || matches!(self, Self::Reset)
+    }
+
+    /// Returns true for a refusal of this program: no board was asked, or none has refused.
+    fn is_of_this_program(&self) -> bool {
+        matches!(
+            self,
+            Self::NoPort
+                | Self::Open { .. }
+                | Self::NoPins
+                | Self::Shared { .. }
+                | Self::OtherFirmware { .. }
+                | Self::OtherBoard { .. }
+                | Self::BoardRecord { .. }
+                | Self::SessionRecord { .. }
+                | Self::Configured { .. }
+                | Self::Dictionary(_)
+                | Self::Steps(_)
+                | Self::Queue { .. }
+                | Self::Line { .. }
+                | Self::Driver(TmcError::Setting { .. })
+        )
+    }
+
+    /// Returns true if the rotor's angle is unknown after this error.
+    pub(super) fn loses(&self) -> bool {
+        matches!(self, Self::Count { .. })
+    }
+}
+
+impl From<BoardError> for KlipperError {
+    fn from(error: BoardError) -> Self {
+        match error {
+            BoardError::Other { port, pump, found, recorded } => {
+                Self::OtherBoard { port, pump, found, recorded }
+            }
+            // The record of a board with pins has no axis, so none is taken.
+            BoardError::AxisTaken { port, .. } => Self::Shared { port },
+            BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
+        }
+    }
+}
+
 impl From<KlipperError> for DriveError {
     fn from(error: KlipperError) -> Self {
         match error {
             KlipperError::Interrupted => Self::Interrupted,
             KlipperError::Busy { device, holder } => Self::Busy { device, holder },
+            error if error.is_of_this_program() => Self::Refused(Box::new(error)),
             error => Self::Device(Box::new(error)),
         }
     }

@@ -8,20 +8,28 @@
 //! - `link`: blocks over a wire, each taken once and in order.
 //! - `clock`: the board's clock by the computer's.
 //! - `refit`: the steps of a plan as commands of whole ticks.
+//! - `board`: meeting a board, its configuration and its session.
+//! - `motion`: commands of steps out, steps made in.
+//! - `axis`: the drive of one motor.
 //! - `tmc`: the stepper driver TMC2209 behind one wire of the board.
-#![allow(dead_code, unreachable_pub, unused_imports, reason = "the rooms wait for the drive that joins them")]
 
+mod axis;
+mod board;
 mod clock;
 mod dictionary;
 mod error;
 mod fault;
 mod link;
+mod motion;
 mod protocol;
 mod refit;
 mod tmc;
 
+pub use axis::Klipper;
+pub(super) use axis::open;
 pub use clock::ClockError;
 pub use dictionary::DictionaryError;
 pub use error::KlipperError;
 pub use protocol::MessageError;
+pub use refit::RefitError;
 pub use tmc::TmcError;

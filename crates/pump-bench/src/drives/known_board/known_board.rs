@@ -96,6 +96,10 @@ pub(in crate::drives) enum BoardError {
         recorded: String,
     },
     /// The axis turns another pump by the record.
+    #[cfg_attr(
+        not(any(feature = "grbl", feature = "node")),
+        allow(dead_code, reason = "a Klipper board has no axes")
+    )]
     AxisTaken {
         /// Path of the port.
         port: PathBuf,

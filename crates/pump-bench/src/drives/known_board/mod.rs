@@ -5,6 +5,6 @@ mod known_board;
 
 #[cfg(all(feature = "grbl", feature = "node"))]
 pub(super) use axis_record::RecordedPump;
-#[cfg(feature = "node")]
+#[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use known_board::MadePlace;
 pub(super) use known_board::{BoardError, KnownBoard, pump_in_words};

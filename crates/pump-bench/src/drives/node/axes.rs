@@ -3,9 +3,10 @@
 use pump_ctl::plan::Plan;
 
 use super::error::NodeError;
-use super::motion::{self, Fault, SentLead, Task};
+use super::motion::{self, AHEAD, Fault, Task};
 use super::node::Node;
 use super::node_board::NodeBoard;
+use crate::drives::sent_lead::SentLead;
 use crate::drives::stepped::Lead;
 use crate::drives::wire::Wire;
 use crate::drives::{DriveError, DriveFault, Gate, Opening};
@@ -114,7 +115,7 @@ impl NodeAxes {
         let leads: Vec<SentLead<'_>> = runs
             .iter()
             .zip(&tasks)
-            .map(|(run, task)| SentLead::new(run.plan.into(), task.brake_steps))
+            .map(|(run, task)| SentLead::new(run.plan.into(), AHEAD, task.brake_steps))
             .collect();
         let frees: Vec<Lead> = runs.iter().map(|_| Lead::free()).collect();
         let mut nodes: Vec<Option<&mut Node>> = self.nodes.iter_mut().map(Some).collect();

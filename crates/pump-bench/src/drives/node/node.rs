@@ -11,10 +11,11 @@ use super::board::Board;
 use super::connect::{self, Met, Terms};
 use super::error::NodeError;
 use super::link::Link;
-use super::motion::{self, Fault, LastAsked, Made, Motion, Room, SentLead, Task, most_steps_s};
+use super::motion::{self, AHEAD, Fault, LastAsked, Made, Motion, Room, Task, most_steps_s};
 use super::node_board::NodeBoard;
 use super::unread_faults::faults_noted;
 use crate::drives::drive::wait_of;
+use crate::drives::sent_lead::SentLead;
 use crate::drives::stepped::Lead;
 use crate::drives::wire::Wire;
 use crate::drives::{
@@ -236,7 +237,7 @@ impl Node {
         self.be_deaf(true);
         let place = self.place.take();
         let made = self.task(plan).map_err(Fault::at_rest).and_then(|task| {
-            let (leads, free) = ([SentLead::new(plan, task.brake_steps)], Lead::free());
+            let (leads, free) = ([SentLead::new(plan, AHEAD, task.brake_steps)], Lead::free());
             let [lead] = &leads;
             let motion = self.motion(plan, task, (lead, &free), seeks);
             let motions = motion.into_iter().collect();

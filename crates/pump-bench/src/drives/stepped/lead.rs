@@ -32,7 +32,7 @@ impl Lead {
     }
 
     /// Begins with leave for all steps.
-    #[cfg(feature = "node")]
+    #[cfg(any(feature = "node", feature = "klipper"))]
     pub(in crate::drives) fn free() -> Self {
         let free = Self::new();
         free.left.store(NONE, Ordering::Release);

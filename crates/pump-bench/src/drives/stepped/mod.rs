@@ -8,9 +8,9 @@ mod pace;
 mod stepped;
 mod watched_motor;
 
-#[cfg(feature = "node")]
+#[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use lead::Lead;
-#[cfg(feature = "node")]
+#[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use pace::steps_from;
 
 pub use clock::MonotonicClock;

@@ -18,6 +18,10 @@ struct OpenPort<T> {
 #[derive(Debug)]
 pub(in crate::drives) enum NotShared<E> {
     /// The port is open at another rate.
+    #[cfg_attr(
+        not(any(feature = "grbl", feature = "node")),
+        allow(dead_code, reason = "a Klipper board is not shared at any rate")
+    )]
     Rate {
         /// Path of the port.
         device: PathBuf,

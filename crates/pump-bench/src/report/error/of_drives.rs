@@ -10,6 +10,8 @@ use super::kind::ErrorKind;
 use crate::drives::DriveError;
 #[cfg(feature = "grbl")]
 use crate::drives::GrblError;
+#[cfg(feature = "klipper")]
+use crate::drives::KlipperError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
 use crate::notice::Remedy;
@@ -45,6 +47,10 @@ fn of_device(error: &(dyn StdError + Send + Sync + 'static)) -> Option<ErrorFact
     if let Some(error) = error.downcast_ref::<NodeError>() {
         return of_node(error);
     }
+    #[cfg(feature = "klipper")]
+    if let Some(error) = error.downcast_ref::<KlipperError>() {
+        return of_klipper(error);
+    }
     let _ = error;
     None
 }
@@ -77,6 +83,34 @@ fn of_node(error: &NodeError) -> Option<ErrorFacts> {
         NodeError::Estop => drive.value("emergency stop"),
         NodeError::Driver => drive.value("fault of the stepper driver"),
         NodeError::Count { counted, expected } => {
+            drive.value(format!("{counted} steps")).allowed(format!("{expected} steps"))
+        }
+        _ => return None,
+    })
+}
+
+/// Returns the facts of an error of a Klipper board that has a value.
+#[cfg(feature = "klipper")]
+fn of_klipper(error: &KlipperError) -> Option<ErrorFacts> {
+    let drive = ErrorFacts::of(ErrorKind::Drive);
+    Some(match error {
+        KlipperError::Open { port, .. }
+        | KlipperError::Silent { port, .. }
+        | KlipperError::Foreign { port, .. }
+        | KlipperError::Shared { port } => drive.value(port.display()),
+        KlipperError::OtherFirmware { app, .. } => drive.value(app).allowed("Klipper"),
+        KlipperError::OtherBoard { found, recorded, .. } => drive.value(found).allowed(recorded),
+        KlipperError::Configured { found, wanted } => {
+            drive.value(format!("{found:08x}")).allowed(format!("{wanted:08x}"))
+        }
+        KlipperError::Shutdown { reason } => drive.value(reason),
+        KlipperError::Queue { commands, slots, .. } => {
+            drive.value(format!("{commands} commands")).allowed(format!("{slots} commands at most"))
+        }
+        KlipperError::Line { needed_bytes_s, allowed_bytes_s } => drive
+            .value(format!("{needed_bytes_s} bytes/s"))
+            .allowed(format!("{allowed_bytes_s} bytes/s at most")),
+        KlipperError::Count { counted, expected } => {
             drive.value(format!("{counted} steps")).allowed(format!("{expected} steps"))
         }
         _ => return None,

@@ -8,9 +8,11 @@ use pump_link::frame::VERSION;
 use crate::drives::DriveError;
 #[cfg(feature = "grbl")]
 use crate::drives::GrblError;
+#[cfg(feature = "klipper")]
+use crate::drives::KlipperError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 use crate::drives::PortFault;
 use crate::notice::Remedy;
 
@@ -42,12 +44,16 @@ fn of_device(error: &(dyn StdError + Send + Sync + 'static)) -> Option<Remedy> {
     if let Some(error) = error.downcast_ref::<NodeError>() {
         return of_node(error);
     }
+    #[cfg(feature = "klipper")]
+    if let Some(error) = error.downcast_ref::<KlipperError>() {
+        return of_klipper(error);
+    }
     let _ = error;
     None
 }
 
 /// Returns the remedy of a port that cannot be opened.
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 fn of_port(fault: &PortFault) -> Option<Remedy> {
     match fault {
         PortFault::Missing { .. } | PortFault::NoSerialLine { .. } => Some(Remedy::FindPort),
@@ -71,6 +77,26 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
         NodeError::Gone(_) => Some(Remedy::CheckCable),
         NodeError::Count { .. } => Some(Remedy::FindAngle),
         NodeError::Estop | NodeError::Driver => Some(Remedy::ThenFindAngle),
+        _ => None,
+    }
+}
+
+/// Returns the remedy of an error of a Klipper board, where the text of the error does not say it.
+#[cfg(feature = "klipper")]
+fn of_klipper(error: &KlipperError) -> Option<Remedy> {
+    match error {
+        KlipperError::NoPort => Some(Remedy::NamePort),
+        KlipperError::Open { fault, .. } => of_port(fault),
+        KlipperError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
+        KlipperError::Configured { .. } => Some(Remedy::AcceptSettings),
+        KlipperError::SessionRecord { .. } | KlipperError::BoardRecord { .. } => {
+            Some(Remedy::WriteSettingsAnew)
+        }
+        KlipperError::Gone(_) => Some(Remedy::CheckCable),
+        KlipperError::Count { .. } => Some(Remedy::FindAngle),
+        KlipperError::Shutdown { .. } | KlipperError::HeldUp | KlipperError::DeadMan { .. } => {
+            Some(Remedy::ThenFindAngle)
+        }
         _ => None,
     }
 }

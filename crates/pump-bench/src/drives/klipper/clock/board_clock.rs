@@ -115,6 +115,7 @@ impl BoardClock {
 
     /// Returns the time of the computer's clock at which the board's stands at `ticks`, and the seconds by which it may
     /// be wrong. A time before the computer's clock began is its begin.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn time_of(&self, ticks: u64) -> Within<Duration> {
         let elapsed_s = (i128::from(ticks) - i128::from(self.ticks)) as f64 / self.frequency_hz;
         let (least, most) = self.region.range(|point| (elapsed_s - point.offset) / (1.0 + point.drift));
@@ -127,6 +128,7 @@ impl BoardClock {
     }
 
     /// Returns the relative deviation of the clock's rate from its nominal one, and how far it may be wrong.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn drift(&self) -> Within<f64> {
         let (least, most) = self.region.range(|point| point.drift);
         Within { value: (least + most) / 2.0, within: (most - least) / 2.0 }

@@ -75,6 +75,7 @@ impl Dictionary {
     }
 
     /// Returns the version of the firmware.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn version(&self) -> &str {
         &self.version
     }
@@ -178,6 +179,7 @@ impl Dictionary {
     }
 
     /// Returns the value of a name, for a parameter such as `spi_bus`.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn choice(
         &self,
         choice: &str,

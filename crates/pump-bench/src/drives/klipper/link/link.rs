@@ -10,7 +10,7 @@ use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::protocol::{
     BLOCK_MOST, Block, BlockReader, CONTENT_MOST, Format, MessageError, SYNC, Value, block,
 };
-use crate::drives::wire::Wire;
+use crate::drives::wire::{AskClock, Wire};
 
 /// Longest time without a confirmation at rest. A computer under load may hold the board's bytes back for as long.
 const QUIET: Duration = Duration::from_secs(3);
@@ -61,6 +61,8 @@ pub(in crate::drives::klipper) struct Link {
     wire: Box<dyn Wire>,
     place: Place,
     stop: StopRequest,
+    /// True while a gate hears the user, and no wait does.
+    is_deaf: bool,
     reader: BlockReader,
     window: Window,
     waiting: Waiting,
@@ -79,6 +81,7 @@ impl Link {
             wire,
             place,
             stop,
+            is_deaf: false,
             reader: BlockReader::default(),
             window: Window::new(0),
             waiting: Waiting::default(),
@@ -97,6 +100,21 @@ impl Link {
     /// Sets the time without a confirmation after which the link is lost.
     pub(in crate::drives::klipper) fn set_quiet(&mut self, quiet: Duration) {
         self.quiet = quiet;
+    }
+
+    /// Has waits hear no request to stop, while a gate does.
+    pub(in crate::drives::klipper) fn be_deaf(&mut self, is_deaf: bool) {
+        self.is_deaf = is_deaf;
+    }
+
+    /// Lets `time` pass.
+    pub(in crate::drives::klipper) fn sleep(&mut self, time: Duration) {
+        self.wire.sleep(time);
+    }
+
+    /// Returns the clock of a thread that asks for leave while another one has the link.
+    pub(in crate::drives::klipper) fn ask_clock(&mut self) -> Box<dyn AskClock> {
+        self.wire.ask_clock()
     }
 
     /// Returns the time of the wire, which a pause of this program holds up.
@@ -120,6 +138,7 @@ impl Link {
     }
 
     /// Returns the time by the steady clock at which a block was sent first. `None` if it was not yet, or long ago.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn sent_at(&self, number: u64) -> Option<Duration> {
         self.window.sent_at(number)
     }
@@ -306,7 +325,7 @@ impl Link {
 
     /// Refuses to go on at rest if the user asked to stop.
     fn heed(&self) -> Result<(), KlipperError> {
-        if self.stop.is_made() { Err(KlipperError::Interrupted) } else { Ok(()) }
+        if self.stop.is_made() && !self.is_deaf { Err(KlipperError::Interrupted) } else { Ok(()) }
     }
 
     /// Takes in what has come, and waits for the first byte until `wait` has passed. Returns true if bytes came.

@@ -7,7 +7,7 @@ use super::link::{Link, Place};
 use super::peer::{Faults, PeerWire, Random, World};
 use crate::drives::StopRequest;
 use crate::drives::klipper::error::KlipperError;
-use crate::drives::klipper::protocol::{Format, Value};
+use crate::drives::klipper::protocol::Format;
 
 const SECOND: Duration = Duration::from_secs(1);
 

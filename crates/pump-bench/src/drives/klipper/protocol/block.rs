@@ -127,6 +127,7 @@ impl BlockReader {
     }
 
     /// Returns the number of bytes that belong to no block, so far.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn skipped(&self) -> u64 {
         self.skipped
     }

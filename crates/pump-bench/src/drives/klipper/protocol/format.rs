@@ -131,6 +131,7 @@ impl Format {
     }
 
     /// Returns the string with `value` in place of each place holder.
+    #[cfg(test)]
     pub(super) fn text(&self, mut value: impl FnMut() -> String) -> String {
         let mut text = String::new();
         let mut rest = self.string.as_str();

@@ -79,6 +79,7 @@ impl Message {
     }
 
     /// Returns the message in words, with its values at their places.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn text(&self) -> String {
         let mut values = self.values.iter();
         self.format.text(|| match values.next() {

@@ -27,6 +27,7 @@ impl StepCommand {
     }
 
     /// Returns the shorter of the first interval and the last, in ticks: no interval is shorter.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn shortest_interval(&self) -> i64 {
         i64::from(self.interval).min(self.interval_before(self.count))
     }

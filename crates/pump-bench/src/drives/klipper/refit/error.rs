@@ -5,7 +5,7 @@ use thiserror::Error;
 /// Error of a refit.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
-pub(in crate::drives::klipper) enum RefitError {
+pub enum RefitError {
     /// The clock of the board is too slow.
     #[error(
         "the board's clock makes {hz} ticks a second, and {slowest_hz} are needed at least; use another board"

@@ -13,6 +13,6 @@ mod step_timer;
 mod tests;
 
 pub(super) use command::StepCommand;
-pub(super) use error::RefitError;
+pub use error::RefitError;
 pub(super) use refit::{Refit, StepRun};
 pub(super) use step_timer::StepTimer;

@@ -44,8 +44,13 @@ impl StepTimer {
         Ok(Self { hz, shortest })
     }
 
+    /// Returns the most steps a second that the board makes.
+    pub(in crate::drives::klipper) fn most_steps_s(&self) -> f64 {
+        self.hz() / f64::from(self.shortest)
+    }
+
     /// Returns the ticks of a second.
-    pub(super) fn hz(&self) -> f64 {
+    pub(in crate::drives::klipper) fn hz(&self) -> f64 {
         f64::from(self.hz)
     }
 

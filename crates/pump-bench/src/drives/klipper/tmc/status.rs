@@ -25,9 +25,11 @@ const WARNINGS: [(u32, &str); 3] = [
 ];
 
 /// Bit of DRV_STATUS that says that the motor stands.
+#[cfg(test)]
 const STANDS: u32 = 1 << 31;
 
 /// Place and size of the current's scale in DRV_STATUS.
+#[cfg(test)]
 const CS_ACTUAL: (u32, u32) = (16, 0x1f);
 
 /// State of a driver.
@@ -66,11 +68,13 @@ impl TmcStatus {
     }
 
     /// Returns true if the motor has made no step for 2^20 clocks of the chip, some 0.09 s.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn stands(self) -> bool {
         self.flags & STANDS != 0
     }
 
     /// Returns the scale of the motor's current now, 0 to 31.
+    #[cfg(test)]
     pub(in crate::drives::klipper) fn current_scale(self) -> u8 {
         (self.flags >> CS_ACTUAL.0 & CS_ACTUAL.1) as u8
     }

@@ -7,18 +7,22 @@ use std::time::Duration;
 
 use pump_link::message::{AXES, AxisState, Request};
 
-use super::lead::{Ends, SentLead};
 use super::motion::Motion;
 use super::outcome::{Fault, Made};
 use crate::drives::common_begin::{Next, Ready, Standing};
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::Subject;
 use crate::drives::node::shared_line::SharedLine;
+use crate::drives::sent_lead::{Ahead, Ends, SentLead};
 use crate::drives::wire::AskClock;
 use crate::drives::{BeginPlace, Gate};
 
 /// Longest time between two questions to the gates, and longest wait for an answer.
 const LOOK: Duration = Duration::from_millis(5);
+
+/// Times for which there is leave ahead of a motor, and for which the board has steps. The thread that asks for leave
+/// may be held up for 1 s, and the board's queue still holds 200 ms while answers are under way.
+pub(in crate::drives::node) const AHEAD: Ahead = Ahead { leave_s: 1.6, sent_s: 0.6 };
 
 /// Outcome of each motion.
 type Outcomes = Vec<Result<Made, Fault>>;

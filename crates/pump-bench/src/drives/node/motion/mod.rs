@@ -2,7 +2,6 @@
 
 mod asked;
 mod convoy;
-mod lead;
 mod motion;
 mod move_feed;
 mod outcome;
@@ -12,8 +11,7 @@ mod task;
 mod walk;
 
 pub(super) use asked::LastAsked;
-pub(super) use convoy::run;
-pub(super) use lead::SentLead;
+pub(super) use convoy::{AHEAD, run};
 pub(super) use motion::Motion;
 pub(super) use outcome::{Fault, Made};
 pub(super) use task::{Room, Task, most_steps_s};

@@ -8,7 +8,6 @@ use std::time::Duration;
 use pump_ctl::plan::PlannedMotion;
 use pump_link::message::{Answer, AxisState, AxisStatus, End, MoveOrder, PROMPT_PACKED, Refusal, Request};
 
-use super::lead::SentLead;
 use super::move_feed::MoveFeed;
 use super::outcome::{Fault, Made};
 use super::search::Search;
@@ -19,6 +18,7 @@ use crate::drives::node::board::Board;
 use crate::drives::node::connect;
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::{Reply, Subject};
+use crate::drives::sent_lead::SentLead;
 use crate::drives::stepped::Lead;
 
 /// Time between two questions for the state of the axis.

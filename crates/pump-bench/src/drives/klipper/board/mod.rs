@@ -1,0 +1,15 @@
+//! The board of a motor: how it is met, configured and asked.
+
+mod board;
+mod commands;
+mod configuration;
+mod connect;
+mod driver_line;
+mod session_record;
+mod terms;
+
+pub(super) use board::{Board, reason};
+pub(super) use configuration::oid;
+pub(super) use connect::{Met, be_still, marks, meet};
+pub(super) use session_record::SessionRecord;
+pub(super) use terms::Terms;

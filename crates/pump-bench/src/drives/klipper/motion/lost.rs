@@ -1,0 +1,70 @@
+//! The end of a motion whose board is out of reach, was reset, or has shut down.
+
+use std::time::Duration;
+
+use super::motion::Motion;
+use super::outcome::Fault;
+use crate::drives::klipper::board::{SessionRecord, be_still, reason};
+use crate::drives::klipper::error::KlipperError;
+
+/// Longest search for a silent board, and the time for which it is asked at once. Its queue has ended by then, and its
+/// count is exact.
+const SEARCH: Duration = Duration::from_secs(6);
+const ASK: Duration = Duration::from_millis(500);
+
+impl Motion<'_> {
+    /// Returns the fault of a motion that ended so: with the board's count if it still runs, and otherwise with the
+    /// steps that it may have made.
+    pub(super) fn lost(&mut self, error: KlipperError) -> Fault {
+        let sent = self.made + self.feed.as_ref().map_or(0, |feed| feed.pushed);
+        let heard = self.heard.min(sent);
+        let found = match &error {
+            KlipperError::Reset | KlipperError::Gone(_) => None,
+            KlipperError::Shutdown { .. } => self.count_again(false).ok().flatten(),
+            _ => self.search(),
+        };
+        self.feed = None;
+        match found {
+            Some(counted) => Fault::at(counted, error),
+            None => Fault { error, least: heard, most: sent },
+        }
+    }
+
+    /// Searches for a board that has fallen silent. Returns its count if it still runs in the same session.
+    fn search(&mut self) -> Option<u64> {
+        let began = self.board.talk.link.now();
+        loop {
+            match self.count_again(true) {
+                Ok(counted) => return counted,
+                Err(KlipperError::Gone(_)) => return None,
+                Err(_) if self.board.talk.link.now().saturating_sub(began) > SEARCH => return None,
+                Err(_) => self.board.talk.link.sleep(ASK / 10),
+            }
+        }
+    }
+
+    /// Returns the count of a board that stands, or `None` if it has lost it.
+    fn count_again(&mut self, connects: bool) -> Result<Option<u64>, KlipperError> {
+        let talk = &mut self.board.talk;
+        if connects {
+            talk.link.connect(ASK)?;
+        }
+        talk.forget();
+        let state = talk.config()?;
+        if !state.is_configured || state.checksum != self.board.record.checksum {
+            return Ok(None);
+        }
+        if state.is_shut_down {
+            // The shutdown has taken the current away, and nothing but the record tells that afterwards.
+            let record = SessionRecord { has_current: false, ..self.board.record };
+            self.board.put_on_record(record)?;
+            if !self.board.talk.clear_shutdown()? {
+                return Ok(None);
+            }
+        }
+        let talk = &mut self.board.talk;
+        be_still(talk)?;
+        talk.end_dead_man(reason::MET)?;
+        self.counted().map(Some)
+    }
+}

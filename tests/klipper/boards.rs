@@ -1,0 +1,93 @@
+//! Boards and pump files that are refused, each with one message. Nothing moves.
+
+use pump_bench::drives::Drive;
+use pump_bench::pump_file::{DriveTable, DriverName};
+
+use crate::rig::{Rig, dose, run, said, socket};
+use crate::simulated_klipper::Character;
+
+fn board(character: Character) -> Rig {
+    Rig::new(character)
+}
+
+#[test]
+fn boards_that_cannot_be_used_are_refused_with_one_message() {
+    let lacks = |name: &str| Character { lacks: Some(name.to_owned()), ..Character::default() };
+    for (character, words) in [
+        (Character { app: "Marlin", ..Character::default() }, "runs the firmware \"Marlin\""),
+        (lacks("queue_step"), "lacks the command `queue_step oid=%c interval=%u count=%hu add=%hi`"),
+        (lacks("trsync_start"), "lacks the command `trsync_start"),
+    ] {
+        let rig = board(character);
+        let said = rig.refusal(&rig.table());
+        assert!(said.contains(words), "{said}");
+        assert_eq!((rig.board.truth().steps, rig.board.truth().configured), ([0; 4], false));
+    }
+}
+
+#[test]
+fn pins_that_are_absent_in_use_or_not_named_are_refused() {
+    let rig = board(Character::default());
+    for (step, words) in [
+        ("PE9", "has no pin `PE9`; its pins are PA0 to PA15, "),
+        ("PA9", "the board's firmware uses the pin `PA9` as serial"),
+    ] {
+        let mut pins = socket("X");
+        pins.step = step.parse().unwrap();
+        let said = rig.refusal(&rig.table().with_klipper(pins));
+        assert!(said.contains(words), "{said}");
+    }
+    let without = DriveTable::of(DriverName::Klipper).with_port(rig.board.path());
+    let said = rig.refusal(&without);
+    assert!(said.contains("the pump file names no pins for the board"), "{said}");
+    assert!(!rig.board.truth().configured);
+}
+
+#[test]
+fn a_port_that_is_missing_in_use_or_of_another_pump_is_refused() {
+    let rig = board(Character::default());
+    let said = rig.refusal(&rig.table().with_port("/dev/ttyNONE0"));
+    assert!(said.contains("/dev/ttyNONE0 cannot be opened as a serial port"), "{said}");
+    let drive = rig.open();
+    let said = rig.refusal(&rig.table().with_klipper(socket("Y")));
+    assert!(said.contains("a board with the Klipper firmware turns one pump at a time"), "{said}");
+    drop(drive);
+    rig.open_by(&rig.table().with_klipper(socket("Y"))).unwrap();
+}
+
+#[test]
+fn a_board_of_another_program_is_refused_unless_a_person_accepts_it() {
+    let rig = board(Character::default());
+    drop(rig.open());
+    // Nothing on record tells that the configuration is this bench's.
+    std::fs::remove_dir_all(rig.folder.path().join("pump")).unwrap();
+    let words = rig.refusal(&rig.table());
+    assert!(words.contains("another program may use it; have it reset"), "{words}");
+    let mut opening = rig.opening();
+    opening.accept_settings = true;
+    let mut drive = pump_bench::drives::Klipper::open(&rig.table(), &crate::rig::motor(), &opening).unwrap();
+    let plan = dose(0.5, 2.0, false);
+    run(&mut drive, &plan).unwrap();
+    assert_eq!(rig.board.truth().steps[0], plan.steps());
+}
+
+#[test]
+fn a_board_with_the_configuration_of_other_pins_of_this_pump_is_configured_anew() {
+    let rig = board(Character::default());
+    let (plan, mut drive) = (dose(0.5, 2.0, false), rig.open());
+    run(&mut drive, &plan).unwrap();
+    drop(drive);
+    let mut drive = rig.open_by(&rig.table().with_klipper(socket("Y"))).unwrap();
+    assert_eq!(drive.count(), Some(0));
+    run(&mut drive, &plan).unwrap();
+    assert_eq!(rig.board.truth().steps, [plan.steps(), plan.steps(), 0, 0]);
+}
+
+#[test]
+fn a_queue_that_is_too_small_and_a_motor_that_is_too_fast_are_refused_before_they_move() {
+    let rig = board(Character { slots: 24, ..Character::default() });
+    let mut drive = rig.open();
+    let words = said(&drive.check(&dose(6.0, 8.0, true)).unwrap_err());
+    assert!(words.contains("commands within 0.3 s, and the board's queue holds 24"), "{words}");
+    assert_eq!(rig.board.truth().steps[0], 0);
+}

@@ -1,0 +1,63 @@
+//! The command `dose` with a pump file whose driver is `klipper`.
+
+use std::fs;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::rig::{Rig, ended};
+use crate::simulated_klipper::Character;
+
+#[test]
+fn a_dose_is_poured_stopped_and_resumed() {
+    let rig = Rig::new(Character::default());
+    let (code, said) = rig.runs(&["2mL", "--confirm-pump"]);
+    assert_eq!(code, Some(0), "{said}");
+    let first = rig.board.truth().steps[0];
+    assert!(said.contains("2.0 mL ±") && first > 500, "{first} steps: {said}");
+    let dose = rig.starts(&["20mL", "--rate", "4mL/s"]);
+    let until = Instant::now() + Duration::from_secs(20);
+    while rig.board.truth().steps[0] < first + 1500 && Instant::now() < until {
+        sleep(Duration::from_millis(5));
+    }
+    kill_process(Pid::from_child(&dose), Signal::INT).unwrap();
+    let (code, said) = ended(dose);
+    assert!(code != Some(0) && said.contains("stopped"), "{code:?}: {said}");
+    assert_eq!((rig.board.truth().moving, rig.board.truth().shutdown), (false, None));
+    let (code, said) = rig.runs(&["resume"]);
+    assert_eq!(code, Some(0), "{said}");
+    let steps = rig.board.truth().steps[0] - first;
+    assert!(said.contains("of the 20 mL") || said.contains("delivered"), "{said}");
+    let (code, said) = rig.runs(&["-2mL", "--smooth", "--start-angle", "0deg"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(rig.board.truth().steps[0] < first + steps && rig.board.truth().stray == 0);
+}
+
+#[test]
+fn each_bad_input_is_one_message_and_nothing_moves() {
+    let rig = Rig::new(Character::default());
+    let (code, said) = rig.runs(&["2mL", "--confirm-pump", "--configure"]);
+    assert!(code == Some(2) && said.contains("a Klipper board keeps none"), "{code:?}: {said}");
+    let path = rig.pump();
+    let text = fs::read_to_string(&path).unwrap();
+    for (from, to, words) in [
+        ("step = \"PB13\"", "step = \"PB 13\"", "`PB 13` is no pin of a board"),
+        ("step = \"PB13\"", "step = \"^PB13\"", "without `^` and `~`, which are for inputs"),
+        ("step = \"PB13\"", "step = \"PB12\"", "a pin that no other key of the table names"),
+        ("step = \"PB13\"", "stepp = \"PB13\"", "unknown field `stepp`"),
+        ("driver = \"klipper\"", "driver = \"node\"", "beside driver = \"klipper\" only"),
+    ] {
+        let changed = text.replace(from, to);
+        assert_ne!(changed, text, "{from} stands in the file");
+        fs::write(rig.folder.path().join("bad.toml"), changed).unwrap();
+        let bad = rig.folder.path().join("bad.toml");
+        let command =
+            crate::rig::command(rig.folder.path(), &bad, rig.board.path(), &["2mL", "--confirm-pump"])
+                .spawn();
+        let (code, said) = ended(command.unwrap());
+        assert!(code != Some(0) && said.contains(words), "{code:?}: {said}");
+        assert_eq!(said.matches("error:").count(), 1, "{said}");
+    }
+    assert_eq!((rig.board.truth().steps, rig.board.truth().configured), ([0; 4], false));
+}
