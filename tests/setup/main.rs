@@ -25,6 +25,9 @@ mod second;
 #[allow(dead_code, reason = "the board of other tests, with more to look at")]
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;
+#[allow(dead_code, unused_imports, reason = "the board of an example, with more to look at")]
+#[path = "../../examples/simulated_klipper/simulated_klipper/mod.rs"]
+mod simulated_klipper;
 #[allow(dead_code, reason = "the board of an example, with more to look at")]
 #[path = "../../examples/simulated_node/simulated_node/mod.rs"]
 mod simulated_node;

@@ -1,5 +1,7 @@
 //! Ports that are found by asking them.
 
+mod klipper;
+
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::thread;
@@ -17,6 +19,10 @@ use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
 use crate::simulated_node::SimulatedNode;
 use crate::truth::TruePump;
+
+/// Words for a port at which no board answers.
+const NEITHER: &str =
+    "neither a node (460800 baud), a grbl board (115200 baud) nor a Klipper board (250000 baud)";
 
 #[test]
 fn each_port_is_asked_and_nothing_moves() {
@@ -119,8 +125,7 @@ fn a_port_without_a_board_is_asked_for_again_at_once() {
     for port in &wrong[..3] {
         assert!(ended.err.contains(&format!("no board answers at {port}: ")), "{port}: {}", ended.err);
     }
-    let neither =
-        format!("neither a node (460800 baud) nor a grbl board (115200 baud) answers at {}; ", wrong[2]);
+    let neither = format!("{NEITHER} answers at {}; ", wrong[2]);
     assert!(ended.err.contains(&neither), "{}", ended.err);
     for port in &wrong[..2] {
         assert!(
@@ -160,10 +165,7 @@ fn a_script_hears_why_no_board_is_at_its_port_before_anything_is_written() {
     let words =
         [&ACID[..], &["--microsteps", "16", "--driver", "grbl", "--altitude", "0m", "--port"]].concat();
     for (port, why) in [
-        (
-            silent.path().to_str().unwrap(),
-            "neither a node (460800 baud) nor a grbl board (115200 baud) answers at ",
-        ),
+        (silent.path().to_str().unwrap(), NEITHER),
         ("/dev/null", "it is no serial line; "),
         ("/dev/ttyUSB99", "it is not there; "),
     ] {

@@ -1,5 +1,7 @@
 //! The questions about the board: what turns the motor, its port and its axis.
 
+mod socket;
+
 use std::path::{Path, PathBuf};
 
 use pump_bench::drives::{DriveError, FoundBoard, PortFault, find_boards, serial_ports};
@@ -35,9 +37,16 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
         if course.answers.port.is_none() {
             ask_port(course, full.as_deref())?;
         }
-        if course.answers.axis.is_none() && !meet(course)? {
+        let is_open = match course.answers.driver {
+            Some(DriverName::Klipper) => socket::is_open(course),
+            _ => course.answers.axis.is_none(),
+        };
+        if is_open && !meet(course)? {
             forget_port(course)?;
             continue;
+        }
+        if course.answers.driver == Some(DriverName::Klipper) {
+            return socket::ask(course);
         }
         lack_of_axis(course)?;
         if !is_kept {
@@ -96,14 +105,15 @@ fn meet(course: &mut Course) -> Asked<bool> {
 
 fn ask_driver(course: &mut Course) -> Asked<()> {
     let question = Question {
-        text: "Driver: grbl or node for a board, or sim to try it without one",
+        text: "Driver: grbl, node or klipper for a board, or sim to try it without one",
         option: "--driver grbl",
         // Nobody has named a real motor whose driver is that of another pump.
         usual: course
             .suggested(|last| last.driver.map(|driver| driver.as_str().to_owned()), None)
             .filter(|_| !course.asker.is_silent()),
         help: "grbl: a board that speaks grbl 1.1's protocol over a USB cable (grbl, grblHAL, FluidNC); node: a board \
-               with this project's own firmware (docs/node.md); sim: a motor, pump and vessel that exist in the \
+               with this project's own firmware (docs/node.md); klipper: a printer board with the Klipper firmware \
+               (docs/klipper.md); sim: a motor, pump and vessel that exist in the \
                program only",
     };
     let read = |answer: &str| answer.parse::<DriverName>().map_err(|error| error.to_string());

@@ -239,11 +239,20 @@ impl Course {
         Ok(())
     }
 
-    /// Refuses an axis that was said in this call and turns another pump.
+    /// Refuses an axis or a socket that was said in this call and turns another pump.
     pub(super) fn check_axis(&self, answers: &Answers) -> Result<(), Failure> {
-        let at = |answers: &Answers| (answers.port.clone(), answers.axis);
+        let at = |answers: &Answers| (answers.port.clone(), answers.axis, answers.socket.clone());
         let is_new = answers.done.written.is_none() || at(answers) != at(&self.answers);
-        if is_new { Ok(answers.check_axis(&self.neighbours)?) } else { Ok(()) }
+        if !is_new {
+            return Ok(());
+        }
+        answers.check_axis(&self.neighbours)?;
+        Ok(answers.check_socket(&self.neighbours)?)
+    }
+
+    /// The refusal of a socket on record that turns another pump.
+    pub(super) fn socket_of_another(&self) -> Option<SetupError> {
+        self.answers.check_socket(&self.neighbours).err()
     }
 
     /// The refusal of an axis on record that turns another pump.

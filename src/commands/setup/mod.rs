@@ -111,7 +111,7 @@ impl SetupArgs {
                 // A board that has changed its port, or an axis that it lacks, would fail the same way for ever.
                 let elsewhere = match &course.answers.port {
                     Some(_) if failure.is_of_drive() => {
-                        " there, and `--port <PORT>` or `--axis <AXIS>` with it elsewhere"
+                        " there, and `--port <PORT>`, `--axis <AXIS>` or `--socket <SOCKET>` with it elsewhere"
                     }
                     _ => "",
                 };

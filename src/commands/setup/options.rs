@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 use pump_bench::pump_file::{Axis, DriverName, OutletEnd};
-use pump_bench::setup::{Answers, HeadAnswer};
+use pump_bench::setup::{Answers, HeadAnswer, MotorSocket};
 use pump_bench::units::{
     self, FULL_STEPS_PER_REV, MICROSTEPS, Pressure, ROLLERS, STEPS_PER_REV, StatedReading, TubeSize, count,
     stated_reading,
@@ -75,11 +75,12 @@ pub(super) struct AnswerOptions {
     /// Fastest speed of the pump head [default: 100rpm]
     #[arg(long, value_name = "SPEED", help_heading = "Motor", value_parser = units::speed_rad_s)]
     max_speed: Option<f64>,
-    /// Driver of the motor: sim, or grbl or node for a board
-    #[arg(long, value_name = "sim|grbl|node", help_heading = "Motor", value_parser = choice(&[
+    /// Driver of the motor: sim, or grbl, node or klipper for a board
+    #[arg(long, value_name = "sim|grbl|node|klipper", help_heading = "Motor", value_parser = choice(&[
         (DriverName::Sim, "A simulated stepper, pump and vessel"),
         (DriverName::Grbl, "A board that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC"),
         (DriverName::Node, "A board with this project's own firmware, which makes each step at the plan's time"),
+        (DriverName::Klipper, "A printer board with the Klipper firmware, which makes each step at the plan's time"),
     ]))]
     driver: Option<DriverName>,
     /// Serial port of the board, as /dev/ttyUSB0
@@ -88,6 +89,12 @@ pub(super) struct AnswerOptions {
     /// Axis of the board
     #[arg(long, value_name = "X|Y|Z|A|B|C", help_heading = "Motor", value_parser = axis)]
     axis: Option<Axis>,
+    /// Socket of a board with the Klipper firmware, as skr-mini-e3-v3:X, or pins, as step=PB13,dir=PB12,enable=!PB14
+    #[arg(long, value_name = "SOCKET", help_heading = "Motor")]
+    socket: Option<MotorSocket>,
+    /// Current of the motor (RMS) at a socket whose stepper driver the board sets, as 0.5A
+    #[arg(long, value_name = "CURRENT", help_heading = "Motor", value_parser = units::current_a)]
+    current: Option<f64>,
     /// Way in which the pump runs as the axis counts up
     #[arg(long, value_name = "forward|reverse", help_heading = "Motor", value_parser = is_reverse)]
     direction: Option<IsReverse>,
@@ -201,6 +208,8 @@ impl AnswerOptions {
         put(&mut answers.driver, self.driver);
         put(&mut answers.port, self.port.clone());
         put(&mut answers.axis, self.axis);
+        put(&mut answers.socket, self.socket.clone());
+        put(&mut answers.current_a, self.current);
         put(&mut answers.invert, self.direction.map(|IsReverse(is_reverse)| is_reverse));
         put(&mut answers.configure, self.configure.then_some(true));
         put(&mut answers.altitude_m, self.altitude.map(|mm| 1e-3 * mm));

@@ -104,7 +104,9 @@ fn meet_board(course: &mut Course) -> Asked<()> {
                 course.warn(&notes);
                 if rate_fits(course, range_rad_s)? {
                     let fits = match course.answers.driver {
-                        Some(DriverName::Node) => "  the board answers, and makes what the pump needs",
+                        Some(DriverName::Node | DriverName::Klipper) => {
+                            "  the board answers, and makes what the pump needs"
+                        }
                         _ => "  the board answers, and its settings fit the pump",
                     };
                     tell_person(fits);

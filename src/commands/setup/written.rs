@@ -84,7 +84,9 @@ fn verdict(answer: &str) -> Result<Verdict, String> {
         // The usual rate is that of a head.
         "head" | "rollers" => Verdict::Correct(&[Topic::Head, Topic::Bore, Topic::Rollers, Topic::Rate]),
         "motor" => Verdict::Correct(&[Topic::FullSteps, Topic::Microsteps, Topic::Gear]),
-        "board" => Verdict::Correct(&[Topic::Driver, Topic::Port, Topic::Axis]),
+        "board" => {
+            Verdict::Correct(&[Topic::Driver, Topic::Port, Topic::Axis, Topic::Socket, Topic::Current])
+        }
         "place" => Verdict::Correct(&[
             Topic::Ambient,
             Topic::SuctionLift,
@@ -122,17 +124,7 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
         |motor| motor.to_string(),
     );
     line("motor", &steps);
-    let board = match &file.drive {
-        Some(drive) if drive.driver != DriverName::Sim => {
-            let port =
-                drive.port.as_ref().map_or_else(|| "no port".to_owned(), |port| port.display().to_string());
-            let number = course.board.as_ref().and_then(|board| board.number());
-            let number = number.map_or_else(String::new, |number| format!(", board {number:016x}"));
-            format!("{} at {port}, axis {}{number}", drive.driver, drive.axis)
-        }
-        _ => "sim: no motor moves".to_owned(),
-    };
-    line("board", &board);
+    line("board", &board_in_words(course, file));
     usual_pins(file).into_iter().for_each(|pins| line("pins", pins));
     let lift = |reservoir: Reservoir, what: &str, place: &str, side: &str| match reservoir {
         Reservoir::Lift(0.0) => String::new(),
@@ -162,6 +154,27 @@ fn usual_pins(file: &PumpFile) -> Option<&'static str> {
         "those of a DRV8825, without its fault output; docs/node.md says what the pump file names for a TMC2209 or \
          another stepper driver"
     })
+}
+
+/// The board, its port, and the axis or the socket of the motor.
+fn board_in_words(course: &Course, file: &PumpFile) -> String {
+    let Some(drive) = file.drive.as_ref().filter(|drive| drive.driver != DriverName::Sim) else {
+        return "sim: no motor moves".to_owned();
+    };
+    let port = drive.port.as_ref().map_or_else(|| "no port".to_owned(), |port| port.display().to_string());
+    let place = match (&course.answers.socket, &drive.klipper) {
+        (Some(socket), Some(pins)) => {
+            let current = pins.tmc.as_ref().map_or_else(String::new, |tmc| format!(", {} A", tmc.run_a));
+            format!("socket {socket}{current}")
+        }
+        (None, Some(pins)) => format!("steps at {}", pins.step),
+        (_, None) => {
+            let number = course.board.as_ref().and_then(|board| board.number());
+            let number = number.map_or_else(String::new, |number| format!(", board {number:016x}"));
+            format!("axis {}{number}", drive.axis)
+        }
+    };
+    format!("{} at {port}, {place}", drive.driver)
 }
 
 /// A number with four digits at most.

@@ -118,16 +118,14 @@ pub enum DriveError {
     },
     /// No board answers at the port, as any driver asks it.
     #[error(
-        "neither a node ({node_baud} baud) nor a grbl board ({grbl_baud} baud) answers at {}{heard}; check the port, \
-         the board's power, and its firmware", .port.display()
+        "neither {asked} answers at {}{heard}; check the port, the board's power, and its firmware",
+        .port.display()
     )]
     NoBoard {
         /// Path of the port.
         port: PathBuf,
-        /// Rate at which a node was asked for, in bits per second.
-        node_baud: u32,
-        /// Rate at which a grbl board was asked for, in bits per second.
-        grbl_baud: u32,
+        /// Boards that were asked for, and at which rates, as the message words them.
+        asked: String,
         /// Reply that came instead, as the message words it.
         heard: String,
     },

@@ -1,5 +1,6 @@
-//! Boards that are found by asking the ports: grbl boards and nodes.
+//! Boards that are found by asking the ports: grbl boards, nodes, and boards with the Klipper firmware.
 
+use std::error::Error as StdError;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -7,6 +8,8 @@ use std::time::Duration;
 
 use super::error::DriveError;
 use super::grbl::{self, GrblError, ask_boards};
+#[cfg(feature = "klipper")]
+use super::klipper::{self, KlipperError};
 use super::known_board::{KnownBoard, RecordedPump};
 use super::opening::Opening;
 use super::stop_request::StopRequest;
@@ -36,20 +39,31 @@ pub enum FoundBoard {
         /// Number of axes.
         axes: u8,
     },
+    /// Board with the Klipper firmware.
+    Klipper {
+        /// Microcontroller, as the firmware names it. Empty if it does not.
+        chip: String,
+        /// Version of the firmware.
+        version: String,
+    },
 }
 
 impl FoundBoard {
-    /// Returns the axes of the board. Empty for a board that does not tell.
+    /// Returns the axes of the board. Empty for a board that does not tell, and for one that has pins in their place.
     pub fn axes(&self) -> &'static [Axis] {
-        let (Self::Grbl { axes, .. } | Self::Node { axes, .. }) = self;
-        Axis::ALL.get(..usize::from(*axes)).unwrap_or(Axis::ALL)
+        match self {
+            Self::Grbl { axes, .. } | Self::Node { axes, .. } => {
+                Axis::ALL.get(..usize::from(*axes)).unwrap_or(Axis::ALL)
+            }
+            Self::Klipper { .. } => &[],
+        }
     }
 
     /// Returns the number of the board, if it tells one.
     pub fn number(&self) -> Option<u64> {
         match self {
             Self::Node { board, .. } => Some(*board).filter(|board| *board != 0),
-            Self::Grbl { .. } => None,
+            Self::Grbl { .. } | Self::Klipper { .. } => None,
         }
     }
 
@@ -84,6 +98,7 @@ impl FoundBoard {
         match self {
             Self::Grbl { .. } => DriverName::Grbl,
             Self::Node { .. } => DriverName::Node,
+            Self::Klipper { .. } => DriverName::Klipper,
         }
     }
 }
@@ -95,6 +110,10 @@ impl Display for FoundBoard {
             Self::Node { board, firmware: [major, minor, patch], .. } => {
                 let number = if *board == 0 { String::new() } else { format!(" {board:016x}") };
                 write!(to, "a node{number}, firmware {major}.{minor}.{patch}")?;
+            }
+            Self::Klipper { chip, version } => {
+                let chip = if chip.is_empty() { String::new() } else { format!(" ({chip})") };
+                write!(to, "a Klipper board{chip}, firmware {version}")?;
             }
         }
         match self.axes() {
@@ -108,8 +127,8 @@ impl Display for FoundBoard {
     }
 }
 
-/// Asks every port for a grbl board, and for a node where there is none, all ports at once and for some seconds at
-/// most. Nothing moves, and no board is taken. Returns each port with its board, or the reason why there is none.
+/// Asks every port for a grbl board, for a node where there is none, and then for a board with the Klipper firmware, all
+/// ports at once and for some seconds at most. Nothing moves, and no board is taken. Returns each port with its board, or the reason why there is none.
 ///
 /// The first open of a port since the computer started may reset its board, as an Arduino's.
 ///
@@ -119,20 +138,20 @@ pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Resul
     let asked = ask_boards(ports, stop);
     thread::scope(|scope| {
         let asked = asked.into_iter().map(|(port, answer)| {
-            let asks_node = matches!(answer, Err(DriveError::Device(_)));
+            let asks_others = matches!(answer, Err(DriveError::Device(_)));
             let at = port.clone();
-            (port, answer, asks_node.then(|| scope.spawn(move || ask_node(&at, stop))))
+            (port, answer, asks_others.then(|| scope.spawn(move || ask_others(&at, stop))))
         });
         let asked: Vec<_> = asked.collect();
-        let answers = asked.into_iter().map(|(port, answer, node)| {
-            let node =
-                node.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            let found = match (answer, node) {
+        let answers = asked.into_iter().map(|(port, answer, other)| {
+            let other =
+                other.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            let found = match (answer, other) {
                 (Ok((state, axes)), _) => Ok(FoundBoard::Grbl { state, axes }),
                 (Err(_), Some(Ok(found))) => Ok(found),
-                // A node that cannot be used is said, and anything else is no node.
-                (Err(_), Some(Err(error))) if is_of_node(&error) => Err(error),
-                (Err(grbl), Some(Err(node))) => Err(neither(&port, grbl, &node)),
+                // A board that cannot be used is said, and anything else is none.
+                (Err(_), Some(Err(error))) if is_of_board(&error) => Err(error),
+                (Err(grbl), Some(Err(other))) => Err(neither(&port, grbl, &other)),
                 (Err(error), None) => Err(error),
             };
             (port, found)
@@ -148,10 +167,12 @@ pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopReque
     let Some(port) = &table.port else { return error };
     let is_no_grbl = matches!(source.downcast_ref(), Some(GrblError::NoGrbl { .. }));
     let found = match table.driver {
-        DriverName::Grbl if is_no_grbl => ask_node(port, stop),
+        DriverName::Grbl if is_no_grbl => ask_others(port, stop),
         DriverName::Node if is_no_node(&error) => {
-            let table = DriveTable::of(DriverName::Grbl).with_port(port);
-            grbl::ask(&table, STARTED, stop).map(|(state, axes)| FoundBoard::Grbl { state, axes })
+            ask_grbl(port, stop).or_else(|grbl| ask_klipper(port, stop).map_err(|_| grbl))
+        }
+        DriverName::Klipper if is_no_klipper(&error) => {
+            ask_grbl(port, stop).or_else(|grbl| ask_node(port, stop).map_err(|_| grbl))
         }
         _ => return error,
     };
@@ -162,13 +183,13 @@ pub(super) fn told_apart(error: DriveError, table: &DriveTable, stop: &StopReque
             driver: found.driver().as_str(),
             named: table.driver.as_str(),
         },
-        Err(found) if is_of_node(&found) => found,
+        Err(found) if is_of_board(&found) => found,
         Err(_) => error,
     }
 }
 
-/// Returns the error of a port at which no board answers to either driver, or that of the grbl board that it has.
-fn neither(port: &Path, grbl: DriveError, node: &DriveError) -> DriveError {
+/// Returns the error of a port at which no board answers to any driver, or that of the grbl board that it has.
+fn neither(port: &Path, grbl: DriveError, other: &DriveError) -> DriveError {
     let heard = match &grbl {
         DriveError::Device(error) => match error.downcast_ref() {
             Some(GrblError::NoGrbl { heard, .. }) => heard.clone(),
@@ -176,12 +197,18 @@ fn neither(port: &Path, grbl: DriveError, node: &DriveError) -> DriveError {
         },
         _ => return grbl,
     };
-    if !is_no_node(node) {
+    if !is_no_node(other) {
         return grbl;
     }
-    let [node_baud, grbl_baud] =
-        [DriverName::Node, DriverName::Grbl].map(|driver| DriveTable::of(driver).rate_baud());
-    DriveError::NoBoard { port: port.to_owned(), node_baud, grbl_baud, heard }
+    let baud = |driver| DriveTable::of(driver).rate_baud();
+    let (node, grbl) = (baud(DriverName::Node), baud(DriverName::Grbl));
+    let asked = if cfg!(feature = "klipper") {
+        let klipper = baud(DriverName::Klipper);
+        format!("a node ({node} baud), a grbl board ({grbl} baud) nor a Klipper board ({klipper} baud)")
+    } else {
+        format!("a node ({node} baud) nor a grbl board ({grbl} baud)")
+    };
+    DriveError::NoBoard { port: port.to_owned(), asked, heard }
 }
 
 /// Returns true for the error of a port at which no node answers.
@@ -190,19 +217,73 @@ fn is_no_node(error: &DriveError) -> bool {
     matches!(error.downcast_ref(), Some(NodeError::Silent { .. } | NodeError::Foreign { .. }))
 }
 
+/// Asks for a board whose driver has no setting that a byte of these questions could change: a node, then a board with
+/// the Klipper firmware. A grbl board is asked before, because the Klipper firmware's sync byte lets it go on from a
+/// hold.
+fn ask_others(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
+    match ask_node(port, stop) {
+        Err(node) if is_no_node(&node) => match ask_klipper(port, stop) {
+            Ok(found) => Ok(found),
+            Err(klipper) if is_of_board(&klipper) => Err(klipper),
+            Err(_) => Err(node),
+        },
+        answer => answer,
+    }
+}
+
+fn ask_grbl(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
+    let table = DriveTable::of(DriverName::Grbl).with_port(port);
+    grbl::ask(&table, STARTED, stop).map(|(state, axes)| FoundBoard::Grbl { state, axes })
+}
+
+#[cfg(feature = "klipper")]
+fn ask_klipper(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
+    let identity = klipper::ask(port, DriveTable::of(DriverName::Klipper).rate_baud(), stop)?;
+    Ok(FoundBoard::Klipper { chip: identity.chip, version: identity.version })
+}
+
+#[cfg(not(feature = "klipper"))]
+fn ask_klipper(_port: &Path, _stop: &StopRequest) -> Result<FoundBoard, DriveError> {
+    Err(DriveError::NotBuilt { driver: DriverName::Klipper.as_str() })
+}
+
+/// Returns true for the error of a port at which no board with the Klipper firmware answers.
+#[cfg(feature = "klipper")]
+fn is_no_klipper(error: &DriveError) -> bool {
+    let DriveError::Device(error) = error else { return false };
+    matches!(error.downcast_ref(), Some(KlipperError::Silent { .. } | KlipperError::Foreign { .. }))
+}
+
+#[cfg(not(feature = "klipper"))]
+fn is_no_klipper(_error: &DriveError) -> bool {
+    false
+}
+
 fn ask_node(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
     let identity = node::ask(port, DriveTable::of(DriverName::Node).rate_baud(), stop)?;
     let (board, firmware, axes) = (identity.board, identity.firmware, identity.axes);
     Ok(FoundBoard::Node { board, firmware, axes })
 }
 
-/// Returns true for an error that only a node gives, or that ends the search.
-fn is_of_node(error: &DriveError) -> bool {
+/// Returns true for an error that only a node or a board with the Klipper firmware gives, or that ends the search.
+fn is_of_board(error: &DriveError) -> bool {
     match error {
         DriveError::Interrupted => true,
-        DriveError::Device(error) => {
+        DriveError::Device(error) | DriveError::Refused(error) => {
             matches!(error.downcast_ref::<NodeError>(), Some(NodeError::Version { .. }))
+                || is_of_klipper(error.as_ref())
         }
         _ => false,
     }
+}
+
+#[cfg(feature = "klipper")]
+fn is_of_klipper(error: &(dyn StdError + Send + Sync + 'static)) -> bool {
+    use KlipperError::{Dictionary, Garbled, OtherFirmware};
+    matches!(error.downcast_ref(), Some(Dictionary(_) | Garbled { .. } | OtherFirmware { .. }))
+}
+
+#[cfg(not(feature = "klipper"))]
+fn is_of_klipper(_error: &(dyn StdError + Send + Sync + 'static)) -> bool {
+    false
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::motor_socket::MotorSocket;
 use super::topic::Topic;
 use crate::pump_file::{Axis, DriverName, OutletEnd};
 
@@ -53,6 +54,10 @@ pub struct Answers {
     pub port: Option<PathBuf>,
     /// Axis of the board.
     pub axis: Option<Axis>,
+    /// Socket of a board with the Klipper firmware.
+    pub socket: Option<MotorSocket>,
+    /// Current of the motor at a socket with a stepper driver that is set over its wire, in A (RMS).
+    pub current_a: Option<f64>,
     /// True if the pump runs in reverse when the axis counts up.
     pub invert: Option<bool>,
     /// True if the board's settings may be written where they do not fit the pump.
@@ -166,6 +171,8 @@ impl Answers {
             driver: None,
             port: None,
             axis: None,
+            socket: None,
+            current_a: None,
             invert: None,
             configure: None,
             altitude_m: None,
@@ -200,7 +207,7 @@ impl Answers {
         toml::to_string(self).unwrap_or_else(|error| unreachable!("answers are plain values: {error}"))
     }
 
-    /// Takes the answers of another pump where these have none. Name, axis and direction are each pump's own.
+    /// Takes the answers of another pump where these have none. Name, axis, socket and direction are each pump's own.
     pub fn take_missing(&mut self, other: &Self) {
         fn missing<T: Clone>(answer: &mut Option<T>, other: &Option<T>) {
             if answer.is_none() {
@@ -227,6 +234,7 @@ impl Answers {
         missing(&mut self.max_speed_rpm, &other.max_speed_rpm);
         missing(&mut self.driver, &other.driver);
         missing(&mut self.port, &other.port);
+        missing(&mut self.current_a, &other.current_a);
         missing(&mut self.suction_lift_mm, &other.suction_lift_mm);
         missing(&mut self.discharge_lift_mm, &other.discharge_lift_mm);
         missing(&mut self.outlet_end, &other.outlet_end);

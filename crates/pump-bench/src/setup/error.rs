@@ -95,6 +95,16 @@ pub enum SetupError {
         /// Pump that has the axis.
         name: String,
     },
+    /// The socket of the board turns another pump.
+    #[error("the socket {socket} of {} turns the pump `{name}` already; choose another socket", .port.display())]
+    Socket {
+        /// Socket that was said.
+        socket: String,
+        /// Serial port of the board.
+        port: PathBuf,
+        /// Pump that has the socket.
+        name: String,
+    },
     /// The rate needs a head that turns faster than it may.
     #[error(
         "{} mL/s needs {needed_rpm:.0} r/min of a head of {ml_per_rev:.4} mL per revolution, and it turns at \

@@ -22,6 +22,9 @@ impl Explain for SetupError {
             Self::Axis { axis, name, .. } => {
                 facts.value(axis).allowed(format!("an axis other than that of {name}"))
             }
+            Self::Socket { socket, name, .. } => {
+                facts.value(socket).allowed(format!("a socket other than that of {name}"))
+            }
             Self::Fast { rate_ml_s, most_ml_s, .. } => {
                 facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{most_ml_s} mL/s at most"))
             }

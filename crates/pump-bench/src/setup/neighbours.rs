@@ -17,6 +17,8 @@ pub struct Neighbour {
     pub port: PathBuf,
     /// Axis of the board.
     pub axis: Axis,
+    /// Pin that makes the steps, at a board with the Klipper firmware.
+    pub step_pin: Option<String>,
 }
 
 impl Neighbour {
@@ -27,7 +29,8 @@ impl Neighbour {
         let at_boards = pumps.filter_map(|(other, path)| {
             let file = PumpFile::read(path).ok().filter(|file| file.pump.id != name)?;
             let drive = file.drive.filter(|drive| drive.driver != DriverName::Sim)?;
-            Some(Self { name: other.clone(), port: drive.port?, axis: drive.axis })
+            let step_pin = drive.klipper.map(|klipper| klipper.step.name);
+            Some(Self { name: other.clone(), port: drive.port?, axis: drive.axis, step_pin })
         });
         at_boards.collect()
     }
@@ -52,6 +55,26 @@ impl Answers {
         match neighbours.iter().find(|other| other.axis == axis && other.is_at(port)) {
             None => Ok(()),
             Some(other) => Err(SetupError::Axis { axis, port: port.clone(), name: other.name.clone() }),
+        }
+    }
+
+    /// Refuses a socket of a board that turns another pump. A socket that nobody has said contradicts none.
+    ///
+    /// # Errors
+    /// [`SetupError::Socket`] with the pump that has the socket.
+    pub fn check_socket(&self, neighbours: &[Neighbour]) -> Result<(), SetupError> {
+        let (Some(port), Some(socket)) = (&self.port, &self.socket) else { return Ok(()) };
+        if self.driver != Some(DriverName::Klipper) {
+            return Ok(());
+        }
+        let has_pin = |other: &&Neighbour| other.step_pin.as_deref() == Some(socket.step_pin());
+        match neighbours.iter().filter(has_pin).find(|other| other.is_at(port)) {
+            None => Ok(()),
+            Some(other) => Err(SetupError::Socket {
+                socket: socket.to_string(),
+                port: port.clone(),
+                name: other.name.clone(),
+            }),
         }
     }
 }

@@ -165,7 +165,11 @@ impl Answers {
             table.port = self.port.clone().or(table.port.take());
             table.axis = self.axis.unwrap_or(table.axis);
             table.invert = self.invert.unwrap_or(table.invert);
-            file.drive = drive;
+            if let Some(socket) = self.socket.as_ref().filter(|_| driver == DriverName::Klipper) {
+                table.klipper = Some(socket.table(self.current_a));
+            }
+            // A board whose pins nobody has said yet turns no motor.
+            file.drive = drive.filter(|table| driver != DriverName::Klipper || table.klipper.is_some());
         }
         if let Some(altitude_m) = self.altitude_m {
             file.ambient = AmbientTable::at_altitude_m(altitude_m);

@@ -36,6 +36,10 @@ pub enum Topic {
     Port,
     /// Axis of the board.
     Axis,
+    /// Socket of the board.
+    Socket,
+    /// Current of the motor.
+    Current,
     /// Pressure of the air.
     Ambient,
     /// Height of the pump above the supply.
@@ -69,6 +73,8 @@ impl Topic {
             Self::Driver => (answers.driver, answers.configure) = (None, None),
             Self::Port => answers.port = None,
             Self::Axis => answers.axis = None,
+            Self::Socket => answers.socket = None,
+            Self::Current => answers.current_a = None,
             Self::Ambient => (answers.altitude_m, answers.ambient_kpa) = (None, None),
             Self::SuctionLift => answers.suction_lift_mm = None,
             Self::DischargeLift => answers.discharge_lift_mm = None,

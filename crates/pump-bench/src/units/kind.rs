@@ -27,6 +27,8 @@ pub enum Kind {
     Temperature,
     /// Length, kept in mm.
     Length,
+    /// Electric current, kept in A.
+    Current,
     /// Life of a tube: a volume, a time or a turn, whose unit says which.
     Life,
 }
@@ -45,6 +47,7 @@ impl fmt::Display for Kind {
             Self::Pressure => "pressure",
             Self::Temperature => "temperature",
             Self::Length => "length",
+            Self::Current => "current",
             Self::Life => "tube life",
         })
     }
@@ -104,6 +107,8 @@ const PRESSURES: Units = &[
 const LENGTHS: Units =
     &[("mm", 1.0), ("cm", 10.0), ("m", 1e3), ("um", 1e-3), ("µm", 1e-3), ("in", 25.4), ("inch", 25.4)];
 
+const AMPERES: Units = &[("A", 1.0), ("mA", 1e-3)];
+
 impl Kind {
     /// Says how to write a quantity of this kind.
     pub(crate) fn wanted(self) -> String {
@@ -130,6 +135,7 @@ impl Kind {
             Self::Pressure => "120kPaa",
             Self::Temperature => "20degC",
             Self::Length => "63mm",
+            Self::Current => "0.5A",
             Self::Life => "100L, 500h or 1e6rev",
         }
     }
@@ -149,6 +155,7 @@ impl Kind {
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
             Self::Temperature => "degC (°C)",
             Self::Length => "mm, cm, m, um (µm), in",
+            Self::Current => "A, mA",
             Self::Life => "L, mL and other volumes; h, d and other times; rev",
         }
     }
@@ -171,6 +178,7 @@ impl Kind {
             Self::Pressure => PRESSURES,
             Self::Temperature => CELSIUS,
             Self::Length => LENGTHS,
+            Self::Current => AMPERES,
             Self::Life => LITRES,
         };
         if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
@@ -210,6 +218,7 @@ impl Kind {
             Self::Pressure => factor_in(PRESSURES, unit),
             Self::Temperature => factor_in(CELSIUS, unit),
             Self::Length => factor_in(LENGTHS, unit),
+            Self::Current => factor_in(AMPERES, unit),
             Self::Life => factor_in(LITRES, unit),
         }
     }

@@ -24,7 +24,7 @@ pub use hose_size::{HoseSize, hose_size};
 pub use kind::Kind;
 pub use pressure::{Pressure, pressure};
 pub use quantity::{
-    angle_rad, flow_ml_s, height_mm, instant_s, length_mm, life_ml, rotor_angle_rad, speed_rad_s,
+    angle_rad, current_a, flow_ml_s, height_mm, instant_s, length_mm, life_ml, rotor_angle_rad, speed_rad_s,
     temperature_degc, time_s, volume_ml,
 };
 pub use rate::rate;

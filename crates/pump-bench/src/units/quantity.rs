@@ -1,4 +1,4 @@
-//! Quantities that are one number: volume, flow, speed, time, angle, temperature and length.
+//! Quantities that are one number: volume, flow, speed, time, angle, temperature, length and current.
 
 use pump_model::units::TURN_RAD;
 
@@ -104,6 +104,14 @@ pub fn height_mm(text: &str) -> Result<f64, QuantityError> {
         return Ok(0.0);
     }
     QuantityText::new(text, Kind::Length)?.value()
+}
+
+/// Reads a positive current and returns it in A.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive current.
+pub fn current_a(text: &str) -> Result<f64, QuantityError> {
+    positive(text, Kind::Current)
 }
 
 /// Reads a positive quantity of this kind.

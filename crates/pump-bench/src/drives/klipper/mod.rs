@@ -13,6 +13,8 @@
 //! - `axis`: the drive of one motor.
 //! - `tmc`: the stepper driver TMC2209 behind one wire of the board.
 
+#[cfg(all(feature = "grbl", feature = "node"))]
+mod ask;
 mod axis;
 mod board;
 mod clock;
@@ -25,6 +27,8 @@ mod protocol;
 mod refit;
 mod tmc;
 
+#[cfg(all(feature = "grbl", feature = "node"))]
+pub(super) use ask::ask;
 pub use axis::Klipper;
 pub(super) use axis::open;
 pub use clock::ClockError;

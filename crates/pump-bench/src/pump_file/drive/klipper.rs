@@ -147,6 +147,11 @@ impl KlipperTable {
 }
 
 impl TmcTable {
+    /// Returns the table of a driver at address 0 of the wire of this pin, for a motor of this current in A (RMS).
+    pub fn new(uart: KlipperPin, run_a: f64) -> Self {
+        Self { uart, tx: None, address: 0, sense_ohm: usual_sense_ohm(), run_a, hold_a: None }
+    }
+
     /// Returns the current of the motor while it holds, in A: the one that is given, or that of the turning motor.
     pub fn hold_a(&self) -> f64 {
         self.hold_a.unwrap_or(self.run_a)

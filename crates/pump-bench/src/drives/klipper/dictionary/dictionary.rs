@@ -75,7 +75,7 @@ impl Dictionary {
     }
 
     /// Returns the version of the firmware.
-    #[cfg(test)]
+    #[cfg(any(test, all(feature = "grbl", feature = "node")))]
     pub(in crate::drives::klipper) fn version(&self) -> &str {
         &self.version
     }

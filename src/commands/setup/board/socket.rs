@@ -1,0 +1,88 @@
+//! The questions about a board with the Klipper firmware: the socket of the motor, and the motor's current.
+
+use pump_bench::drives::FoundBoard;
+use pump_bench::pump_file::DriverName;
+use pump_bench::setup::{MotorSocket, PrinterBoard, Topic};
+use pump_bench::units;
+
+use super::super::asker::{Asked, Question};
+use super::super::course::{Course, tell_person};
+use crate::failure::Failure;
+
+/// True if the motor's socket has to be asked for, and the board may say which one it is.
+pub(super) fn is_open(course: &Course) -> bool {
+    course.answers.driver == Some(DriverName::Klipper) && course.answers.socket.is_none()
+}
+
+/// Asks for the socket, and for the motor's current where the board sets it.
+pub(super) fn ask(course: &mut Course) -> Asked<()> {
+    socket_of_another(course)?;
+    if course.answers.socket.is_none() {
+        ask_socket(course)?;
+    }
+    let sets_current = course.answers.socket.as_ref().is_some_and(MotorSocket::has_driver_wire);
+    if sets_current && course.answers.current_a.is_none() {
+        ask_current(course)?;
+    }
+    Ok(())
+}
+
+/// Drops a socket that turns another pump: the port was said after it. A script is refused.
+fn socket_of_another(course: &mut Course) -> Asked<()> {
+    let Some(error) = course.socket_of_another() else { return Ok(()) };
+    if course.asker.is_silent() {
+        return Err(Failure::from(error).into());
+    }
+    tell_person(&format!("  {error}"));
+    let mut answers = course.answers.clone();
+    answers.socket = None;
+    Ok(course.take(answers)?)
+}
+
+fn ask_socket(course: &mut Course) -> Asked<()> {
+    let chip = match &course.board {
+        Some(FoundBoard::Klipper { chip, .. }) => chip.as_str(),
+        _ => "",
+    };
+    let fitting: Vec<_> = PrinterBoard::with_chip(chip).collect();
+    let boards = if fitting.is_empty() { PrinterBoard::all().iter().collect() } else { fitting };
+    for board in &boards {
+        let sockets = board.sockets().collect::<Vec<_>>().join(", ");
+        tell_person(&format!("  {}: the {}, with the sockets {sockets}", board.name, board.title));
+    }
+    let port = course.answers.port.clone().unwrap_or_default();
+    let others = course.others_at(&port);
+    for other in others.iter().filter(|other| other.step_pin.is_some()) {
+        let pin = other.step_pin.as_deref().unwrap_or_default();
+        tell_person(&format!("  {} has the motor at {pin} of this board", other.name));
+    }
+    let question = Question {
+        text: "Board and socket of the motor, as skr-mini-e3-v3:X, or its pins",
+        option: "--socket skr-mini-e3-v3:X",
+        usual: course.former(|before| before.socket.as_ref().map(ToString::to_string)),
+        help: "the board's name is printed on it, and the socket's beside the motor's plug; the pins of any other \
+               board are in its file of Klipper's folder config, as step=PB13,dir=PB12,enable=!PB14, and \
+               uart=PC11,tx=PC10,address=0 for a TMC2209",
+    };
+    let read = |answer: &str| {
+        let socket: MotorSocket = answer.parse().map_err(|error| format!("{error}"))?;
+        let is_taken = |pin: &str| pin == socket.step_pin();
+        match others.iter().find(|other| other.step_pin.as_deref().is_some_and(is_taken)) {
+            Some(other) => Err(format!("{socket} is that of {}; choose another socket", other.name)),
+            None => Ok(socket),
+        }
+    };
+    course.settle(Topic::Socket, &question, read, |answers, socket| answers.socket = Some(socket))
+}
+
+fn ask_current(course: &mut Course) -> Asked<()> {
+    let question = Question {
+        text: "Current of the motor (RMS), as 0.5A",
+        option: "--current 0.5A",
+        usual: course.suggested(|last| last.current_a.map(|current_a| format!("{current_a}A")), None),
+        help: "the board sets it in the stepper driver; the motor's label says the most of a phase, and 0.7 of that \
+               keeps a motor cool that rests a lot",
+    };
+    let read = |answer: &str| units::current_a(answer).map_err(|error| error.to_string());
+    course.settle(Topic::Current, &question, read, |answers, current_a| answers.current_a = Some(current_a))
+}
