@@ -11,7 +11,7 @@ MODEL_FEATURES := integrator construction sensitivity identification experimenta
 .PHONY: test test-rust test-python clock demo browser mqtt faults long fuzz lint features oldest packages packaging other-systems wheels windows bench validate accuracy pulse-prior embedded firmware node-pico node docs api
 
 # With the example, the command takes the libraries that `make test` has built.
-COMMAND := cargo build --locked --features serve --bin dose --example simulated_node
+COMMAND := cargo build --locked --features serve --bin dose --example simulated_node --example simulated_klipper
 
 test: test-rust test-python
 
@@ -90,6 +90,7 @@ long: node-pico
 	COVERAGE_PUMPS=2000 cargo test --locked -p pump-bench --lib coverage
 	PRIOR_PUMPS=2000 cargo test --locked -p pump-bench --lib prior_coverage
 	KLIPPER_PLANS=10000 cargo test --locked -p pump-bench --features klipper --lib refit
+	KLIPPER_KILLS=200 cargo test --locked --test klipper -- kills
 	cargo run --locked -p check-node $(FIRMWARE) slow 60
 	cargo run --locked -p check-node $(FIRMWARE) stops 500
 	cargo run --locked -p check-node $(FIRMWARE) cuts 2000

@@ -29,7 +29,7 @@ fn an_error_for_a_program_has_its_kind_its_value_and_what_is_allowed() {
         (&["1e9mL"], "range", Some("1000000000"), Some("up to 100000")),
         (&["25mL", "--speed", "171rpm"], "limit", Some("171.000 r/min"), Some("170")),
         (&["25mL", "--max-outlet-pressure", "89kPaa"], "limit", None, Some("89")),
-        (&["25mL", "--driver", "teleport"], "usage", Some("teleport"), Some("sim, grbl, node")),
+        (&["25mL", "--driver", "teleport"], "usage", Some("teleport"), Some("sim, grbl, node, klipper")),
         (&["25mL", "--teleport"], "usage", Some("--teleport"), None),
         (&["simulate", "--speed", "100rpm"], "usage", None, None),
         (&["status", "--smooth"], "usage", Some("--smooth"), None),

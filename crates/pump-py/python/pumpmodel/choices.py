@@ -12,7 +12,7 @@ Begin: TypeAlias = Literal["ramp", "step", "steady"]
 #: Curve that weighed runs are fitted with.
 CalibrationFit: TypeAlias = Literal["best", "line", "factor", "speed-law"]
 #: Driver of a motor.
-Driver: TypeAlias = Literal["sim", "grbl", "node"]
+Driver: TypeAlias = Literal["sim", "grbl", "node", "klipper"]
 #: Places in a pitch where a dose may end.
 Finish: TypeAlias = Literal["any", "low-flow"]
 #: Kind of an identification.

@@ -153,7 +153,7 @@ class AsyncBench:
 
     @property
     def driver(self) -> str:
-        """Driver of the motor: "sim", "grbl" or "node"."""
+        """Driver of the motor: "sim", "grbl", "node" or "klipper"."""
         return self._bench.driver
 
     @property

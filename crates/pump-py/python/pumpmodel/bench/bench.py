@@ -59,7 +59,7 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
         ----------
         pump : Pump, str or os.PathLike
             Pump, path of a pump file, name in `[pumps]` of the configuration, or name of a built-in pump.
-        driver : {"sim", "grbl", "node"}, optional
+        driver : {"sim", "grbl", "node", "klipper"}, optional
             Driver of the motor; by default the pump file's `[drive]`, otherwise "sim".
         port : str or os.PathLike, optional
             Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
@@ -120,7 +120,7 @@ class Bench(BenchRuns, BenchRecord, BenchCalibration):
 
     @property
     def driver(self) -> str:
-        """Driver of the motor: "sim", "grbl" or "node"."""
+        """Driver of the motor: "sim", "grbl", "node" or "klipper"."""
         return self._core.driver
 
     @property

@@ -16,7 +16,7 @@ class BenchBackend(bases.PumpBackend):
     ----------
     pump : str or os.PathLike
         Path of a pump file, name in `[pumps]` of the configuration, or name of a built-in pump.
-    driver : {"sim", "grbl", "node"}, optional
+    driver : {"sim", "grbl", "node", "klipper"}, optional
         Driver of the motor; by default the pump file's `[drive]`, otherwise "sim". A motor moves only if the
         pump file or `driver` names one.
     port : str, optional
