@@ -9,6 +9,7 @@ mod commands;
 mod doses;
 mod faults;
 mod kills;
+mod racks;
 mod rig;
 #[allow(dead_code, reason = "each user of the board needs a part of it")]
 #[path = "../../examples/simulated_klipper/simulated_klipper/mod.rs"]

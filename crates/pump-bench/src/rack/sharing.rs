@@ -6,8 +6,9 @@ use super::step::RackStep;
 use crate::bench::Bench;
 use crate::drives::Together;
 use crate::files::is_one_file;
+use crate::pump_file::DriverName;
 
-/// Way out for axes of a grbl board that are to move otherwise than as one line.
+/// Way out for pumps of one board that it cannot turn together.
 const NODE_INSTEAD: &str =
     "give each pump a board of its own, or the axes of a node (driver = \"node\"; docs/node.md)";
 
@@ -72,6 +73,12 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
     if driver != other_driver {
         let shared = format!("are turned by {driver} and {other_driver} at one port, {port}");
         return Some((shared, "give each board its own port"));
+    }
+    if driver == DriverName::Klipper {
+        let shared = format!(
+            "are turned by one board at {port}, and a board with the Klipper firmware turns one pump at a time"
+        );
+        return Some((shared, NODE_INSTEAD));
     }
     if axis == other.drive().axis {
         return Some((
