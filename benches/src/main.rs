@@ -31,11 +31,15 @@ const HOSE: Hose = Hose {
     minor_loss: 5.75,
 };
 
+/// Tightest tolerance of the integrator.
+const TIGHTEST: f64 = 1e-13;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let quick = std::env::args().any(|argument| argument == "quick");
     let effort = if quick { Effort { rounds: 5, fill_s: 5e-4 } } else { Effort { rounds: 21, fill_s: 5e-3 } };
     let case = Case::new();
-    let stiff = Case::with_friction(HOSE.friction(&Fluid::water(25.0)?)?)?;
+    let friction = HOSE.friction(&Fluid::water(25.0)?)?;
+    let stiff = Case::with_friction(friction, |case, samples| ours::rubbed(case, TIGHTEST, samples))?;
     let mut rows = solvers::rows(&case)?;
     let solvers = rows.len();
     rows.extend(sensitivities::rows(&case)?);

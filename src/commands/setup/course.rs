@@ -14,7 +14,6 @@ use pump_bench::{Bench, Prepared, Session, built_in};
 
 use super::asker::{Asked, Asker, Question, Usual};
 use super::runnable::Runnable;
-use super::written::rounded;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -395,4 +394,15 @@ pub(super) fn head_in_words(head: &HeadAnswer) -> String {
         }
         HeadAnswer::File(path) => format!("as in {}", path.display()),
     }
+}
+
+/// A number with four digits at most.
+pub(super) fn rounded(value: f64) -> String {
+    rounded_to(value, 4)
+}
+
+/// A number with so many digits at most.
+pub(super) fn rounded_to(value: f64, digits: usize) -> String {
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(value);
+    format!("{rounded}")
 }

@@ -5,9 +5,8 @@ use pump_bench::setup::Topic;
 use pump_bench::{DoseReport, DoseRequest};
 
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
-use super::course::{Course, heading, quieten, within};
+use super::course::{Course, heading, quieten, rounded, within};
 use super::options::volume_or_0;
-use super::written::rounded;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::terminal::noted;

@@ -5,8 +5,7 @@ use std::fmt::Write;
 use pump_bench::setup::Outlook;
 
 use super::asker::Asked;
-use super::course::{Course, heading};
-use super::written::rounded;
+use super::course::{Course, heading, rounded};
 
 /// Most steps that are said.
 const MOST_STEPS: usize = 3;

@@ -13,10 +13,10 @@ use pump_model::units::rad_s;
 
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
 use super::board;
-use super::course::{Course, heading, tell_person};
+use super::course::{Course, heading, rounded, tell_person};
 use super::options::turns;
 use super::place;
-use super::written::{rewrite, rounded};
+use super::written::rewrite;
 use crate::advice;
 use crate::failure::Failure;
 use crate::terminal::{announced, noted};

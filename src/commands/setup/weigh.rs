@@ -8,9 +8,8 @@ use pump_bench::units::{Amount, StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
 
 use super::asker::{Asked, Question, Stop, Usual};
-use super::course::{Course, heading, quieten, tell_person, within};
+use super::course::{Course, heading, quieten, rounded, tell_person, within};
 use super::options::AnswerOptions;
-use super::written::rounded;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::options::balance::{BalanceOptions, read_still};

@@ -5,7 +5,7 @@ use pump_bench::pump_file::{DriveTable, DriverName, OutletEnd, PumpFile, Reservo
 use pump_bench::setup::Topic;
 
 use super::asker::{Asked, Question, Stop, Usual};
-use super::course::{Course, head_in_words, heading, tell_person};
+use super::course::{Course, head_in_words, heading, rounded, rounded_to, tell_person};
 use super::{back, board, head, motor, place};
 use crate::failure::Failure;
 
@@ -175,15 +175,4 @@ fn board_in_words(course: &Course, file: &PumpFile) -> String {
         }
     };
     format!("{} at {port}, {place}", drive.driver)
-}
-
-/// A number with four digits at most.
-pub(super) fn rounded(value: f64) -> String {
-    rounded_to(value, 4)
-}
-
-/// A number with so many digits at most.
-fn rounded_to(value: f64, digits: usize) -> String {
-    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse::<f64>().unwrap_or(value);
-    format!("{rounded}")
 }

@@ -127,8 +127,9 @@ impl Display for FoundBoard {
     }
 }
 
-/// Asks every port for a grbl board, for a node where there is none, and then for a board with the Klipper firmware, all
-/// ports at once and for some seconds at most. Nothing moves, and no board is taken. Returns each port with its board, or the reason why there is none.
+/// Asks every port for a grbl board, for a node where there is none, and then for a board with the Klipper firmware,
+/// all ports at once and for some seconds at most. Nothing moves, and no board is taken. Returns each port with its
+/// board, or the reason why there is none.
 ///
 /// The first open of a port since the computer started may reset its board, as an Arduino's.
 ///
