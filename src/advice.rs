@@ -79,13 +79,17 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              finds it"
         }
         Remedy::FindAngleOfUnfinished => {
-            "`dose home --unfinished --set <ANGLE>` says the angle and keeps the unfinished dose; with a sensor or a \
-             mark, `dose home --unfinished --sensor` or `dose home --unfinished --mark` finds it"
+            "`dose home --unfinished --set <ANGLE> --tolerance 1deg` says the angle and how well you see it, and keeps \
+             the unfinished dose; with a sensor or a mark, `dose home --unfinished --sensor` or `dose home \
+             --unfinished --mark` finds it"
         }
         Remedy::FinishAtConstantSpeed => "`dose resume --rate <FLOW>` makes the rest at constant speed",
         Remedy::FinishAnywhere => "`dose resume --finish any` lets the rest end anywhere",
         Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",
-        Remedy::ThenFindAngle => "find the angle again once the cause is removed",
+        Remedy::ThenFindAngle => {
+            "find the angle again once the cause is removed, by `dose home`, or by `dose home --unfinished` while a \
+             dose is unfinished"
+        },
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {
             "to dose other volumes, turn a roller to where it begins to leave the outlet and say `dose home \
