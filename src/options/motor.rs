@@ -12,12 +12,12 @@ use super::choice::choice;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motor")]
 pub(crate) struct DriverOption {
-    /// Driver of the motor [default: the pump file's]
+    /// sim, grbl, node or klipper
     #[arg(
         long_help = "Driver of the motor. The default is the pump file's, and sim without one: a simulated \
         motor."
     )]
-    #[arg(long, value_name = "sim|grbl|node|klipper", value_parser = choice(&[
+    #[arg(long, value_name = "DRIVER", value_parser = choice(&[
         (DriverName::Sim, "A simulated stepper, pump and vessel"),
         (DriverName::Grbl, "A board that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC"),
         (DriverName::Node, "A board with this project's own firmware, which makes each step at the plan's time"),
