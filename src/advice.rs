@@ -89,7 +89,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::ThenFindAngle => {
             "find the angle again once the cause is removed, by `dose home`, or by `dose home --unfinished` while a \
              dose is unfinished"
-        },
+        }
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {
             "to dose other volumes, turn a roller to where it begins to leave the outlet and say `dose home \
