@@ -103,13 +103,7 @@ fn meet_board(course: &mut Course) -> Asked<()> {
             Ok(()) => {
                 course.warn(&notes);
                 if rate_fits(course, range_rad_s)? {
-                    let fits = match course.answers.driver {
-                        Some(DriverName::Node | DriverName::Klipper) => {
-                            "  the board answers, and makes what the pump needs"
-                        }
-                        _ => "  the board answers, and its settings fit the pump",
-                    };
-                    tell_person(fits);
+                    tell_person(board_fits(course.answers.driver));
                     return Ok(());
                 }
                 continue;
@@ -149,6 +143,13 @@ fn meet_board(course: &mut Course) -> Asked<()> {
         if let (Some(error), false) = (error, agreed) {
             return Err(Failure::from(error).into());
         }
+    }
+}
+
+fn board_fits(driver: Option<DriverName>) -> &'static str {
+    match driver {
+        Some(DriverName::Node | DriverName::Klipper) => "  the board answers, and makes what the pump needs",
+        _ => "  the board answers, and its settings fit the pump",
     }
 }
 
