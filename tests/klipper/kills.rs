@@ -45,7 +45,7 @@ fn chain(board: u32) -> u32 {
     for n in (board..kills()).step_by(BOARDS as usize) {
         let (code, said) = rig.runs(&["home", "--set", "30deg", "--tolerance", "0deg"]);
         assert_eq!(code, Some(0), "{said}");
-        let (before, is_slow) = (rig.board.truth().steps[0], n / BOARDS % 2 == 0);
+        let (before, is_slow) = (rig.board.truth().steps[0], (n / BOARDS).is_multiple_of(2));
         let way = if n % 3 == 0 { "-3mL" } else { "3mL" };
         let rate = if is_slow { RATES[0] } else { RATES[1] };
         let mut dose = rig.starts(&[way, "--rate", rate, "--confirm-pump"]);
