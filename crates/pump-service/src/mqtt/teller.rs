@@ -71,6 +71,7 @@ impl<'a> Teller<'a> {
                 Err(TryRecvError::Empty | TryRecvError::Closed) => break,
             }
         }
+        self.states().await?;
         self.keep(self.settings.topics.status(), OFFLINE).await?;
         self.client.disconnect().await
     }
