@@ -114,6 +114,7 @@ pub(in crate::drives::klipper) fn meet(
 
 /// Returns who is at the port, or refuses another firmware and one that lacks what is needed.
 fn identify(link: &mut Link, terms: &Terms) -> Result<(Commands, Dictionary), KlipperError> {
+    link.refuse_grbl()?;
     link.connect(ANSWER_LIMIT)?;
     let dictionary = link.identify()?;
     if let Some(app) = dictionary.app().filter(|app| *app != APP) {

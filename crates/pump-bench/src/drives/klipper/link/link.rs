@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::grbl_report;
 use super::window::Window;
 use crate::drives::StopRequest;
 use crate::drives::klipper::error::KlipperError;
@@ -23,6 +24,12 @@ const FIND_AGAIN: Duration = Duration::from_millis(100);
 
 /// Longest wait at rest before the user is heard.
 const HEED: Duration = Duration::from_millis(20);
+
+/// Time for which a grbl board's report is waited for. It comes within some ms.
+const REPORT: Duration = Duration::from_millis(200);
+
+/// Most bytes in which a report is looked for.
+const HEARD_MOST: usize = 4096;
 
 /// Most reads of one turn before it sends. A board that never pauses is a fault of its own.
 const READS_MOST: usize = 64;
@@ -154,6 +161,29 @@ impl Link {
     ) -> Option<(Duration, Duration)> {
         let sent = self.window.sent_at(number)?;
         (answer.taken == Some(number)).then_some((sent, answer.at))
+    }
+
+    /// Refuses a board that speaks grbl's protocol, before it gets a byte of this one: the sync byte 7Eh lets a grbl board
+    /// go on from a hold.
+    pub(in crate::drives::klipper) fn refuse_grbl(&mut self) -> Result<(), KlipperError> {
+        self.wire.write(grbl_report::QUESTION).map_err(KlipperError::Gone)?;
+        let until = self.wire.now() + REPORT;
+        let mut heard = Vec::new();
+        while heard.len() < HEARD_MOST {
+            self.heed()?;
+            let left = until.saturating_sub(self.wire.now());
+            if left.is_zero() {
+                break;
+            }
+            let mut buffer = [0; 256];
+            let count = self.wire.read(&mut buffer, left.min(HEED)).map_err(KlipperError::Gone)?;
+            heard.extend_from_slice(buffer.get(..count).unwrap_or_default());
+            if grbl_report::is_in(&heard) {
+                let Place { port, baud } = self.place.clone();
+                return Err(KlipperError::Foreign { port, baud, bytes: heard.len() as u64 });
+            }
+        }
+        Ok(())
     }
 
     /// Finds the block that the board takes next, and begins there. Nothing that was queued before is sent.

@@ -3,6 +3,7 @@
 //! Source: Klipper3d/klipper, `docs/Protocol.md`, "Message flow". The board takes blocks in the order of their sequence
 //! numbers, and confirms each. Messages of the board are not sent again, so a question is asked anew.
 
+mod grbl_report;
 mod identify;
 mod link;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Links over good and bad lines.
 
+use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -8,6 +9,7 @@ use super::peer::{Faults, PeerWire, Random, World};
 use crate::drives::StopRequest;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::protocol::Format;
+use crate::drives::wire::Wire;
 
 const SECOND: Duration = Duration::from_secs(1);
 
@@ -260,4 +262,54 @@ fn every_command_arrives_once_and_in_order_or_the_link_is_lost_by_its_deadline()
     let arrived = (0..SEEDS).filter(|seed| runs(*seed)).count() as u64;
     // A tenth of the lines dies on its way.
     assert!((SEEDS * 80 / 100..SEEDS * 97 / 100).contains(&arrived), "{arrived} of {SEEDS}");
+}
+
+/// Wire to a grbl board in a hold, which keeps what it was sent.
+#[derive(Debug)]
+struct HeldGrbl {
+    sent: Arc<Mutex<Vec<u8>>>,
+    report: &'static [u8],
+    now: Duration,
+}
+
+impl Wire for HeldGrbl {
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+        self.now += wait;
+        let count =
+            if self.sent.lock().unwrap().is_empty() { 0 } else { self.report.len().min(buffer.len()) };
+        buffer[..count].copy_from_slice(&self.report[..count]);
+        self.report = &self.report[count..];
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.sent.lock().unwrap().extend_from_slice(bytes);
+        Ok(())
+    }
+
+    fn now(&mut self) -> Duration {
+        self.now
+    }
+
+    fn sleep(&mut self, time: Duration) {
+        self.now += time;
+    }
+}
+
+#[test]
+fn a_grbl_board_in_a_hold_gets_no_byte_that_lets_it_go_on() {
+    for (report, is_grbl) in [
+        (&b"<Hold:0|MPos:1.000,0.000,0.000|FS:0,0>\r\n"[..], true),
+        (b"ok\r\n<Idle,MPos:0.000>", true),
+        (b"<Ru", false),
+        (b"\x05<a|~", false),
+        (b"", false),
+    ] {
+        let sent = Arc::new(Mutex::new(Vec::new()));
+        let wire = HeldGrbl { sent: Arc::clone(&sent), report, now: Duration::ZERO };
+        let place = Place { port: "/dev/ttyACM0".into(), baud: 250_000 };
+        let refused = Link::new(Box::new(wire), place, StopRequest::default()).refuse_grbl();
+        assert_eq!(matches!(refused, Err(KlipperError::Foreign { .. })), is_grbl, "{refused:?}");
+        assert_eq!(*sent.lock().unwrap(), b"?");
+    }
 }
