@@ -35,7 +35,7 @@ pub(in super::super) fn framed(sequence: u8, content: &[u8]) -> Vec<u8> {
     block
 }
 
-/// What a byte completes.
+/// Result that a byte completes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in super::super) enum Heard {
     /// Block in order, with its content.

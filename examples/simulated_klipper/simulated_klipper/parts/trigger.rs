@@ -16,7 +16,7 @@ pub(in super::super) struct Trigger {
 pub(in super::super) enum TriggerEvent {
     /// It expired, with its reason.
     Expired(u32),
-    /// Its state is to be reported.
+    /// The trigger has a state to report.
     Report,
 }
 

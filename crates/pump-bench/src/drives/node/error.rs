@@ -319,7 +319,8 @@ pub enum NodeError {
     /// The stepper driver reported a fault.
     #[error(
         "the stepper driver reported a fault, so the motor is without current; check the stepper driver's temperature, \
-         its supply and the motor's cable, and switch it off and on"
+         its supply and the motor's cable, and switch it off and on; on new wiring see that [drive.pins] driver_fault \
+         names the level of its fault output"
     )]
     Driver,
     /// The emergency stop was pressed.

@@ -9,7 +9,6 @@ pub(super) fn faults_noted(unread: FaultCounts) -> Option<Notice> {
     let kinds = [
         (unread.late, "late step", "late steps"),
         (unread.starved, "empty queue", "empty queues"),
-        (unread.driver, "fault of the stepper driver", "faults of the stepper driver"),
         (
             unread.link,
             "stop for want of a word from the computer",
@@ -18,9 +17,13 @@ pub(super) fn faults_noted(unread: FaultCounts) -> Option<Notice> {
         (unread.estop, "emergency stop", "emergency stops"),
     ];
     let counted = kinds.iter().filter(|(count, ..)| *count > 0);
-    let named: Vec<String> = counted
+    let mut named: Vec<String> = counted
         .map(|(count, one, many)| format!("{count} {}", if *count == 1 { one } else { many }))
         .collect();
+    // The board sees a fault that lasts anew whenever it gives the motor current.
+    if unread.driver > 0 {
+        named.push("a fault of the stepper driver, or one that lasts and was met anew".to_owned());
+    }
     (!named.is_empty()).then(|| {
         Notice::from(format!("the board has counted faults since they were last read: {}", named.join(", ")))
     })
@@ -40,5 +43,15 @@ mod tests {
         let one = format!("{begins}1 stop for want of a word from the computer");
         let several = format!("{begins}1 late step, 2 stops for want of a word from the computer");
         assert_eq!([said(0, 0), said(1, 0), said(2, 1)], [None, Some(one), Some(several)]);
+    }
+
+    #[test]
+    fn a_drivers_fault_that_every_attempt_meets_is_not_counted() {
+        for driver in [1, 3] {
+            let note = faults_noted(FaultCounts { driver, ..FaultCounts::default() }).unwrap();
+            assert!(
+                note.text().ends_with(": a fault of the stepper driver, or one that lasts and was met anew")
+            );
+        }
     }
 }

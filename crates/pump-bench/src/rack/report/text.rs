@@ -17,7 +17,7 @@ impl RackReport {
             (RackEnd::Planned, _) => "planned (dry run, nothing recorded)".to_owned(),
             (RackEnd::Completed, _) => "completed".to_owned(),
             (RackEnd::Stopped, _) => "stopped".to_owned(),
-            (RackEnd::Fault, Some(fault)) => format!("stopped by a fault of {}", fault.pump),
+            (RackEnd::Fault, Some(fault)) => self.faults_of(&fault.pump),
             (RackEnd::Fault, None) => "stopped by a fault".to_owned(),
         };
         let (pumps, steps) = (counted(self.pumps.len(), "pump"), counted(self.steps, "step"));
@@ -29,9 +29,31 @@ impl RackReport {
         let began = self.time.map_or(String::new(), |time| format!(", began {time}"));
         format!(
             "{}: {pumps}, {steps} in {time} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
-             {requested} mL asked\n",
-            self.rack, "total"
+             {requested} mL asked\n{}",
+            self.rack,
+            "total",
+            self.further_errors()
         )
+    }
+
+    /// Returns the names of the pumps that failed. A stop of a whole board is a fault of each of its pumps.
+    fn faults_of(&self, first: &str) -> String {
+        let further = self.further_faults().map(|(name, _)| name);
+        let names: Vec<&str> = std::iter::once(first).chain(further).collect();
+        let a = if names.len() == 1 { "a fault" } else { "faults" };
+        format!("stopped by {a} of {}", names.join(", "))
+    }
+
+    /// Returns the names and errors of the pumps that failed, but for the one whose fault is told as the rack's.
+    fn further_faults(&self) -> impl Iterator<Item = (&str, &str)> {
+        let first = self.fault.as_ref().map(|fault| fault.pump.as_str());
+        let rows = self.pumps.iter().filter(move |row| Some(row.name.as_str()) != first);
+        rows.filter_map(|row| Some((row.name.as_str(), row.error.as_deref()?)))
+    }
+
+    /// Returns the errors of the further pumps that failed, a line each.
+    fn further_errors(&self) -> String {
+        self.further_faults().map(|(name, error)| format!("{name} failed too: {error}\n")).collect()
     }
 
     /// Returns the warnings, a line each, with the name of their pump.

@@ -53,7 +53,7 @@ pub(in crate::drives::klipper) struct Met {
     pub(in crate::drives::klipper) disturbed: Option<Disturbance>,
     /// Board that was on record in the place of this one, if that was accepted.
     pub(in crate::drives::klipper) replaced: MadePlace,
-    /// What a person is to know of the stepper driver.
+    /// Notes on the stepper driver, for a person.
     pub(in crate::drives::klipper) of_driver: Vec<String>,
 }
 

@@ -163,8 +163,8 @@ impl Link {
         (answer.taken == Some(number)).then_some((sent, answer.at))
     }
 
-    /// Refuses a board that speaks grbl's protocol, before it gets a byte of this one: the sync byte 7Eh lets a grbl board
-    /// go on from a hold.
+    /// Refuses a board that speaks grbl's protocol, before it gets a byte of this one: the sync byte 7Eh lets a grbl
+    /// board go on from a hold.
     pub(in crate::drives::klipper) fn refuse_grbl(&mut self) -> Result<(), KlipperError> {
         self.wire.write(grbl_report::QUESTION).map_err(KlipperError::Gone)?;
         let until = self.wire.now() + REPORT;

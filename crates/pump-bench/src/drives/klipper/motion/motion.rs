@@ -375,7 +375,7 @@ impl<'a> Motion<'a> {
         if let Some(feed) = &mut self.feed
             && matches!(self.failed, Some(KlipperError::HeldUp | KlipperError::DeadMan { .. }))
         {
-            // What follows would come too late.
+            // Later commands would come too late.
             feed.close(std::iter::empty());
         }
         None
