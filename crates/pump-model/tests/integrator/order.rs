@@ -1,6 +1,6 @@
 //! Observed orders of convergence of RODAS5P and of its two dense outputs, at fixed steps.
 
-use crate::problems::{autonomous, fixed, kepler, kepler_solution, orders, scalar};
+use crate::problems::{autonomous, fixed, kepler, kepler_solution, largest, orders, scalar};
 use nalgebra::{SMatrix, SVector};
 use pump_model::integrator::{Ode, Rodas5p};
 
@@ -24,10 +24,10 @@ fn errors<const N: usize>(
         assert_eq!(step.end_s(), end_s * f64::from(n) / f64::from(steps));
         // The method's own output is of degree four, Hermite's of degree five.
         assert_eq!(step.polynomial(0).c[5] == 0.0, stiff);
-        errors.ends = errors.ends.max((SVector::from(solver.state()) - solution(step.end_s())).amax());
+        errors.ends = errors.ends.max(largest(&(SVector::from(solver.state()) - solution(step.end_s()))));
         for part in 1..8 {
             let t = step.start_s + step.length_s * f64::from(part) / 8.0;
-            errors.inside = errors.inside.max((SVector::from(step.at(t)) - solution(t)).amax());
+            errors.inside = errors.inside.max(largest(&(SVector::from(step.at(t)) - solution(t))));
         }
     }
     assert_eq!(solver.time_s(), end_s);
@@ -121,7 +121,7 @@ fn kapss_problem_loses_no_accuracy_to_stiffness() {
             let allowed = 0.6 * h * h / rate + 3.2e-6 * (2.0 * h).powi(5);
             assert!(*error < allowed, "{rate}, {h}: {error:e}");
         }
-        assert!(inside[0] < 2.5e-4, "{rate}: {inside:?}");
+        assert!(inside[0] < 3.2e-4, "{rate}: {inside:?}");
         if rate == 1e8 {
             assert_orders("ends", &ends[..3], 5.5, 6.3);
             assert_orders("inside", &inside, 3.6, 4.1);

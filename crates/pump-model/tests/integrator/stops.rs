@@ -1,6 +1,6 @@
 //! Claims about stops, jumps of the derivative, and impulses.
 
-use crate::problems::{go, kepler, kepler_solution, scalar, uniform};
+use crate::problems::{go, kepler, kepler_solution, largest, scalar, uniform};
 use nalgebra::SVector;
 use pump_model::integrator::{Ode, Rodas5p};
 
@@ -34,7 +34,7 @@ fn a_step_never_crosses_a_stop_and_lands_on_it_to_the_last_bit() {
             assert!(solver.statistics().steps < 20_000);
         }
     }
-    assert!((SVector::from(solver.state()) - kepler_solution(stop_s)).amax() < 1e-4);
+    assert!(largest(&(SVector::from(solver.state()) - kepler_solution(stop_s))) < 1e-4);
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_polynomial_joins_the_states_of_its_step() {
         let from = solver.state();
         let step = solver.step(&ode, 6.0).unwrap();
         assert_eq!(step.at(step.start_s), from);
-        assert!((SVector::from(step.at(solver.time_s())) - SVector::from(solver.state())).amax() < 1e-14);
+        assert!(largest(&(SVector::from(step.at(solver.time_s())) - SVector::from(solver.state()))) < 1e-14);
         for state in 0..4 {
             let polynomial = step.polynomial(state);
             for x in [0.0, 0.3, 1.0] {
@@ -75,7 +75,7 @@ fn steps_with(stops: impl Iterator<Item = f64>) -> u64 {
     for stop_s in stops {
         go(&mut solver, &ode, stop_s, 10_000).unwrap();
     }
-    assert!((SVector::from(solver.state()) - kepler_solution(6.0)).amax() < 100.0 * TOLERANCE);
+    assert!(largest(&(SVector::from(solver.state()) - kepler_solution(6.0))) < 100.0 * TOLERANCE);
     solver.statistics().steps
 }
 
