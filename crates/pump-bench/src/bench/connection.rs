@@ -142,10 +142,11 @@ impl<'a> Session<'a> {
         };
         let count = drive.count();
         let mut met = stands;
-        // A device that counts from zero again was switched off and on unheard. So a count of zero proves
-        // nothing of a motion that was cut off.
+        // A device whose resets are not told and that counts from zero again was switched off and on unheard. So its
+        // count of zero proves nothing of a motion that was cut off.
         let cut_off = self.cut_off.is_some_and(|(_, part)| part.made_least < part.made_most);
-        let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0 || cut_off);
+        let is_unheard = !drive.abilities().tells_resets && count == Some(0);
+        let starts_anew = is_unheard && stands.count.is_some_and(|before| before != 0 || cut_off);
         let event = told.or(starts_anew.then_some(Disturbance::Reset));
         let counts_anyhow = matches!(event, Some(Disturbance::OtherAxis | Disturbance::EmergencyStop));
         if stands.released && !counts_anyhow {

@@ -32,6 +32,9 @@ pub struct Abilities {
     pub index: bool,
     /// True if the drive reads the device's own step count.
     pub readback: bool,
+    /// True if the drive tells each reset of the device ([`Drive::disturbed`](super::Drive::disturbed)). A count of zero
+    /// is then one as any other, and otherwise that of a device which was just switched on.
+    pub tells_resets: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,
     /// Way in which the drive makes a motion together with those of other axes of its board
@@ -49,6 +52,7 @@ impl Abilities {
         .with_step_times(true)
         .with_angle_dependent_speed(true)
         .with_flow_over_time(true)
+        .with_tells_resets(true)
         .with_together(Together::Begin);
 
     /// Abilities of a motor at a board with the Klipper firmware, which makes each step at the plan's time.
@@ -58,7 +62,8 @@ impl Abilities {
         .with_release(true)
         .with_step_times(true)
         .with_angle_dependent_speed(true)
-        .with_flow_over_time(true);
+        .with_flow_over_time(true)
+        .with_tells_resets(true);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.
@@ -69,6 +74,7 @@ impl Abilities {
             flow_over_time: false,
             index: false,
             readback: false,
+            tells_resets: false,
             release: false,
             together: None,
         }
@@ -102,6 +108,12 @@ impl Abilities {
     #[must_use]
     pub const fn with_readback(self, readback: bool) -> Self {
         Self { readback, ..self }
+    }
+
+    /// Returns the abilities of a drive that tells each reset of the device, or may not hear of one.
+    #[must_use]
+    pub const fn with_tells_resets(self, tells_resets: bool) -> Self {
+        Self { tells_resets, ..self }
     }
 
     /// Returns the abilities with or without a way to let go of the rotor.

@@ -195,7 +195,8 @@ pub trait Drive: Debug + Send {
     }
 
     /// Returns the device's own count of steps, positive toward the outlet, from any zero. `None` without a
-    /// count. A count of zero is that of a device that was just switched on.
+    /// count. A count of zero is that of a device that was just switched on, unless the drive tells each reset
+    /// ([`Abilities::tells_resets`]).
     fn count(&self) -> Option<i64> {
         None
     }

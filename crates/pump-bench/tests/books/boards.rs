@@ -19,12 +19,18 @@ struct Rig {
 
 impl Rig {
     fn new() -> Self {
+        Self::counting(1000, false)
+    }
+
+    /// Returns a rig whose board counts `count`, and tells its resets or not.
+    fn counting(count: i64, tells_resets: bool) -> Self {
         let plant = Plant {
             pump: file().model().unwrap(),
             factor: 1.0,
             angle_rad: 0.0,
-            count: 1000,
+            count,
             has_count: true,
+            tells_resets,
             is_reachable: true,
             lets_go: false,
             fall_rad: 0.0,
@@ -78,6 +84,21 @@ fn a_suck_back_is_made_by_resume_if_the_board_finished_the_dose_by_itself() {
     assert!((session.owed_ml() - 0.1).abs() < 3e-3, "{}", session.owed_ml());
     // It is made once.
     assert!(session.prepare_rest(DoseRequest::dose(0.0)).is_err());
+}
+
+#[test]
+fn a_count_of_zero_is_exact_if_the_board_tells_its_resets_and_proves_nothing_otherwise() {
+    for tells_resets in [true, false] {
+        let rig = Rig::counting(-60, tells_resets);
+        rig.session().set_angle(Some(Phase::known(0.0))).unwrap();
+        rig.dies(DoseRequest::dose(0.2), |_| 60);
+        assert_eq!(rig.plant.lock().unwrap().count, 0);
+        let session = rig.session();
+        let state = session.state().unwrap();
+        let cut = state.unfinished.unwrap();
+        assert_eq!(cut.made_least == 60 && cut.made_most == 60, tells_resets, "{cut:?}");
+        assert_eq!(state.phase().half_width_rad() == 0.0, tells_resets, "{state:?}");
+    }
 }
 
 #[test]

@@ -84,6 +84,7 @@ impl Person {
             angle_rad: dice.part() * TAU,
             count: 0,
             has_count: true,
+            tells_resets: false,
             is_reachable: true,
             lets_go: false,
             fall_rad: 0.0,

@@ -49,6 +49,7 @@ impl Run {
             angle_rad: dice.part() * TURN_RAD,
             count: 1000,
             has_count: dice.chance(0.7),
+            tells_resets: seed.is_multiple_of(2),
             is_reachable: true,
             lets_go: dice.chance(0.15),
             fall_rad,

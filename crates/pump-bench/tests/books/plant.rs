@@ -73,6 +73,8 @@ pub(crate) struct Plant {
     pub(crate) angle_rad: f64,
     pub(crate) count: i64,
     pub(crate) has_count: bool,
+    /// True if the board tells each reset, so that its count of zero is one as any other.
+    pub(crate) tells_resets: bool,
     /// False once the cable is pulled, until it is met again.
     pub(crate) is_reachable: bool,
     /// True if the board lets the motor go after each motion.
@@ -144,6 +146,7 @@ impl Drive for Board {
             .with_step_times(true)
             .with_angle_dependent_speed(true)
             .with_readback(true)
+            .with_tells_resets(self.0.lock().unwrap().tells_resets)
             .with_release(true)
     }
 
