@@ -73,12 +73,14 @@ impl Simulation {
                 queue(&mut self.inward, if is_late { before } else { now }, self.byte, &bytes);
             }
             self.advance(now, is_late);
+            // Nobody hears an answer of the board before its truth is out.
+            self.publish(&mut lock(shared));
             self.write(now);
             let mut shared = lock(shared);
             for hand in std::mem::take(&mut shared.hands) {
                 shared.answers.push(self.touch(&hand));
+                self.publish(&mut shared);
             }
-            self.publish(&mut shared);
             if shared.truth.over {
                 return;
             }

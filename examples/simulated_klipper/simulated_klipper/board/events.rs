@@ -45,6 +45,7 @@ impl Board {
                 let made = stepper.make(now, self.character.hz);
                 if let Some(made) = made? {
                     self.note(pin, made);
+                    made.next?;
                 }
             }
             Some(Some(Part::DigitalOut(output))) => {

@@ -31,6 +31,8 @@ pub(in super::super) struct Made {
     pub(in super::super) is_forward: bool,
     /// Slots of the board's queue that became free.
     pub(in super::super) freed: u16,
+    /// Whether the next step can follow.
+    pub(in super::super) next: Result<(), Reason>,
 }
 
 /// Stepper.
@@ -137,12 +139,13 @@ impl Stepper {
         }
         (self.base, self.made_at) = (running.due, Some(now));
         self.position += if self.is_forward { 1 } else { -1 };
-        let mut made = Made { at: now, is_forward: self.is_forward, freed: 0 };
+        let mut made = Made { at: now, is_forward: self.is_forward, freed: 0, next: Ok(()) };
         let left = running.left - 1;
         if left > 0 {
             // An interval that fell below 0 is one of 2^32 ticks less something: in the board's past.
             if running.interval.cast_signed() < 0 {
-                return Err(Reason::TooClose);
+                made.next = Err(Reason::TooClose);
+                return Ok(Some(made));
             }
             let due = running.due + u64::from(running.interval);
             let interval = running.interval.wrapping_add_signed(running.add.into());
@@ -151,7 +154,7 @@ impl Stepper {
             self.running = None;
             if let Some((next, is_forward)) = self.queue.pop_front() {
                 made.freed = 1;
-                self.load(next, is_forward, running.due)?;
+                made.next = self.load(next, is_forward, running.due);
             }
         }
         Ok(Some(made))
@@ -177,7 +180,9 @@ mod tests {
     fn run(stepper: &mut Stepper) -> Result<Vec<u64>, Reason> {
         let mut ticks = Vec::new();
         while let Some(at) = stepper.next() {
-            ticks.extend(stepper.make(at, HZ)?.map(|made| made.at));
+            let Some(made) = stepper.make(at, HZ)? else { break };
+            ticks.push(made.at);
+            made.next?;
         }
         Ok(ticks)
     }
