@@ -38,10 +38,10 @@ function fromLink() {
     const value = Number(text);
     if (!NAMES.includes(name)) wrong.push(`the link names “${name}”, which is no setting`);
     else if (text.trim() === '' || !Number.isFinite(value)) {
-      wrong.push(`${name} is “${text}” in the link; it must be a number, and ${USUAL[name]} stands for it`);
+      wrong.push(`${name} is “${text}” in the link; it must be a number, so ${USUAL[name]} is used instead`);
     } else if (CHOICES[name] && !CHOICES[name].includes(value)) {
-      wrong.push(`${name} is “${text}” in the link; it must be one of ${CHOICES[name].join(', ')}, and ` +
-        `${USUAL[name]} stands for it`);
+      wrong.push(`${name} is “${text}” in the link; it must be one of ${CHOICES[name].join(', ')}, so ` +
+        `${USUAL[name]} is used instead`);
     } else read[name] = value;
   }
   return { read, wrong };
@@ -93,10 +93,17 @@ $('usual').addEventListener('click', () => {
   changed();
 });
 
-/** Says what is wrong, or nothing. The curves stay, paler. */
+/** Says what is wrong, or nothing. The figures of the last dose go, and its curves stay, paler. */
 function refuse(text) {
-  word('refusal', text);
+  word('refusal', text && shown ? `${text} The pale curves are those of another dose.` : text);
   $('refusal').hidden = !text;
+  document.body.classList.toggle('stale', Boolean(text));
+  if (!text) return;
+  clearTimeout(telling);
+  telling = setTimeout(drawRest, 400);
+  for (const id of ['ours', 'theirs']) word(id, '–');
+  for (const id of ['ours-error', 'theirs-error', 'said']) word(id, '');
+  for (const id of ['caution', 'command-line']) $(id).hidden = true;
 }
 
 let linked = 0;
@@ -180,10 +187,7 @@ function take({ facts, trace, errors, refusal }, of) {
   const reason = refusal || (trace ? '' : 'the dose takes too long to be drawn');
   // The usual dose stands in, paler, where the first one is refused.
   const standsIn = !shown && of.isStandIn;
-  if (!standsIn) {
-    refuse(reason && `Not planned: ${reason}.`);
-    document.body.classList.toggle('stale', Boolean(reason));
-  }
+  if (!standsIn) refuse(reason && `Not planned: ${reason}.`);
   if (reason) {
     if (!shown && !isBusy) question({ ...USUAL, isStandIn: true });
     return;
@@ -192,7 +196,8 @@ function take({ facts, trace, errors, refusal }, of) {
   $('caution').hidden = true;
   head.build(facts);
   draw();
-  tell();
+  if (standsIn) refuse($('refusal').textContent);
+  else tell();
   rewind();
 }
 
@@ -225,10 +230,7 @@ function tell() {
     else say();
     $('head').setAttribute('aria-label', `Pump head with ${facts.rollers} rollers, which stand at ` +
       `${fixed(set.angle, 1)}° when the dose begins and turn by ${fixed(degrees(facts.end - facts.start), 1)}°`);
-    for (const chart of charts) {
-      chart.tell();
-      if (chart.isDue) chart.draw();
-    }
+    drawRest();
   }, 400);
 }
 
@@ -236,8 +238,8 @@ function tell() {
 function say(cautions) {
   const { settings: set, facts } = shown;
   const ripple = (percent) => `${fixed(percent, percent < 10 ? 1 : 0)} %`;
-  const known = cautions ? `; as well as this pump is known, ${ripple(cautions.median)} (median), at most ` +
-    `${ripple(cautions.most)} in 95 % of such pumps` : '';
+  const known = cautions ? `; given how well this pump is known, expect ${ripple(cautions.median)} (median), and at ` +
+    `most ${ripple(cautions.most)} in 95 % of such pumps` : '';
   word('said', `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
     `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
     `while cruising, the flow that leaves varies by ${ripple(facts.ripple)} of its mean` +
@@ -295,19 +297,27 @@ const charts = [
   new Chart({
     ...overTime, title: 'Delivered', unit: 'mL',
     keys: [
-      { name: 'one constant believes', colour: 'theirs', isDashed: true }, { name: 'asked', colour: 'ours', isDashed: true },
-      { name: 'in the vessel', colour: 'outlet' },
+      { name: 'by one constant, in the end', colour: 'theirs', isDashed: true },
+      { name: 'asked', colour: 'ours', isDashed: true }, { name: 'in the vessel', colour: 'outlet' },
     ],
     data: ({ settings: set, facts, trace }) => ({
       x: trace.time,
       curves: [
-        trace.angle.map((angle) => (angle - facts.start) / (2 * Math.PI) * facts.revolution),
+        trace.time.map(() => facts.constant),
         trace.time.map(() => set.volume),
         trace.vessel,
       ],
     }),
   }),
 ];
+
+/** Draws the charts that a moving slider left out, and tells them. */
+function drawRest() {
+  for (const chart of shown ? charts : []) {
+    chart.tell();
+    if (chart.isDue) chart.draw();
+  }
+}
 
 let colours = {};
 function draw() {

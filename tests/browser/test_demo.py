@@ -21,7 +21,7 @@ def demo(open_page):
     def opened(link="", **options):
         assert PAGE.exists(), "`make demo` makes the page"
         page = open_page(f"{PAGE.as_uri()}{link}", is_live=False, **options)
-        expect(page.locator("#theirs")).to_contain_text("mL")
+        expect(page.locator("#theirs")).not_to_have_text("…")
         return page
 
     return opened
@@ -208,12 +208,32 @@ def test_a_link_carries_the_settings(demo, chromium):
 def test_a_link_that_cannot_be_read_says_so_and_doses_as_usual(demo):
     page = demo("#volume=abc&speed=3&rate=90")
     said = page.locator("#link-wrong")
-    expect(said).to_contain_text("volume is “abc” in the link; it must be a number, and 25 stands for it")
+    expect(said).to_contain_text("volume is “abc” in the link; it must be a number, so 25 is used instead")
     expect(said).to_contain_text("“speed”, which is no setting")
-    # The first dose is refused: the usual one stands in, paler.
-    expect(page.get_by_role("alert")).to_contain_text("a rate of 90 mL/s needs")
+    # The first dose is refused: the curves of the usual one stand in, paler, without its figures.
+    expect(page.get_by_role("alert").first).to_contain_text("a rate of 90 mL/s needs")
     expect(page.locator("#head .roller")).to_have_count(3)
     expect(page.locator("body")).to_have_class("stale")
+    expect(page.locator("#refusal")).to_contain_text("The pale curves are those of another dose.")
+    expect(page.locator("#ours")).to_have_text("–")
+
+
+def test_a_refused_dose_leaves_no_figures_of_the_one_before(demo):
+    page = demo()
+    expect(page.locator("#said")).to_contain_text("inlet")
+    volume = page.get_by_label("Volume, mL", exact=True)
+    volume.fill("1e9")
+    expect(page.locator("#refusal")).to_contain_text("Not planned: ")
+    for figure in ["#ours", "#theirs"]:
+        expect(page.locator(figure)).to_have_text("–")
+    for words in ["#ours-error", "#theirs-error", "#said"]:
+        expect(page.locator(words)).to_be_empty()
+    for hidden in ["#command-line", "#caution", "#now-volume"]:
+        expect(page.locator(hidden)).to_be_hidden()
+    volume.fill("2.5")
+    expect(page.locator("#ours")).to_contain_text("2.5")
+    expect(page.locator("#refusal")).to_be_hidden()
+    expect(page.locator("#now-volume")).to_be_visible()
 
 
 def test_a_link_with_a_head_that_is_none_says_so(demo):
