@@ -188,9 +188,12 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::ConfigureOrRaise => "`--configure` sets it, or raise [motor] max_acceleration_rad_s2",
         Remedy::AcceptSettings => {
             "if another board is at this port, connect the pump's own board or name its port with --port; if you \
-             changed the settings or replaced the board, say `--accept-settings` once; otherwise set them back"
+             changed the settings or replaced the board, say `--accept-settings` once with each pump of the board, or \
+             once with their rack; otherwise set them back"
         }
-        Remedy::AcceptBoard => "if the board was replaced, say `--accept-settings` once",
+        Remedy::AcceptBoard => {
+            "if the board was replaced, say `--accept-settings` once with each of its pumps, or once with their rack"
+        }
         Remedy::WriteSettingsAnew => "`--accept-settings` writes it anew",
         Remedy::SeekOffset => "seek it with --offset",
         Remedy::CheckPump => "`dose pumps check` says what they give",

@@ -201,6 +201,11 @@ impl Failure {
         self.how == How::Refused
     }
 
+    /// True if nothing moved: the command was refused, or stopped before it.
+    pub(crate) fn moved_nothing(&self) -> bool {
+        self.is_any_refusal() || matches!(self.how, How::Stopped { moved: false, .. })
+    }
+
     /// True if nothing moved: the command was refused, whatever stands in the way.
     pub(crate) fn is_any_refusal(&self) -> bool {
         matches!(self.how, How::Refused | How::Busy | How::Unfinished | How::Stands { moved: false })

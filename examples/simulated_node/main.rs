@@ -25,6 +25,7 @@ Lines on standard input are hands at the board:
   estop              presses the emergency stop; release releases it
   fault <axis>       the stepper driver of an axis reports a fault, as fault X; mend X ends it
   reset              resets the board, which loses its count
+  pull, plug         pulls the cable between computer and board, and plugs it in again; the board goes on running
 ";
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -217,11 +217,13 @@ impl Batch<'_> {
                     find_angle(session, self.options, interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
-                    prepared.warnings.extend(self.before.take());
+                    prepared.warnings.extend(self.before.notices());
                     prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
                     let (json, warned) = (self.said.json, &mut self.warned);
-                    let delivered = deliver(self.bench, session, &prepared, interrupt, json, warned)?;
+                    let delivered = deliver(self.bench, session, &prepared, interrupt, json, warned);
+                    self.before.told(delivered.as_ref().err());
+                    let delivered = delivered?;
                     self.done += u64::from(delivered.0.completed);
                     self.tell_clock()?;
                     let (least_ml, most_ml) = self.report(number, &prepared, Some(delivered))?;

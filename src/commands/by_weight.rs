@@ -5,7 +5,7 @@ use std::cell::LazyCell;
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, PreparedByWeight, Session};
 
-use super::delivery::{Said, before_dose, find_angle_of_rest, report_once};
+use super::delivery::{Said, Untold, before_dose, failed_untold, find_angle_of_rest, report_once};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
@@ -42,12 +42,12 @@ pub(super) fn run(
         return report_once(bench, report, &said, None, Vec::new(), &mut Warned::default());
     }
     make(bench, &said, options, balance, |session, scale, interrupt| {
-        let mut before = before_dose(bench, session, dosing, interrupt)?;
+        let before = before_dose(bench, session, dosing, interrupt)?;
         let prepared = session.prepare_by_weight(&order);
         let mut prepared = noted(session, prepared)?;
-        prepared.whole.warnings.extend(before.take());
+        prepared.whole.warnings.extend(before.notices());
         let tare = at_rest(json, || session.tare_by_weight(&prepared, scale));
-        Ok((prepared, of_session(session, tare)?))
+        Ok((prepared, of_session(session, tare)?, before))
     })
 }
 
@@ -63,11 +63,12 @@ pub(super) fn resume(
     make(bench, said, options, balance, |session, scale, interrupt| {
         find_angle_of_rest(session, interrupt)?;
         let found = at_rest(said.json, || session.prepare_rest_by_weight(&order, scale));
-        of_session(session, found)
+        let (prepared, reading) = of_session(session, found)?;
+        Ok((prepared, reading, Untold::default()))
     })
 }
 
-/// Makes what `prepare` plans from a reading at rest, and reports it.
+/// Makes what `prepare` plans from a reading at rest, and reports it with what came before.
 fn make(
     bench: &Bench,
     said: &Said<'_>,
@@ -77,14 +78,14 @@ fn make(
         &mut Session<'_>,
         &mut dyn Balance,
         &Interrupt,
-    ) -> Result<(PreparedByWeight, BalanceReading), Failure>,
+    ) -> Result<(PreparedByWeight, BalanceReading, Untold), Failure>,
 ) -> Result<(), Failure> {
     let json = said.json;
     let mut scale =
         balance.open(bench.board_port())?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
-    let (prepared, reading) = prepare(&mut session, scale.as_mut(), &interrupt)?;
+    let (prepared, reading, mut untold) = prepare(&mut session, scale.as_mut(), &interrupt)?;
     let (steps, whole_ml) = (prepared.whole.plan.steps().unsigned_abs(), prepared.whole.plan.planned_ml());
     let bar = LazyCell::new(|| MotionBar::new(&bench.file().pump.id, steps, whole_ml, None, json));
     let (mut before, mut last) = (0, 0);
@@ -104,11 +105,12 @@ fn make(
         })
     })?;
     bar.end();
-    if made.is_err() && !was_told {
-        // No report follows that tells them.
+    if failed_untold(&made, was_told) {
         warn(&prepared.whole.warnings);
     }
-    let delivered = of_session(&mut session, made)?;
+    let delivered = of_session(&mut session, made);
+    untold.told(delivered.as_ref().err());
+    let delivered = delivered?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }

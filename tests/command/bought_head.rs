@@ -5,6 +5,8 @@ use std::fs;
 use pump_model::{DefaultPulse, Line, Pump};
 use serde_json::Value;
 
+#[cfg(target_os = "linux")]
+use crate::unattended::clock::with_room;
 use crate::user::{User, number};
 
 /// Writes the pump file of the docs, with `change` made to it.
@@ -19,6 +21,46 @@ fn pump(user: &User, change: [&str; 2]) -> &'static str {
 fn share_ml(report: &Value, source: &str) -> f64 {
     let shares = report["uncertainty_budget"].as_array().unwrap();
     shares.iter().find(|share| share["source"] == source).map_or(0.0, |share| number(share, "standard_ml"))
+}
+
+#[test]
+fn the_details_and_the_warning_of_a_smooth_flow_agree() {
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    let words = ["10mL", "--pump", bought, "--smooth", "--dry-run"];
+    let text = user.types(&[&words[..], &["-v"]].concat()).out;
+    let figures = |from: &str, to: &str| {
+        let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("{from}: {text}"));
+        let (found, _) = rest.split_once(to).unwrap_or_else(|| panic!("{to}: {text}"));
+        found.to_owned()
+    };
+    let details = "no smoother than at constant speed: ripple peak to peak at the rollers ";
+    let expected = figures(details, " % expected");
+    assert_eq!(expected, figures("the ripple at the rollers is expected to be ", " % peak to peak"));
+    let ripple = &user.json(&words)["ripple_at_rollers"];
+    let median = number(ripple, "peak_to_peak_median");
+    assert!((100.0 * median - expected.parse::<f64>().unwrap()).abs() < 1.0, "{ripple} {text}");
+    // The paper's head is known by its drawing.
+    let known = user.types(&["10mL", "--smooth", "--dry-run", "-v"]).out;
+    assert!(
+        known.contains(" smoother than at constant speed: ") && !known.contains("no smoother"),
+        "{known}"
+    );
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_refused_dose_tells_the_reason_and_nothing_of_the_plan() {
+    let user = User::new();
+    let bought = pump(&user, ["id = \"bought-head\"", "id = \"mine\""]);
+    let made = user.types(&["2mL", "--pump", bought]);
+    assert!(made.out.contains("warning: only the volume per revolution"), "{}{}", made.out, made.err);
+    // The next dose is planned, and has no room on the disk.
+    let room = fs::metadata(user.path("state/mine/sim/journal.jsonl")).unwrap().len() + 20;
+    let refused = with_room(&user, room, &["2mL", "--pump", bought]);
+    let err = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(2) && err.starts_with("error: cannot write "), "{err}");
+    assert!(!err.contains("warning:"), "{err}");
 }
 
 #[test]

@@ -39,7 +39,8 @@ fn back_asks_the_question_before_anew_in_this_run_and_in_the_next() {
     // A litre in place of a millilitre leaves no bore that fits.
     let left = [("Head:", "back"), ("Head:", "0.5 L"), ("Bore", "1.6mm"), ("Bore", "quit")];
     let said = sets_up(&desk, &[], &left);
-    assert!(said.err.contains("back returns to the one before"), "{}", said.err);
+    // Piped answers were written before: nobody types these words. At a terminal the page of docs shows them.
+    assert!(!said.err.contains("back returns") && !said.err.contains("? explains"), "{}", said.err);
     assert!(said.err.contains("no question was asked before this one"), "{}", said.err);
     let again = [
         ("Bore", "back"),

@@ -360,8 +360,43 @@ fn a_board_of_an_older_version_answers() {
         q if q.starts_with("Microsteps") => Some("16".to_owned()),
         _ => Some(String::new()),
     });
-    assert!(ended.err.contains("speaks version 1"), "{}", ended.err);
+    let remedy = "the firmware is the older; build the firmware of this version (make firmware), hold the board's \
+                  button BOOTSEL";
+    assert!(ended.err.contains("speaks version 1") && ended.err.contains(remedy), "{}", ended.err);
     assert!(!ended.err.contains("no board answers"), "{}", ended.err);
+    // The file alone is written, and the warning has the remedy too.
+    let port = board.path().display().to_string();
+    let file =
+        desk.types(&[&["setup", "acid", "--anew", "--port", &port, "--axis", "X"][..], &OPTIONS].concat());
+    assert!(file.code == 0 && file.err.contains("warning: ") && file.err.contains(remedy), "{}", file.err);
+}
+
+#[test]
+fn a_pulled_cable_ends_a_dose_and_the_board_that_ran_on_knows_its_steps() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    let set_up = desk.types(&[&["setup", "acid", "--port", &port, "--axis", "X"][..], &OPTIONS].concat());
+    assert_eq!(set_up.code, 0, "{}", set_up.err);
+    let mut running = desk.command(&["3mL", "--pump", "acid"]);
+    let running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !board.truth().moving {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    board.touch("pull").unwrap();
+    let ended = running.wait_with_output().unwrap();
+    let err = String::from_utf8(ended.stderr).unwrap();
+    assert!(ended.status.code() == Some(1) && err.contains("has not answered for"), "{err}");
+    assert!(!board.truth().moving, "the dead-man time has stopped it");
+    let steps = board.truth().steps[0];
+    let refused = desk.types(&["resume", "--pump", "acid"]);
+    assert!(refused.code == 2 && refused.err.contains("no board answers at"), "{}", refused.err);
+    // A refused rest tells nothing of its plan.
+    assert!(!refused.err.contains("warning:"), "{}", refused.err);
+    board.touch("plug").unwrap();
+    let rest = desk.json(&["resume", "--pump", "acid"]);
+    assert!(rest["completed"] == true && !rest.to_string().contains("was reset"), "{rest}");
+    assert_eq!(board.truth().steps[0], steps + rest["steps"].as_i64().unwrap());
 }
 
 #[test]

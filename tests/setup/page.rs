@@ -1,8 +1,9 @@
 //! docs/setup.md shows what the command prints.
 
-use std::fs;
-use std::io::{Read, Write};
-use std::process::Stdio;
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+
+use rustix::pty::{self, OpenptFlags};
 
 use crate::person::{Desk, pieces};
 
@@ -25,17 +26,27 @@ const ANSWERS: [(&str, &str); 9] = [
     ("Reading", "4.93g"),
 ];
 
+/// Opens a terminal. Returns the person's end and the command's.
+fn terminal() -> io::Result<(File, File)> {
+    let person = pty::openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+    pty::grantpt(&person)?;
+    pty::unlockpt(&person)?;
+    let name = pty::ptsname(&person, Vec::new())?;
+    let command = File::options().read(true).write(true).open(name.to_str().unwrap())?;
+    Ok((File::from(person), command))
+}
+
 /// Makes the course with these answers. Returns everything that stands on the terminal.
 fn transcript() -> String {
     let desk = Desk::new();
     let mut command = desk.command(&["setup", "acid"]);
-    let (reader, writer) = std::io::pipe().unwrap();
-    command.env("COLUMNS", "100").stdin(Stdio::piped());
+    let (reader, writer) = io::pipe().unwrap();
+    let (mut input, stdin) = terminal().unwrap();
+    command.env("COLUMNS", "100").stdin(stdin);
     command.stdout(writer.try_clone().unwrap()).stderr(writer);
     let mut child = command.spawn().unwrap();
     // The command alone keeps the other end open.
     drop(command);
-    let mut input = child.stdin.take().unwrap();
     let mut said = String::new();
     let boxed: Box<dyn Read + Send> = Box::new(reader);
     for piece in pieces(boxed) {
@@ -47,6 +58,8 @@ fn transcript() -> String {
         let answer =
             ANSWERS.iter().find(|(start, _)| question.starts_with(start)).map_or("", |(_, answer)| answer);
         writeln!(input, "{answer}").unwrap();
+        // The terminal shows what is typed.
+        said.push_str(&format!("{answer}\n"));
     }
     assert!(child.wait().unwrap().success(), "{said}");
     let folder = desk.path("config").display().to_string();

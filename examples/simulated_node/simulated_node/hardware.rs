@@ -28,6 +28,8 @@ struct State {
     fault_high: [bool; 4],
     /// True once somebody has pressed the board's reset, until it is taken.
     reset: bool,
+    /// True while the cable to the computer is pulled.
+    pulled: bool,
 }
 
 /// Timer, pins and motors of a board. Clones are the same board.
@@ -72,6 +74,8 @@ impl Hardware {
             ["fault", name] => state.faults[axis(name)?] = true,
             ["mend", name] => state.faults[axis(name)?] = false,
             ["reset"] => state.reset = true,
+            ["pull"] => state.pulled = true,
+            ["plug"] => state.pulled = false,
             _ => return Err(super::HANDS.to_owned()),
         }
         Ok(())
@@ -85,6 +89,11 @@ impl Hardware {
             state.motors.iter_mut().for_each(|motor| motor.levels = None);
         }
         reset
+    }
+
+    /// Returns true while the cable to the computer is pulled.
+    pub(super) fn is_pulled(&self) -> bool {
+        self.state().pulled
     }
 
     /// Returns the steps of each motor, and the rises of step pins whose motors had no current.

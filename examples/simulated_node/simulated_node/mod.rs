@@ -31,7 +31,7 @@ const BYTES_S: u64 = 46_080;
 
 /// Words for what a person's hand does at the board.
 pub(crate) const HANDS: &str =
-    "the words are: estop, release, fault <axis>, mend <axis>, reset; each on a line of its own";
+    "the words are: estop, release, fault <axis>, mend <axis>, reset, pull, plug; each on a line of its own";
 
 /// Character of a board.
 #[derive(Debug, Clone, Copy, Default)]
@@ -177,9 +177,14 @@ impl Simulation {
         }
     }
 
-    /// Takes in what the host has said.
+    /// Takes in what the host has said. A pulled cable carries nothing, in neither direction.
     fn hear(&mut self) {
-        for byte in self.line.read() {
+        let said = self.line.read();
+        if self.hardware.is_pulled() {
+            self.answers.clear();
+            return;
+        }
+        for byte in said {
             if let Some(answer) = self.node.on_byte(byte, self.now_us, &mut self.axes) {
                 let bytes = match self.character.protocol {
                     Some(version) => version::spoken(answer.bytes(), version),

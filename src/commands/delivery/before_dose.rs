@@ -16,15 +16,27 @@ use crate::options::unattended::has_no_terminal;
 use crate::terminal::{noted, print, warn};
 use crate::warned::Warned;
 
-/// Notices about what came before a dose. The dose's report takes and tells them. If the dose is refused, no report
-/// follows, and they are told as warnings once this is dropped.
+/// Notices about what came before a dose. The dose's report tells them. If the dose is refused, no report follows, and
+/// they are told as warnings once this is dropped.
 #[derive(Debug, Default)]
 pub(in crate::commands) struct Untold(Vec<Notice>);
 
 impl Untold {
-    /// Takes the notices for a report.
+    /// Takes the notices, to tell them now.
     pub(in crate::commands) fn take(&mut self) -> Vec<Notice> {
         mem::take(&mut self.0)
+    }
+
+    /// Returns the notices for a report.
+    pub(in crate::commands) fn notices(&self) -> Vec<Notice> {
+        self.0.clone()
+    }
+
+    /// Takes the notices as told with a dose that has begun, and not with one that `failed` before it moved.
+    pub(in crate::commands) fn told(&mut self, failed: Option<&Failure>) {
+        if !failed.is_some_and(Failure::moved_nothing) {
+            self.0.clear();
+        }
     }
 }
 

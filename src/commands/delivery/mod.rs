@@ -7,9 +7,9 @@ use std::cell::LazyCell;
 use pump_bench::export::{Marks, write_steps};
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
-use pump_bench::report::ErrorKind;
+use pump_bench::report::{Ending, ErrorKind};
 use pump_bench::simulation::{Method, Waveform, times};
-use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
+use pump_bench::{Bench, Delivered, DoseError, DoseReport, DoseRequest, Prepared, Session};
 
 use crate::advice;
 use crate::failure::Failure;
@@ -77,10 +77,17 @@ pub(super) fn run_one(
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
     write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
-    prepared.warnings.extend(before.take());
+    prepared.warnings.extend(before.notices());
     prepared.warnings.extend(options.start_angle.assumed(bench).map(Notice::from));
-    let delivered = deliver(bench, &mut session, &prepared, &interrupt, json, &mut Warned::default())?;
-    report(bench, &prepared, Some(delivered), &said)
+    let delivered = deliver(bench, &mut session, &prepared, &interrupt, json, &mut Warned::default());
+    before.told(delivered.as_ref().err());
+    report(bench, &prepared, Some(delivered?), &said)
+}
+
+/// True if a motion that was not told of has begun and failed. No report tells its warnings, and those of a plan that
+/// was refused hide the reason: nothing comes of that plan.
+pub(super) fn failed_untold<T>(made: &Result<T, DoseError>, was_told: bool) -> bool {
+    !was_told && made.as_ref().is_err_and(|error| error.ending() == Ending::Moved)
 }
 
 /// Runs a dose, with its progress on standard error. A signal stops it. That a motor moves is said before it does, with
@@ -108,8 +115,7 @@ pub(super) fn deliver(
         bar.end();
         delivered
     })?;
-    if delivered.is_err() && !was_told {
-        // No report follows that tells them.
+    if failed_untold(&delivered, was_told) {
         let untold = if warns_first(bench) { before } else { warned.untold(&prepared.warnings) };
         warn(&untold);
     }

@@ -12,7 +12,7 @@ use pump_bench::simulation::{Method, Waveform, times};
 use pump_bench::units::Amount;
 use pump_bench::{Bench, Delivered, DoseError, DoseReport, PreparedProfile, Session};
 
-use crate::commands::delivery::{Said, before_dose, refuse_rows, report_once};
+use crate::commands::delivery::{Said, before_dose, failed_untold, refuse_rows, report_once};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
@@ -63,13 +63,14 @@ pub(super) fn run(path: &Path, options: &DosingOptions) -> Result<(), Failure> {
     let mut prepared =
         noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
     write_outputs(&bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
-    prepared.whole.warnings.extend(before.take().into_iter().chain(assumed()));
+    prepared.whole.warnings.extend(before.notices().into_iter().chain(assumed()));
     let (delivered, was_told) = deliver(&mut session, &prepared, &interrupt, json)?;
-    if delivered.is_err() && !was_told {
-        // No report follows that tells them.
+    if failed_untold(&delivered, was_told) {
         warn(&prepared.whole.warnings);
     }
-    let delivered = noted(&mut session, delivered)?;
+    let delivered = noted(&mut session, delivered).map_err(Failure::from);
+    before.told(delivered.as_ref().err());
+    let delivered = delivered?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }

@@ -85,6 +85,11 @@ impl Asker {
         self.yes
     }
 
+    /// True if a person at a terminal is asked, and not a script whose answers are piped in.
+    pub(super) fn asks_person(&self) -> bool {
+        self.is_terminal && !self.yes
+    }
+
     /// Asks until `read` takes the answer. It says why it does not.
     pub(super) fn ask<T>(
         &mut self,

@@ -207,11 +207,16 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
 
 /// The words for a port without a board that can be used: a board that speaks another version does answer.
 fn answer_in_words(error: &DriveError, port: &str, why: &str) -> String {
-    const ANSWERS: [Remedy; 2] = [Remedy::UpdateFirmware, Remedy::UpdateProgram];
-    match error.remedies().iter().any(|remedy| ANSWERS.contains(remedy)) {
+    match is_of_version(error) {
         true => why.to_owned(),
         false => format!("no board answers at {port}: {why}"),
     }
+}
+
+/// Returns true for a board that answers, and speaks another version of the protocol.
+fn is_of_version(error: &DriveError) -> bool {
+    const ANSWERS: [Remedy; 2] = [Remedy::UpdateFirmware, Remedy::UpdateProgram];
+    error.remedies().iter().any(|remedy| ANSWERS.contains(remedy))
 }
 
 /// Asks the board whose port was said for its axes, so that no file is written for an axis that it lacks. Where no
@@ -234,7 +239,9 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
             course.board = Some(board);
         }
         Some((_, Err(error))) if is_file_alone => {
-            let why = answer_in_words(&error, &port.display().to_string(), &with_sources(&error));
+            // The board may come later, so only a version that will not change by itself needs its remedy.
+            let said = if is_of_version(&error) { advice::told(&error) } else { with_sources(&error) };
+            let why = answer_in_words(&error, &port.display().to_string(), &said);
             warn(&[format!("{why}; the pump file names this port all the same")]);
         }
         Some((_, Err(error))) if is_silent => {

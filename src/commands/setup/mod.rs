@@ -371,17 +371,26 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
     if course.asker.is_silent() {
         return;
     }
+    // Answers that are piped in were written before: nobody can go back or ask.
+    let is_person = course.asker.asks_person();
     if is_new {
+        let keys = match is_person {
+            true => {
+                "Enter takes the answer in brackets, ? explains the question, back returns to the one before, quit \
+                 leaves; "
+            }
+            false => "",
+        };
         tell_person(&format!(
             "Setting up `{name}`: some questions, one revolution, and one dose that you weigh. It takes about ten \
-             minutes. Enter takes the answer in brackets, ? explains the question, back returns to the one before, \
-             quit leaves; `dose setup {name}` goes on later."
+             minutes. {keys}`dose setup {name}` goes on later."
         ));
     } else {
-        heading(&format!(
-            "Going on with `{name}`; the answers so far are on record. ? explains, back returns to the question \
-             before, quit leaves."
-        ));
+        let keys = match is_person {
+            true => " ? explains, back returns to the question before, quit leaves.",
+            false => "",
+        };
+        heading(&format!("Going on with `{name}`; the answers so far are on record.{keys}"));
     }
     if let Some(last) = course.last.as_ref().filter(|_| !is_like) {
         tell_person(&format!(

@@ -216,7 +216,12 @@ fn a_run_that_was_killed_has_bounds_and_not_the_uncertainty_of_a_plan_without_en
     let config = "schema = \"config/1\"\n[pumps]\nthree = \"three.toml\"\n";
     fs::write(user.path("config/pump-dose/config.toml"), config).unwrap();
     let row = user.types(&["status", "--all"]).out;
-    assert!(row.contains("unfinished run until it is stopped; at ") && row.contains("° ± "), "{row}");
+    assert!(
+        row.contains("unfinished: a run until it is stopped, of which between ")
+            && row.contains("; at ")
+            && row.contains("° ± "),
+        "{row}"
+    );
 
     assert_eq!(user.types(&["accept"]).code, 0);
     let dose = &objects(&user.types(&["log", "--format", "json"]).out)[0];

@@ -152,7 +152,8 @@ pub struct DoseReport {
     pub torque_available_n_m: Option<f64>,
     /// Ripple of the flow at the outlet's rollers while cruising, at constant speed.
     pub ripple_before: RippleReport,
-    /// Ripple of the planned flow at the outlet's rollers: less than before if the flow is smooth.
+    /// Ripple of the planned flow at the outlet's rollers, if the pump is exactly as its model. `ripple_at_rollers` has
+    /// the ripple that is expected of a pump that is not known so well.
     pub ripple_after: RippleReport,
     /// Ripple of the flow at the outlet's rollers while cruising, with its uncertainty.
     pub ripple_at_rollers: RippleAt,

@@ -97,25 +97,30 @@ impl DoseReport {
         let said = |at: &RippleAt| {
             let off = match self.phase.half_width_deg {
                 half_width_deg if half_width_deg > 0.0 => format!(
-                    "; up to {} % if the angle is {} deg off",
+                    ", up to {} % at an angle {} deg off",
                     percent(at.peak_to_peak_worst_angle),
                     significant(half_width_deg, 2)
                 ),
                 _ => String::new(),
             };
             format!(
-                "{} % ({} % at constant speed{off}); as well as the pump and its angle are known, median {} %, at most \
-                 {} % in 95 % of such pumps",
-                percent(at.planned.peak_to_peak),
-                percent(at.constant_speed.peak_to_peak),
+                "{} % expected (at most {} % in 95 % of such pumps; {} % if this one is exactly as its model{off}), \
+                 {} % at constant speed",
                 percent(at.peak_to_peak_median),
-                percent(at.peak_to_peak_95)
+                percent(at.peak_to_peak_95),
+                percent(at.planned.peak_to_peak),
+                percent(at.constant_speed.peak_to_peak)
             )
         };
         (self.ripple_after != self.ripple_before).then(|| {
-            let end = self.ripple_at_line_end.as_ref();
-            let end = end.map_or(String::new(), |at| format!("at the line's end {}; ", said(at)));
-            format!("ripple peak to peak {end}at the rollers {}", said(&self.ripple_at_rollers))
+            let (rollers, line_end) = (&self.ripple_at_rollers, self.ripple_at_line_end.as_ref());
+            let end = line_end.map_or(String::new(), |at| format!("at the line's end {}; ", said(at)));
+            // The warning of a smooth flow decides by the same place and figures.
+            let verdict = match line_end.unwrap_or(rollers).is_smoother() {
+                true => "smoother than at constant speed",
+                false => "no smoother than at constant speed",
+            };
+            format!("{verdict}: ripple peak to peak {end}at the rollers {}", said(rollers))
         })
     }
 

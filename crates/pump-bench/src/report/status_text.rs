@@ -66,39 +66,13 @@ impl Status {
     }
 
     fn unfinished_dose(&self, dose: &UnfinishedStatus, words: Wording) -> String {
-        let (asked_ml, made) =
-            (significant(dose.requested_ml, 6), between(dose.delivered_least_ml, dose.delivered_most_ml));
-        let (weighed, remedy) = match (dose.by_weight, dose.target_g) {
-            (false, _) if dose.over_time => (String::new(), Remedy::Accept),
-            (false, _) => (String::new(), Remedy::FinishOrLeave),
-            (true, None) => (" by weight".to_owned(), Remedy::FinishByVolumeOrWeigh),
-            (true, Some(target_g)) => {
-                (format!(" by weight ({} g)", significant(target_g, 6)), Remedy::FinishByVolumeOrWeigh)
-            }
-        };
-        let asked = if dose.until_stopped {
-            "a run until it is stopped".to_owned()
-        } else if dose.over_time {
-            format!("a flow over time of {asked_ml} mL")
-        } else {
-            let noun = match dose.purpose {
-                Purpose::Dose => "dose",
-                Purpose::Prime => "prime",
-                Purpose::Purge => "purge",
-                Purpose::Run => "run",
-                Purpose::Calibrate => "calibration run",
-                Purpose::Retract => "retraction",
-                Purpose::Jog => "turn",
-            };
-            format!("a {noun} of {asked_ml} mL{weighed}")
+        let remedy = match (dose.by_weight, dose.over_time) {
+            (true, _) => Remedy::FinishByVolumeOrWeigh,
+            (false, true) => Remedy::Accept,
+            (false, false) => Remedy::FinishOrLeave,
         };
         let no_rest =
             if dose.over_time { "; no rest of it can be made, as its times have passed" } else { "" };
-        let by_model = match dose.by_weight {
-            true => " by the model",
-            // The bounds are those of the rollers' angle and of steps that nobody knows.
-            false => " by the model, its own \u{b1} besides",
-        };
         let by_angle = if dose.steps_are_exact && dose.delivered_least_ml < dose.delivered_most_ml {
             " (the steps are exact: the bounds are those of the rollers' angle)"
         } else if !dose.steps_are_exact && self.device_count.is_some() {
@@ -112,17 +86,50 @@ impl Status {
             ml => format!("; turns to find the angle pumped {} mL besides", significant(ml, 3)),
         };
         match &self.in_use_by {
-            Some(holder) => format!(
-                "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \
-                 the end of this stretch"
-            ),
+            Some(holder) => format!("in motion, by {holder}: {}", dose.made(true)),
             None => {
-                format!(
-                    "unfinished: {asked}, of which {made} were delivered{by_model}{by_angle}{searched}{no_rest}; {}",
-                    words(remedy)
-                )
+                format!("unfinished: {}{by_angle}{searched}{no_rest}; {}", dose.made(false), words(remedy))
             }
         }
+    }
+}
+
+impl UnfinishedStatus {
+    /// Returns in words what was asked for, and how much of it was delivered; or will be, while it `moves`.
+    pub(super) fn made(&self, moves: bool) -> String {
+        let made = between(self.delivered_least_ml, self.delivered_most_ml);
+        let delivered = if moves { "are delivered by the end of this stretch" } else { "were delivered" };
+        let by_model = match self.by_weight {
+            true => " by the model",
+            // The bounds are those of the rollers' angle and of steps that nobody knows.
+            false => " by the model, its own \u{b1} besides",
+        };
+        format!("{}, of which {made} {delivered}{by_model}", self.asked())
+    }
+
+    fn asked(&self) -> String {
+        let asked_ml = significant(self.requested_ml, 6);
+        if self.until_stopped {
+            return "a run until it is stopped".to_owned();
+        }
+        if self.over_time {
+            return format!("a flow over time of {asked_ml} mL");
+        }
+        let noun = match self.purpose {
+            Purpose::Dose => "dose",
+            Purpose::Prime => "prime",
+            Purpose::Purge => "purge",
+            Purpose::Run => "run",
+            Purpose::Calibrate => "calibration run",
+            Purpose::Retract => "retraction",
+            Purpose::Jog => "turn",
+        };
+        let weighed = match self.target_g.filter(|_| self.by_weight) {
+            Some(target_g) => format!(" by weight ({} g)", significant(target_g, 6)),
+            None if self.by_weight => " by weight".to_owned(),
+            None => String::new(),
+        };
+        format!("a {noun} of {asked_ml} mL{weighed}")
     }
 }
 

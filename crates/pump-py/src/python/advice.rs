@@ -162,9 +162,13 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::AcceptSettings => {
             "if another board is at this port, connect the pump's own board or name its port; if you changed the \
-             settings or replaced the board, open the bench with accept_settings=True once; otherwise set them back"
+             settings or replaced the board, open the bench of each of its pumps, or their rack, with \
+             accept_settings=True once; otherwise set them back"
         }
-        Remedy::AcceptBoard => "if the board was replaced, open the bench with accept_settings=True once",
+        Remedy::AcceptBoard => {
+            "if the board was replaced, open the bench of each of its pumps, or their rack, with accept_settings=True \
+             once"
+        }
         Remedy::WriteSettingsAnew => "Bench.open() with accept_settings=True writes it anew",
         Remedy::SeekOffset => "seek it with offset=True",
         Remedy::CheckPump => "Pump.from_toml() shows what they give",

@@ -33,7 +33,8 @@ pub struct RippleAt {
     pub planned: RippleReport,
     /// Largest ripple peak to peak of that pump over the half width of the start angle.
     pub peak_to_peak_worst_angle: f64,
-    /// Median of the ripple peak to peak over what is not known of roller volume, engagement angle and start angle.
+    /// Ripple peak to peak that is expected: the median over what is not known of roller volume, engagement angle and
+    /// start angle. It decides against `constant_speed` whether the flow is smoother than at an even speed.
     pub peak_to_peak_median: f64,
     /// Ripple peak to peak that 95 % of such pumps do not exceed.
     pub peak_to_peak_95: f64,
@@ -73,6 +74,11 @@ pub(crate) fn sure_ripples(plan: &Plan, pump: &Pump, errors: &PulseErrors) -> Su
 }
 
 impl RippleAt {
+    /// True if the flow is expected to be smoother than at constant speed.
+    pub(crate) fn is_smoother(&self) -> bool {
+        self.peak_to_peak_median < self.constant_speed.peak_to_peak
+    }
+
     fn new(before: Ripple, after: Ripple, worst: Ripple, mut drawn: Vec<f64>) -> Self {
         drawn.sort_by(f64::total_cmp);
         let at = |part: f64| covering(&drawn, part).unwrap_or(after.peak_to_peak);

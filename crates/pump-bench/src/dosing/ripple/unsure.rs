@@ -36,12 +36,12 @@ fn no_smoother(ripples: &SureRipples) -> Option<Notice> {
         None => (&ripples.rollers, "at the rollers"),
     };
     let (expected, even) = (at.peak_to_peak_median, at.constant_speed.peak_to_peak);
-    (expected >= even).then(|| {
+    (!at.is_smoother()).then(|| {
         let percent = |ripple: f64| significant(100.0 * ripple, 2);
         let text = format!(
             "the pulse of this pump, or its angle, is not known well enough for a smooth flow: the ripple {place} is \
-             expected to be {} % peak to peak (median; at most {} % in 95 % of such pumps), and {} % at constant \
-             speed; leave the smooth flow out, or measure the roller volume",
+             expected to be {} % peak to peak (at most {} % in 95 % of such pumps), and {} % at constant speed; leave \
+             the smooth flow out, or measure the roller volume",
             percent(expected),
             percent(at.peak_to_peak_95),
             percent(even)

@@ -42,13 +42,15 @@ pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
     let clock = if went_back { "; the clock had gone back" } else { "" };
     let rest = if entry.resumed { ", the rest of a dose" } else { "" };
     let calibration = match entry.calibration {
-        Some(version) => format!("calibration {version}"),
-        None => "no calibration".to_owned(),
+        Some(version) => format!(", calibration {version}"),
+        // A turn to the index is to deliver nothing, so no calibration counts for it.
+        None if entry.purpose == Purpose::Jog => String::new(),
+        None => ", no calibration".to_owned(),
     };
     let other = entry.fluid.filter(|fluid| !fluid.is_of(own));
     let fluid = other.map_or(String::new(), |fluid| format!(", {fluid}"));
     format!(
-        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}{fluid}{rack}; \
+        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}{calibration}{fluid}{rack}; \
          {end}{rest}{clock}",
         entry.number,
         entry.time,
@@ -236,6 +238,12 @@ mod tests {
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
         assert!(line(&cut).contains("1.0000 to 2.0000 mL (± 0.12 mL)"), "{}", line(&cut));
+        let index = LogEntry { purpose: Purpose::Jog, calibration: None, asked: None, ..entry() };
+        assert!(
+            line(&index).contains("to the index") && line(&index).contains("tube 2; "),
+            "{}",
+            line(&index)
+        );
         let rest = LogEntry { resumed: true, ..cut };
         assert!(line(&rest).ends_with("the process ended, the rest of a dose"));
     }

@@ -47,6 +47,11 @@ impl LastByWeight {
         })
     }
 
+    /// Returns the volume of the weighing in words, for a row.
+    pub(super) fn volume(&self) -> String {
+        format!("last dose by weight: {} mL", significant(self.volume_ml, 5))
+    }
+
     /// Returns the weighing in words.
     pub(in crate::report) fn text(&self) -> String {
         let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;

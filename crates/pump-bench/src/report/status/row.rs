@@ -54,21 +54,18 @@ impl StatusRow {
         };
         let stands = status.safety.stand.map(|stand| format!("STANDS {}", stand.place()));
         let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
-            (Some(holder), ..) => Some(format!("in use by {holder}")),
-            (None, Some(dose), _) if dose.until_stopped => {
-                Some("unfinished run until it is stopped".to_owned())
-            }
-            (None, Some(dose), _) => {
-                Some(format!("unfinished dose of {} mL", significant(dose.requested_ml, 6)))
-            }
+            (Some(holder), Some(dose), _) => Some(format!("in motion, by {holder}: {}", dose.made(true))),
+            (Some(holder), None, _) => Some(format!("in use by {holder}")),
+            (None, Some(dose), _) => Some(format!("unfinished: {}", dose.made(false))),
             (None, None, Some(_)) => Some("unfinished calibration".to_owned()),
             (None, None, None) if !status.recorded => Some("nothing on record".to_owned()),
             // A pump that stands is not ready.
             (None, None, None) => stands.is_none().then(|| "ready".to_owned()),
         };
         let state = stands.into_iter().chain(state).collect::<Vec<_>>().join(", ");
+        let weighed = status.last_by_weight.map_or(String::new(), |last| format!("; {}", last.volume()));
         format!(
-            "{name:<width$}  {state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}",
+            "{name:<width$}  {state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}{weighed}",
             status.driver,
             microlitres(status.carry_ml),
             status.wear.volume_ml,

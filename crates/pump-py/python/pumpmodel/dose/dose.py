@@ -78,7 +78,8 @@ class RippleAt(Record):
 
     `planned` is the ripple at the stated start angle. `peak_to_peak_worst_angle` is the largest over the
     half width of that angle. `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th
-    percentile over the errors of roller volume, engagement angle and start angle.
+    percentile over the errors of roller volume, engagement angle and start angle. The median is the
+    ripple to expect: below that of `constant_speed`, the flow is smoother than at an even speed.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {"constant_speed": Ripple, "planned": Ripple}
