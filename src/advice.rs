@@ -23,15 +23,15 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "`dose resume` without --finish any goes on to that end, `dose accept` accepts the dose as it is"
         }
         Remedy::FinishOrAcceptThenFindAngle => {
-            "finish the dose with `dose resume` or accept it as it is with `dose accept`, then find the angle anew"
+            "finish the dose with `dose resume` or accept it as it is with `dose accept`, then find the angle again"
         }
         Remedy::Accept => "accept the dose as it is with `dose accept`",
         Remedy::ClearStand => {
             "see `dose safety`, then clear it with `dose safety clear NAME --reason <TEXT>`"
         }
-        Remedy::EmptyVessel => "empty the vessel and say `dose vessel emptied`",
+        Remedy::EmptyVessel => "empty the vessel and run `dose vessel emptied`",
         Remedy::DropCarry => "ask for more than the carry, or drop the carry with `dose home --set`",
-        Remedy::ReplaceTube => "replace the tube and say `dose tube --new`",
+        Remedy::ReplaceTube => "replace the tube and run `dose tube --new`",
         Remedy::SeeStatus => "see `dose status`",
         Remedy::ThenSeeStatus => "then see `dose status`",
         Remedy::SeeStatusThenFinish => "see `dose status`, then `dose resume` or `dose accept`",
@@ -47,17 +47,15 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayAngle => {
             "see where the rollers stand, move the file away, and say so with `dose home --set <ANGLE>`"
         }
-        Remedy::UseNoCalibration => "to dose without a calibration, say `dose calibrate use none`",
+        Remedy::UseNoCalibration => "to dose without a calibration, run `dose calibrate use none`",
         Remedy::CalibrateMoreSpeeds => {
-            "dose within that, calibrate more speeds, or say `dose calibrate use none`"
+            "dose within that, calibrate more speeds, or run `dose calibrate use none`"
         }
-        Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
+        Remedy::CalibrateAgain => "calibrate again, or run `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
         Remedy::TakeLineAwareRamps => "`--ramps line` takes such ramps",
         Remedy::SuckBack => "`--retract` sucks back",
-        Remedy::DoseThenWeigh => {
-            "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
-        }
+        Remedy::DoseThenWeigh => "make a dose into a tared vessel, then run `dose calibrate last <WEIGHT>`",
         Remedy::DoseFromKnownAngle => {
             "make one of these and weigh it, or say the angle before the next with `dose home --set 0deg --tolerance \
              1deg`"
@@ -92,7 +90,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {
-            "to dose other volumes, turn a roller to where it begins to leave the outlet and say `dose home \
+            "to dose other volumes, turn a roller to where it begins to leave the outlet and run `dose home \
              --set 0deg`, or give --start-angle"
         }
         Remedy::SayAngleOrMark => {
@@ -109,8 +107,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              [drive] names, `dose home --sensor` finds it"
         }
         Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
-        Remedy::HomeBySensorOrMark => "say `dose home`",
-        Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
+        Remedy::HomeBySensorOrMark => "run `dose home`",
+        Remedy::SayUnknownAngle => "if nobody knows the angle, run `dose home --unknown`",
         Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose accept` leaves it",
         Remedy::FinishByVolumeOrWeigh => {
             "`dose resume --until-scale` goes on while the vessel stands on its balance; `dose resume` makes the rest \
@@ -122,7 +120,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              accepts the dose instead, then weigh the vessel and dose by weight what it lacks"
         }
         Remedy::RotorTurnedByHand => {
-            "if the rotor was turned by hand since its angle was recorded, accept the dose with `dose accept`, say \
+            "if the rotor was turned by hand since its angle was recorded, accept the dose with `dose accept`, run \
              `dose home --unknown`, and dose again"
         }
         Remedy::FinishByVolumeInstead => {
@@ -145,14 +143,14 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "check its cable and power, and see if --scale-protocol and --scale-line are those of the balance"
         }
         Remedy::OtherScalePort => "name the port of the balance with --scale-port",
-        Remedy::NoteNewTube => "have a new one ready and say `dose tube --new` once it is in",
+        Remedy::NoteNewTube => "have a new one ready and run `dose tube --new` once it is in",
         Remedy::Weigh => "`dose calibrate run` weighs what it delivers",
-        Remedy::CalibrateRuns => "say `dose calibrate run`",
+        Remedy::CalibrateRuns => "run `dose calibrate run`",
         Remedy::WeighToBeSurer => "`dose calibrate run` makes it surer",
-        Remedy::WeighOneMore => "make the dose again, then say `dose calibrate last` and its weight",
-        Remedy::Verify => "say `dose calibrate verify`",
-        Remedy::FindPhase => "say `dose calibrate phase`",
-        Remedy::UseShortDoses => "say `dose calibrate phase --use`",
+        Remedy::WeighOneMore => "make the dose again, then run `dose calibrate last <WEIGHT>`",
+        Remedy::Verify => "run `dose calibrate verify`",
+        Remedy::FindPhase => "run `dose calibrate phase`",
+        Remedy::UseShortDoses => "run `dose calibrate phase --use`",
         Remedy::UsePhase => "`--use` has doses use all three",
         Remedy::UseCalibration => "`dose calibrate use <N>` uses one",
         Remedy::UseModel => "`dose calibrate use none` goes back to the model",
@@ -188,11 +186,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::ConfigureOrRaise => "`--configure` sets it, or raise [motor] max_acceleration_rad_s2",
         Remedy::AcceptSettings => {
             "if another board is at this port, connect the pump's own board or name its port with --port; if you \
-             changed the settings or replaced the board, say `--accept-settings` once with each pump of the board, or \
+             changed the settings or replaced the board, use `--accept-settings` once with each pump of the board, or \
              once with their rack; otherwise set them back"
         }
         Remedy::AcceptBoard => {
-            "if the board was replaced, say `--accept-settings` once with each of its pumps, or once with their rack"
+            "if the board was replaced, use `--accept-settings` once with each of its pumps, or once with their rack"
         }
         Remedy::WriteSettingsAnew => "`--accept-settings` writes it anew",
         Remedy::SeekOffset => "seek it with --offset",

@@ -63,6 +63,10 @@ fn runs_of_whole_pitches_say_nothing_of_an_unknown_angle() {
         );
         // A dose of whole pitches has one volume from every angle, and says so.
         let ended = rig.types(&["21.318mL", "--dry-run"]);
-        assert!(!ended.out.contains("by that alone the volume of the whole dose lies 21"), "{}", ended.out);
+        assert!(
+            !ended.out.contains("from this alone, the volume of the whole dose lies 21"),
+            "{}",
+            ended.out
+        );
     });
 }

@@ -12,7 +12,7 @@ const RAMP_S: f64 = 1.0;
 #[test]
 fn a_balance_that_fails_in_motion_stops_the_motor_and_leaves_the_dose_on_record() {
     let cases = [
-        (Defect::Silent, 1.5, "told nothing for 2", 1.5 + (2.0 + RAMP_S) * 1.8),
+        (Defect::Silent, 1.5, "sent nothing for 2", 1.5 + (2.0 + RAMP_S) * 1.8),
         (Defect::Garbage, 1.5, "which is no mass", 1.5 + RAMP_S * 1.8),
         (Defect::OtherUnit, 1.5, " oz`, which is no mass", 1.5 + RAMP_S * 1.8),
         (Defect::Overload, 1.5, "overloaded", 1.5 + RAMP_S * 1.8),

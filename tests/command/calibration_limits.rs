@@ -63,7 +63,7 @@ fn the_default_rate_is_among_the_speeds_of_guided_runs_and_a_table_without_it_sa
                    name no other rate will be refused";
     let guided = ["calibrate", "run", "--speeds", "20rpm,60rpm", "--runs", "1", "--pitches", "1"];
     let begun = user.types(&guided);
-    let added = "--speeds leaves out the default rate of 5 mL/s, 14.0723 r/min: runs at 11.7269 r/min come besides\n\
+    let added = "--speeds leaves out the default rate of 5 mL/s, 14.0723 r/min: runs at 11.7269 r/min are added\n\
                  3 runs of 1 pitch,";
     let said = begun.err.find(added).unwrap_or_else(|| panic!("{}", begun.err));
     assert!(said < begun.err.find("moving").unwrap(), "{}", begun.err);

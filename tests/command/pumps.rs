@@ -83,7 +83,7 @@ fn the_file_goes_to_standard_output_unless_named_and_replaces_nothing() {
 fn drawings_of_pumps_that_cannot_work_are_refused_by_name() {
     let user = User::new();
     for (option, with, expected) in [
-        ("--tube", "10mm", "is no tube; write bore x outer"),
+        ("--tube", "10mm", "is not a tube; write bore x outer"),
         ("--tube", "14x10mm", "the outer diameter, 10 mm, must be more than the bore, 14 mm"),
         ("--backplate", "63", "has no unit"),
         ("--offset", "38mm", "use a smaller backplate, or a larger roller"),

@@ -23,7 +23,7 @@ fn a_tube_is_warned_of_from_nine_tenths_on_and_refused_at_its_end() {
             message.contains("has pumped 91.0 mL") && message.contains("the 100 mL that it lasts"),
             "{message}"
         );
-        assert!(message.contains("replace the tube and say `dose tube --new`"), "{message}");
+        assert!(message.contains("replace the tube and run `dose tube --new`"), "{message}");
     }
     let status = user.types(&["status", "--tube-limit", "100mL"]).out;
     assert!(status.contains("tube: 91.0 mL of 100 mL in"), "{status}");

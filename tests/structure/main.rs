@@ -133,7 +133,7 @@ fn no_text_of_a_library_names_the_command_or_its_options() {
 fn texts_that_name_the_command_are_found() {
     let subcommands = subcommands();
     let names = |text: &str| names_the_command(text, &subcommands);
-    for text in ["say `dose resume`", "then dose resume, or", "see `dose`", "give --port", "(`--smooth`)"] {
+    for text in ["run `dose resume`", "then dose resume, or", "see `dose`", "give --port", "(`--smooth`)"] {
         assert!(names(text), "{text}");
     }
     for text in ["the dose in mL", "a smooth dose -- or none", "--", "whole doses resume"] {

@@ -96,7 +96,7 @@ impl GuidedCourse {
         let usual_rad_s = usual_rad_s(bench);
         let then = match (&self.speeds_rad_s[..], added) {
             ([], _) => return String::new(),
-            (_, Some(added_rad_s)) => format!("runs at {} r/min come besides", short(rpm(*added_rad_s))),
+            (_, Some(added_rad_s)) => format!("runs at {} r/min are added", short(rpm(*added_rad_s))),
             ([one_rad_s], None) if !is_near(*one_rad_s, usual_rad_s) => {
                 "the factor of the one speed is used there too, and less sure".to_owned()
             }

@@ -67,7 +67,7 @@ impl ClearArgs {
         };
         let full = match cleared.stand.limit {
             SafetyLimit::Vessel if cleared.vessel_ml > 0.0 => format!(
-                "the vessel has received {:.4} mL since it was emptied; once it is empty, say `dose vessel emptied`\n",
+                "the vessel has received {:.4} mL since it was emptied; once it is empty, run `dose vessel emptied`\n",
                 cleared.vessel_ml
             ),
             _ => String::new(),

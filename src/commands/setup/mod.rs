@@ -243,7 +243,7 @@ impl SetupArgs {
                 Ok(true) => return outlook::tell_outlook(course),
                 Ok(false) => {
                     let name = &course.answers.name;
-                    let text = format!("Weigh the dose, then say `dose setup {name} --weight 4.93g`.\n");
+                    let text = format!("Weigh the dose, then run `dose setup {name} --weight 4.93g`.\n");
                     say(&course.runnable.complete(&text));
                     return Ok(());
                 }

@@ -42,7 +42,7 @@ pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
         let path = course.folder.pump_file(name);
         let _ = writeln!(
             text,
-            "Nothing limits yet what it pumps while nobody looks: max_ml_per_day and vessel_ml in [safety] of {} do",
+            "Nothing yet limits what it pumps unattended; set max_ml_per_day and vessel_ml in [safety] of {}",
             path.display()
         );
     }

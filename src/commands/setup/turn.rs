@@ -287,7 +287,7 @@ fn see_turn(course: &mut Course, turned_said: &mut Option<f64>) -> Asked<()> {
         text: "Steps per revolution of the motor from now on",
         option: "--steps-per-rev",
         usual: Some(Usual::new(corrected.steps_per_rev.to_string())),
-        help: "Enter takes them; another number goes before them. The next revolution shows if they are right",
+        help: "Enter accepts them; another number overrides them. The next revolution shows if they are right",
     };
     let before = course.answers.clone();
     let answers = course.asker.ask(&question, |answer| {

@@ -92,7 +92,7 @@ fn a_duty_that_nothing_serves_is_refused_with_the_figure_and_what_would_do() {
     assert!(fast.contains("1627 mL/min (runze-yz1515x-3-18)") && fast.contains("`dose pumps list"), "{fast}");
     assert!(refused("--flow 2L/h").contains("give --inlet-hose 6x10mm,1m"));
     assert!(refused("--flow 2L/h --inlet-hose 6x10mm").contains("`6x10mm` is no hose"));
-    assert!(refused("--flow 2L/h --inlet-hose 6mm,1m").contains("`6mm` is no tube"));
+    assert!(refused("--flow 2L/h --inlet-hose 6mm,1m").contains("`6mm` is not a tube"));
     assert!(refused(&format!("--flow 2L/h {hoses} --altitude 60000m")).contains("-500 to 9000 m"));
     assert!(refused(&format!("--flow 2L/h {hoses} --head masterflex-ls-61")).contains("masterflex-ls-16"));
     assert!(refused(&format!("--flow 2L/h {hoses} --head masterflex-ls-16")).contains("add --rollers 3"));

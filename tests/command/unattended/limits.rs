@@ -127,7 +127,7 @@ fn a_full_vessel_is_emptied_and_the_pump_cleared() {
     let dose = |volume: &str| user.types(&[volume, "--pump", tank]);
     assert_eq!([dose("25mL").code, dose("25mL").code, dose("1mL").code], [0, 0, 5]);
     let refused = dose("1mL").err;
-    assert!(refused.contains("empty the vessel and say `dose vessel emptied --pump tank.toml`"), "{refused}");
+    assert!(refused.contains("empty the vessel and run `dose vessel emptied --pump tank.toml`"), "{refused}");
     let emptied = user.types(&["vessel", "emptied", "--pump", tank]);
     assert!(emptied.out.contains("it had received "), "{}{}", emptied.out, emptied.err);
     assert_eq!(dose("1mL").code, 5);

@@ -44,7 +44,7 @@ fn a_process_without_a_word_is_told_of_until_it_speaks_again() {
     let service = laboratory.serve(&[]);
     let (id, process) = hang(&service);
     wait_for("the silence", || view(&service)["silent_since"].as_str().map(drop));
-    noted(&service, &format!("no word from the process of order {id} (dose) for 5 s"));
+    noted(&service, &format!("the process of order {id} (dose) has not reported for 5 s"));
     let (_, metrics) = service.get("/metrics");
     assert!(metrics.as_str().unwrap().contains("dose_pump_silent{pump=\"acid\"} 1"), "{metrics}");
     wait_for("on_fail", || (laboratory.told() == ["acid 1 silent"]).then_some(()));

@@ -54,7 +54,7 @@ fn of_a_part(model: &Pump, plan: &Plan) -> [Notice; 2] {
     let (first, below) = (floor(way * carry_ml / pitch_ml).max(0.0), floor(owed_ml.abs() / pitch_ml));
     [
         format!(
-            "the rollers' angle is unknown: by that alone the volume of the whole dose lies {}; pressures and \
+            "the rollers' angle is unknown: from this alone, the volume of the whole dose lies {}; pressures and \
              settling are the worst of all angles",
             between(plan.least_ml(), plan.most_ml())
         )

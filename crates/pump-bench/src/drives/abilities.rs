@@ -32,8 +32,8 @@ pub struct Abilities {
     pub index: bool,
     /// True if the drive reads the device's own step count.
     pub readback: bool,
-    /// True if the drive tells each reset of the device ([`Drive::disturbed`](super::Drive::disturbed)). A count of zero
-    /// is then one as any other, and otherwise that of a device which was just switched on.
+    /// True if the drive tells each reset of the device ([`Drive::disturbed`](super::Drive::disturbed)). A count of
+    /// zero is then one as any other, and otherwise that of a device which was just switched on.
     pub tells_resets: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,

@@ -83,7 +83,7 @@ impl Status {
         };
         let searched = match dose.searched_ml {
             0.0 => String::new(),
-            ml => format!("; turns to find the angle pumped {} mL besides", significant(ml, 3)),
+            ml => format!("; turns to find the angle pumped another {} mL", significant(ml, 3)),
         };
         match &self.in_use_by {
             Some(holder) => format!("in motion, by {holder}: {}", dose.made(true)),
@@ -102,7 +102,7 @@ impl UnfinishedStatus {
         let by_model = match self.by_weight {
             true => " by the model",
             // The bounds are those of the rollers' angle and of steps that nobody knows.
-            false => " by the model, its own \u{b1} besides",
+            false => " by the model, whose own \u{b1} adds to that",
         };
         format!("{}, of which {made} {delivered}{by_model}", self.asked())
     }

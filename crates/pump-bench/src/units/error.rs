@@ -76,7 +76,7 @@ pub enum QuantityError {
         unit: String,
     },
     /// The tube lacks one of its two diameters.
-    #[error("`{text}` is no tube; write bore x outer diameter with their unit, as 10x14mm")]
+    #[error("`{text}` is not a tube; write bore x outer diameter with their unit, such as 10x14mm")]
     NoTube {
         /// Text that was read.
         text: String,

@@ -95,7 +95,7 @@ fn lengths_and_tubes_are_read() {
     }
     assert_eq!(
         tube_size("10mm").unwrap_err().to_string(),
-        "`10mm` is no tube; write bore x outer diameter with their unit, as 10x14mm"
+        "`10mm` is not a tube; write bore x outer diameter with their unit, such as 10x14mm"
     );
     assert_eq!(
         tube_size("3x1mm").unwrap_err().to_string(),

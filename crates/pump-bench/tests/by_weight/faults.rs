@@ -42,7 +42,7 @@ fn fault(defect: Defect, from_ml: f64) -> (String, DoseError, f64) {
 #[test]
 fn a_balance_that_fails_in_motion_ends_the_dose_with_what_was_delivered() {
     let cases = [
-        (Defect::Silent, 4.0, "told nothing for 2", 4.0 + 2.0 * 2.4),
+        (Defect::Silent, 4.0, "sent nothing for 2", 4.0 + 2.0 * 2.4),
         (Defect::Garbage, 4.0, "which is no mass", 4.5),
         (Defect::OtherUnit, 4.0, "1.9 oz", 4.5),
         (Defect::Overload, 4.0, "overloaded", 4.5),

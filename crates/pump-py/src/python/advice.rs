@@ -24,7 +24,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "go on to that end with bench.resume(), or accept the dose as it is with bench.discard()"
         }
         Remedy::FinishOrAcceptThenFindAngle => {
-            "finish the dose with bench.resume() or accept it with bench.discard(), then find the angle anew"
+            "finish the dose with bench.resume() or accept it with bench.discard(), then find the angle again"
         }
         Remedy::Accept => "accept the dose as it is with bench.discard()",
         Remedy::ClearStand => "see bench.status().safety, then clear it with bench.clear_safety(reason)",

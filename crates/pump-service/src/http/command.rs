@@ -87,7 +87,7 @@ pub(super) async fn command(
 pub(super) async fn order(State(shared): State<Shared>, bytes: Bytes) -> Result<Response, Failure> {
     let OrderBody { mut order, json, verbose, attended } = body(&bytes)?;
     if matches!(order.task, Task::Command { .. }) {
-        let message = "words of a command are no order; only this user on this machine may give them";
+        let message = "a command line is not an order; only this user on this machine may give them";
         return Err(Failure::new(StatusCode::FORBIDDEN, "token", message));
     }
     if !matches!(order.task, Task::Rack { .. }) {

@@ -31,7 +31,7 @@ const OF_ORDERS: [(&str, &str); 8] = [
     ("415", "`error/1`: the header `Content-Type` is not `application/json`"),
     ("421", "`error/1`: the header `Host` is not a name of the service"),
     ("409", "`error/1`: the pump or its board is in use, or a dose is unfinished"),
-    ("422", "`error/1`: refused before anything moved, or the key stands for another order"),
+    ("422", "`error/1`: refused before anything moved, or the key belongs to another order"),
     ("423", "`error/1`: the pump stands, at a safety limit, by order or by the guard"),
 ];
 

@@ -64,7 +64,7 @@ impl<'a> Hearer<'a> {
                 let refused: Vec<String> = refused.map(|(filter, _)| filter).collect();
                 if !refused.is_empty() {
                     let refused = refused.join(" and ");
-                    let text = "the MQTT broker lets this service not hear all of its topics; allow it to";
+                    let text = "the MQTT broker does not let this service subscribe to all of its topics; allow it to";
                     self.service.note("mqtt", None, &format!("{text} subscribe to {refused}"));
                 }
             }

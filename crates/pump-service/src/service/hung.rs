@@ -28,7 +28,7 @@ impl Service {
         let what = format!("order {id} ({})", order.task.name());
         let text = match sign {
             Sign::Silent(_) => format!(
-                "no word from the process of {what} for {} s; its motor may turn or stand: look at the pump, and stop \
+                "the process of {what} has not reported for {} s; its motor may still be turning: look at the pump, and stop \
                  it",
                 SILENT_AFTER.as_secs()
             ),

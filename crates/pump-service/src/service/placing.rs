@@ -59,7 +59,7 @@ pub enum Refusal {
     Order(#[from] OrderError),
     /// The key stands for another order.
     #[error(
-        "the key `{key}` stands for another order of the last 24 hours; give each order a key of its own"
+        "the key `{key}` belongs to another order of the last 24 hours; give each order a key of its own"
     )]
     KeyReused {
         /// Key that was given.

@@ -13,7 +13,7 @@ pub enum WeightFault {
     #[error("the balance cannot be read")]
     Balance(#[source] BalanceError),
     /// The balance told nothing while the pump turned.
-    #[error("the balance told nothing for {for_s:.1} s while the pump turned; {allowed_s} s are allowed")]
+    #[error("the balance sent nothing for {for_s:.1} s while the pump turned; {allowed_s} s are allowed")]
     Quiet {
         /// Time for which the balance was listened to without a reading, in s.
         for_s: f64,

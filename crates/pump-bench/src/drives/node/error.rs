@@ -274,7 +274,7 @@ pub enum NodeError {
     #[error("the board was reset, or another program has taken it; its motor may have moved")]
     Reset,
     /// The board let go of its motor.
-    #[error("the board has let go of the motor since it was last told to hold it")]
+    #[error("the board has released the motor since it was last told to hold it")]
     LetGo,
     /// The board's count differs from the steps made.
     #[error("the board counts {counted} steps where {expected} were expected: the rotor's angle is unknown")]

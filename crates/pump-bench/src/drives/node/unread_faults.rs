@@ -11,8 +11,8 @@ pub(super) fn faults_noted(unread: FaultCounts) -> Option<Notice> {
         (unread.starved, "empty queue", "empty queues"),
         (
             unread.link,
-            "stop for want of a word from the computer",
-            "stops for want of a word from the computer",
+            "stop because it heard nothing from the computer",
+            "stops because it heard nothing from the computer",
         ),
         (unread.estop, "emergency stop", "emergency stops"),
     ];
@@ -40,8 +40,8 @@ mod tests {
                 .map(|note| note.text().to_owned())
         };
         let begins = "the board has counted faults since they were last read: ";
-        let one = format!("{begins}1 stop for want of a word from the computer");
-        let several = format!("{begins}1 late step, 2 stops for want of a word from the computer");
+        let one = format!("{begins}1 stop because it heard nothing from the computer");
+        let several = format!("{begins}1 late step, 2 stops because it heard nothing from the computer");
         assert_eq!([said(0, 0), said(1, 0), said(2, 1)], [None, Some(one), Some(several)]);
     }
 

@@ -119,13 +119,13 @@ impl NextWeighing {
             Some((dose, then_dose)) => [
                 format!(
                     "one dose like this \u{b1} {dose} %, the mean of many such doses \u{b1} {now} % (k = 2); \
-                     drop and angle come besides"
+                     the last drop and the angle add to that"
                 ),
                 format!("about \u{b1} {then_dose} % for one, \u{b1} {then} % for the mean"),
             ],
             None => [
                 format!(
-                    "the mean of many doses at this speed \u{b1} {now} % (k = 2); one dose scatters besides"
+                    "the mean of many doses at this speed \u{b1} {now} % (k = 2); one dose scatters more"
                 ),
                 format!("about \u{b1} {then} % for the mean"),
             ],

@@ -52,7 +52,7 @@ pub(in super::super) async fn one(
          for 24 h and over restarts")),
     responses((status = 202, description = "`order/1`: the dose began, or was made", body = Object),
         (status = 409, description = "`error/1`: the pump is in use, or a dose is unfinished"),
-        (status = 422, description = "`error/1`: refused before anything moved, or the key stands for another order"),
+        (status = 422, description = "`error/1`: refused before anything moved, or the key belongs to another order"),
         (status = 423, description = "`error/1`: the pump stands at a safety limit, or by order")))]
 pub(in super::super) async fn dose(
     State(shared): State<Shared>,
