@@ -128,9 +128,9 @@ fn law(page: &mut String, figures: &Figures, drawings: usize) -> Result<(), Box<
          least. A round roller that closes the bore takes two thirds of it over its own width at most, as a\n  \
          flattened bore of unchanged perimeter has lost (h/D)² of its area.\n\
          - The share of a pitch <= 2/3: rollers stand side by side, so the width of each is a pitch at most.\n\n\
-         A sixth head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
-         known. Its phi is\n\
-         {:.1}°, within two standard uncertainties of the mean.\n\n\
+         A sixth head, github.com/bgamari/peristaltic-pump, does not state its wall thickness, so its fullness \
+         is not known.\n\
+         Its phi is {:.1}°, within two standard uncertainties of the mean.\n\n\
          | x/phi | V/V_r | slope |\n| --- | --- | --- |",
         figures.engagement_deg,
         figures.widest_part,

@@ -187,9 +187,9 @@ def volumes() -> Section:
         for curve, call in zip(curves.values(), calls, strict=True):
             curve.append((volume_ml, 1e3 * shortest(call)))
     words = (
-        "Plans with their pressures, within a limit of the outlet, up to 100 L: 60 million steps. A plan "
-        "keeps no list of its steps, and the pressures of whole pitches repeat, so beyond some pitches a "
-        "plan costs the same for any volume."
+        "These plans include pressures and a limit at the outlet, up to 100 L, which is 60 million steps. A "
+        "plan keeps no list of its steps, and the pressures of whole pitches repeat. So beyond a few "
+        "pitches, a plan costs the same for any volume."
     )
     return Section("Volume of a dose", words, "mL", "ms", curves)
 
@@ -274,8 +274,8 @@ def sweeps() -> Section:
                 memory.append((points, megabytes))
     words = (
         f"`pm.sweep_in_parts` over pumps that a generator makes, {SPEEDS:,} speeds of each, {PART:,} points "
-        "at a time: steady states with their extremes. Each time has a start of Python, and that of the "
-        "cluster. The peak of memory is that of the threads' process."
+        "at a time: steady states with their extremes. Each time includes starting Python, and the "
+        "cluster where there is one. The peak of memory is the peak of the process with the threads."
     )
     return Section("Sweeps", words, "points", "s", curves, memory)
 
@@ -287,9 +287,9 @@ def page(sections: list[Section]) -> str:
         [
             "# How cost grows",
             "",
-            "`make bench` measures what is below, draws it and writes this page. The numbers are those of "
-            f"one machine with {cores} cores, in one run. Their course says more than they do. "
-            "Times are the shortest of several.",
+            "`make bench` measures and draws these curves, and writes this page. The numbers come from "
+            f"one machine with {cores} cores, in one run. The trends matter more than the values. "
+            "Each time is the shortest of several.",
             "",
             *(section.markdown() for section in sections),
         ]
