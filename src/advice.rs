@@ -55,7 +55,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
         Remedy::TakeLineAwareRamps => "`--ramps line` takes such ramps",
         Remedy::SuckBack => "`--retract` sucks back",
-        Remedy::DoseThenWeigh => "make a dose into a tared vessel, then run `dose calibrate last <WEIGHT>`",
+        Remedy::DoseThenWeigh => "make a dose into a tared vessel, then run `dose calibrate last <READING>`",
         Remedy::DoseFromKnownAngle => {
             "make one of these and weigh it, or say the angle before the next with `dose home --set 0deg --tolerance \
              1deg`"
@@ -147,7 +147,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::Weigh => "`dose calibrate run` weighs what it delivers",
         Remedy::CalibrateRuns => "run `dose calibrate run`",
         Remedy::WeighToBeSurer => "`dose calibrate run` makes it surer",
-        Remedy::WeighOneMore => "make the dose again, then run `dose calibrate last <WEIGHT>`",
+        Remedy::WeighOneMore => "make the dose again, then run `dose calibrate last <READING>`",
         Remedy::Verify => "run `dose calibrate verify`",
         Remedy::FindPhase => "run `dose calibrate phase`",
         Remedy::UseShortDoses => "run `dose calibrate phase --use`",
@@ -232,7 +232,8 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 15] = [
+    const VALUES: [&str; 16] = [
+        "<READING>",
         "<TEXT>",
         "none",
         "any",

@@ -28,8 +28,8 @@ impl Service {
         let what = format!("order {id} ({})", order.task.name());
         let text = match sign {
             Sign::Silent(_) => format!(
-                "the process of {what} has not reported for {} s; its motor may still be turning: look at the pump, and stop \
-                 it",
+                "the process of {what} has not reported for {} s; its motor may still be turning: look at the \
+                 pump, and stop it",
                 SILENT_AFTER.as_secs()
             ),
             Sign::Speaks => {
