@@ -35,6 +35,32 @@ fn a_dose_is_poured_stopped_and_resumed() {
 }
 
 #[test]
+fn a_program_that_stands_still_has_its_motor_stopped_and_knows_each_step() {
+    let rig = Rig::new(Character::default());
+    let dose = rig.starts(&["5mL", "--rate", "1.5mL/s", "--confirm-pump"]);
+    let until = Instant::now() + Duration::from_secs(20);
+    while rig.board.truth().steps[0] < 900 && Instant::now() < until {
+        sleep(Duration::from_millis(5));
+    }
+    kill_process(Pid::from_child(&dose), Signal::STOP).unwrap();
+    rig.comes_to_rest();
+    let made = rig.board.truth().steps[0];
+    // Longer than the dead-man time, and than the board is waited for in motion.
+    sleep(Duration::from_millis(1500));
+    assert_eq!(rig.board.truth().steps[0], made, "it moves without its program");
+    kill_process(Pid::from_child(&dose), Signal::CONT).unwrap();
+    let (code, said) = ended(dose);
+    assert!(code != Some(0), "{code:?}: {said}");
+    let truth = rig.board.truth();
+    assert_eq!((truth.moving, truth.shutdown), (false, None), "{said}");
+    let cut = rig.state().unwrap().unfinished.expect("the dose is unfinished");
+    assert_eq!([cut.made_least, cut.made_most], [made, made], "{said}");
+    let (code, resumed) = rig.runs(&["resume"]);
+    assert_eq!(code, Some(0), "{said}; {resumed}");
+    assert_eq!(rig.board.truth().steps[0], cut.intent.steps, "{resumed}");
+}
+
+#[test]
 fn each_bad_input_is_one_message_and_nothing_moves() {
     let rig = Rig::new(Character::default());
     let (code, said) = rig.runs(&["2mL", "--confirm-pump", "--configure"]);

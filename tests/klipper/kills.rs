@@ -4,10 +4,6 @@
 use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};
 
-use pump_bench::Bench;
-use pump_bench::pump_file::{DriverName, PumpFile};
-use pump_bench::record::PumpState;
-
 use crate::rig::{Rig, ended};
 use crate::simulated_klipper::Character;
 
@@ -18,12 +14,6 @@ const BOARDS: u32 = 4;
 /// Returns the number of kills that the environment asks for, or the usual one.
 fn kills() -> u32 {
     std::env::var("KLIPPER_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(KILLS)
-}
-
-fn state(rig: &Rig) -> Option<PumpState> {
-    let file = PumpFile::read(&rig.pump()).unwrap();
-    let bench = Bench::new(file, Some(DriverName::Klipper), &rig.folder.path().join("state")).unwrap();
-    bench.story().unwrap().state
 }
 
 /// Rates of the doses: below the motor's start-stop speed, where a halt costs nothing of the angle, and above it.
@@ -64,7 +54,7 @@ fn chain(board: u32) -> u32 {
         if n % 4 != 0 {
             rig.comes_to_rest();
         }
-        let cut = state(&rig).and_then(|state| state.unfinished);
+        let cut = rig.state().and_then(|state| state.unfinished);
         if let Some(cut) = cut {
             midway += 1;
             let (code, resumed) = rig.runs(&[if is_slow { "resume" } else { "accept" }]);
@@ -77,7 +67,7 @@ fn chain(board: u32) -> u32 {
             }
         }
         turned += rig.board.truth().steps[0].abs_diff(before);
-        let known = state(&rig).unwrap().wear.revolutions * 12_800.0;
+        let known = rig.state().unwrap().wear.revolutions * 12_800.0;
         assert!((known - turned as f64).abs() < 1e-3, "{n}: {known} steps on record, {turned} made: {said}");
     }
     let truth = rig.board.truth();

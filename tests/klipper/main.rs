@@ -8,6 +8,7 @@ mod boards;
 mod commands;
 mod doses;
 mod faults;
+mod flows;
 mod kills;
 mod racks;
 mod rig;

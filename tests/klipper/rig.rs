@@ -5,9 +5,10 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use pump_bench::built_in;
 use pump_bench::drives::{Drive, DriveError, DriveFault, Klipper, Leave, Opening};
 use pump_bench::pump_file::{DriveTable, DriverName, KlipperTable, MotorTable, PumpFile};
+use pump_bench::record::PumpState;
+use pump_bench::{Bench, built_in};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 use tempfile::TempDir;
 
@@ -100,6 +101,13 @@ impl Rig {
         std::fs::write(&path, file.to_toml()).unwrap();
         PumpFile::read(&path).unwrap();
         path
+    }
+
+    /// Returns the pump's state on record.
+    pub(crate) fn state(&self) -> Option<PumpState> {
+        let file = PumpFile::read(&self.pump()).unwrap();
+        let bench = Bench::new(file, Some(DriverName::Klipper), &self.folder.path().join("state")).unwrap();
+        bench.story().unwrap().state
     }
 
     /// Returns the command with these words, for the pump at the board.
