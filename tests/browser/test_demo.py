@@ -215,7 +215,7 @@ def test_a_link_that_cannot_be_read_says_so_and_doses_as_usual(demo):
     expect(page.locator("#head .roller")).to_have_count(3)
     expect(page.locator("body")).to_have_class("stale")
     expect(page.locator("#refusal")).to_contain_text("The pale curves are those of another dose.")
-    expect(page.locator("#ours")).to_have_text("–")
+    expect(page.locator("#ours")).to_have_text("\u2013")
 
 
 def test_a_refused_dose_leaves_no_figures_of_the_one_before(demo):
@@ -225,7 +225,7 @@ def test_a_refused_dose_leaves_no_figures_of_the_one_before(demo):
     volume.fill("1e9")
     expect(page.locator("#refusal")).to_contain_text("Not planned: ")
     for figure in ["#ours", "#theirs"]:
-        expect(page.locator(figure)).to_have_text("–")
+        expect(page.locator(figure)).to_have_text("\u2013")
     for words in ["#ours-error", "#theirs-error", "#said"]:
         expect(page.locator(words)).to_be_empty()
     for hidden in ["#command-line", "#caution", "#now-volume"]:

@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use console::{Key, Term};
+use console::Key;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 use pump_bench::{Bench, Session};
 use pump_model::units::{degrees, rad_s, radians};
@@ -12,6 +12,8 @@ use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{announce, noted, print, tell, warn};
+
+use super::keys::next_key;
 
 /// Angle to which two painted lines can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
 const TOLERANCE_DEG: f64 = 0.5;
@@ -97,22 +99,18 @@ fn set_at(
 /// Obeys keys until the marks meet. Returns the step at that moment, deg; none if the person left.
 fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
     let interrupt = Interrupt::watch()?;
-    let terminal = Term::stderr();
     let mut size = 2;
     loop {
         let step_deg = STEPS_DEG[size];
         say(&format!("\r  a key turns by {step_deg}°    "))?;
-        let key = terminal.read_key_raw();
-        // A signal ends the wait for a key, too; the key Ctrl-C is the signal of a terminal that hands its keys on.
-        let pressed = matches!(key, Ok(Key::CtrlC)).then_some(SIGINT);
+        let key = next_key(|| interrupt.signal().is_some());
+        // The key Ctrl-C is the signal of a terminal that hands its keys on.
+        let pressed = matches!(key, Ok(Some(Key::CtrlC))).then_some(SIGINT);
         if let Some(signal) = interrupt.signal().or(pressed) {
             return Err(left(session, signal));
         }
-        let key = match key {
-            Ok(key) => key,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-            Err(error) => return Err(Failure::refused(format!("the keys cannot be read: {error}"))),
-        };
+        let key = key.map_err(|error| Failure::refused(format!("the keys cannot be read: {error}")))?;
+        let Some(key) = key else { continue };
         match wish(&key) {
             Wish::Turn(direction) => {
                 let steps = session.steps_of(radians(direction * step_deg));

@@ -1,5 +1,6 @@
 //! `dose home`: where the rollers stand is found, or said.
 
+mod keys;
 mod mark;
 mod sensor;
 mod set;
