@@ -257,7 +257,7 @@ function warn(cautions, of) {
   const said = [];
   if (cautions.isUnsure) {
     said.push('The pulse of this head is not known well enough for a smooth flow: the flow that leaves is expected ' +
-      `to vary by ${ripple(cautions.median)} (median; at most ${ripple(cautions.most)} in 95 % of such pumps), and by ` +
+      `to vary by ${ripple(cautions.median)} (at most ${ripple(cautions.most)} in 95 % of such pumps), and by ` +
       `${ripple(cautions.even)} at constant speed. Leave the smooth flow out, or measure the roller volume.`);
   }
   if (cautions.isWider) {
