@@ -33,8 +33,6 @@ pub mod wire;
 
 pub use abilities::{Abilities, Together};
 pub use board_share::BoardShare;
-#[cfg(feature = "klipper")]
-use common_begin::Met;
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
 pub use error::{DriveError, DriveFault};

@@ -99,10 +99,6 @@ impl Wire for BoardPort {
         self.opened.elapsed()
     }
 
-    fn steady_begin(&self) -> Option<Instant> {
-        Some(self.opened)
-    }
-
     fn sleep(&mut self, time: Duration) {
         std::thread::sleep(time);
     }
