@@ -30,7 +30,7 @@ use crate::work::{Work, count};
 /// ```
 #[derive(Debug, Clone)]
 pub struct ExactRun<'a, M> {
-    line: &'a Line,
+    pub(crate) line: &'a Line,
     pub(crate) oscillator: Oscillator,
     pub(crate) stretches: Stretches<'a, M>,
     pub(crate) stretch: Stretch,

@@ -252,12 +252,7 @@ impl Line {
     #[must_use]
     pub fn after(&self, state: LineState, time_s: f64, flow_ml_s: f64) -> LineState {
         let oscillator = Oscillator::new(self, Port::Outlet);
-        let mut flow = Flow::default();
-        flow.c[0] = flow_ml_s;
-        LineState::of(oscillator.physical(oscillator.after(
-            time_s,
-            oscillator.balanced(state.numbers()),
-            &flow,
-        )))
+        let before = oscillator.balanced(state.numbers());
+        LineState::of(oscillator.physical(oscillator.after(time_s, before, &Flow::even(flow_ml_s))))
     }
 }

@@ -3,7 +3,7 @@
 use crate::motion::flow::{DEGREE, Flow};
 
 use super::oscillator::{Balanced, Oscillator};
-use super::propagator::{Propagator, RECIPROCALS};
+use super::propagator::{Propagator, RECIPROCALS, product};
 
 /// Number of what decides the states at constant speed: the first one's two parts, and the coefficients of a flow of
 /// degree 4.
@@ -46,28 +46,31 @@ impl<const ROWS: usize, const C: usize> Reach<ROWS, C> {
             power_s *= dt_s;
         }
         let mut reach = Self { effects: [[[[0.0; LANES]; C]; 2]; ROWS], powers_s };
-        let mut before = 0.0;
-        for row in &mut reach.effects {
-            let [row_x, row_y] = row;
-            for lane in 0..LANES {
-                for (effect, (x, y)) in effects.iter().zip(row_x.iter_mut().zip(row_y.iter_mut())) {
-                    (x[lane], y[lane]) = (effect[0], effect[1]);
-                }
-                for (cause, effect) in effects.iter_mut().enumerate() {
-                    *effect = one.moved(*effect);
-                    let Some(k) = cause.checked_sub(2) else {
-                        continue;
-                    };
-                    // A flow t^k is sum_j C(k, j) n^(k-j) (t - n)^j, counted from n intervals on.
-                    let mut weight = 1.0;
-                    let responses = one.response.iter().enumerate().take(k + 1).rev();
-                    for ((j, [x, y]), reciprocal) in responses.zip(RECIPROCALS.iter().skip(1)) {
+        let Some((first, rest)) = reach.effects.split_first_mut() else {
+            return reach;
+        };
+        let [first_x, first_y] = &mut *first;
+        for lane in 0..LANES {
+            for (effect, (x, y)) in effects.iter().zip(first_x.iter_mut().zip(first_y.iter_mut())) {
+                (x[lane], y[lane]) = (effect[0], effect[1]);
+            }
+            for (cause, effect) in effects.iter_mut().enumerate() {
+                *effect = one.moved(*effect);
+                for (j, weight) in weights(cause, lane as f64) {
+                    if let Some([x, y]) = one.response.get(j) {
                         *effect = [effect[0] + weight * x, effect[1] + weight * y];
-                        weight *= before * j as f64 * reciprocal;
                     }
                 }
-                before += 1.0;
             }
+        }
+        let per_row = effects;
+        let mut before = 0.0;
+        for row in rest {
+            before += LANES as f64;
+            for (lanes, first) in row.iter_mut().zip(&*first) {
+                continue_row(first, &effects, before, lanes);
+            }
+            effects = continued(&per_row, &effects, before);
         }
         reach
     }
@@ -90,10 +93,12 @@ impl<const ROWS: usize, const C: usize> Reach<ROWS, C> {
         [x[cause][n % LANES], y[cause][n % LANES]]
     }
 
-    /// Returns the pressures row by row, kPa.
+    /// Writes the pressures row by row, kPa, each `base_kpa` higher. The excess of a longer slice is left as it is.
     #[inline]
-    pub(crate) fn kpa(&self, causes: Causes<C>) -> impl Iterator<Item = [f64; LANES]> {
-        self.effects.iter().map(move |[x, _]| sums(x, &causes))
+    pub(crate) fn write_kpa(&self, causes: &Causes<C>, base_kpa: f64, kpa: &mut [[f64; LANES]]) {
+        for (kpa, [row, _]) in kpa.iter_mut().zip(&self.effects) {
+            *kpa = sums(row, causes).map(|sum| sum + base_kpa);
+        }
     }
 
     /// Returns the states row by row, kPa.
@@ -136,22 +141,69 @@ impl<const ROWS: usize> Reach<ROWS, ALL_CAUSES> {
     }
 }
 
+/// Returns the orders j of the flows (t - n)^j that make up the flow t^k of a cause, and the weight of each: t^k is
+/// sum_j C(k, j) n^(k-j) (t - n)^j. A cause that is no flow has none.
+fn weights(cause: usize, n: f64) -> impl Iterator<Item = (usize, f64)> {
+    let mut weight = 1.0;
+    (0..cause.saturating_sub(1)).rev().zip(RECIPROCALS.iter().skip(1)).map(move |(j, reciprocal)| {
+        let now = weight;
+        weight *= n * j as f64 * reciprocal;
+        (j, now)
+    })
+}
+
+/// Writes the effects on a row of one state, x or y, that follows the `effects` after `n` intervals. In the `first` row
+/// they are those from the start on.
+fn continue_row<const C: usize>(first: &Row<C>, effects: &[Balanced; C], n: f64, row: &mut Row<C>) {
+    let [by_x, by_y, by_flow @ ..] = first.as_slice() else {
+        return;
+    };
+    for (cause, (row, [x, y])) in row.iter_mut().zip(effects).enumerate() {
+        for (effect, (by_x, by_y)) in row.iter_mut().zip(by_x.iter().zip(by_y)) {
+            *effect = by_x * x + by_y * y;
+        }
+        for (j, weight) in weights(cause, n) {
+            for (effect, by_flow) in row.iter_mut().zip(by_flow.get(j).into_iter().flatten()) {
+                *effect += weight * by_flow;
+            }
+        }
+    }
+}
+
+/// Returns the effects a row after those after `n` intervals. After the first row they are `per_row`.
+fn continued<const C: usize>(per_row: &[Balanced; C], effects: &[Balanced; C], n: f64) -> [Balanced; C] {
+    let mut continued = *effects;
+    let [by_x, by_y, by_flow @ ..] = per_row.as_slice() else {
+        return continued;
+    };
+    for (cause, effect) in continued.iter_mut().enumerate() {
+        *effect = product(&[*by_x, *by_y], *effect);
+        for (j, weight) in weights(cause, n) {
+            if let Some([x, y]) = by_flow.get(j) {
+                *effect = [effect[0] + weight * x, effect[1] + weight * y];
+            }
+        }
+    }
+    continued
+}
+
 /// Returns the sums of all effects by lane.
 #[inline(always)]
 pub(crate) fn sums<const C: usize>(row: &Row<C>, causes: &Causes<C>) -> [f64; LANES] {
-    let mut sums = [0.0; LANES];
-    let mut add = |causes: &[f64], row: &[[f64; LANES]]| {
-        for (effects, cause) in row.iter().zip(causes) {
-            for (sum, effect) in sums.iter_mut().zip(effects) {
-                *sum += effect * cause;
-            }
-        }
-    };
     let ((even, rest), (even_row, rest_row)) = (causes.split_at(EVEN), row.split_at(EVEN));
-    add(even, even_row);
+    let mut effects = even_row.iter().zip(even);
+    // A sum that began at 0 would cost one more addition, where there are three.
+    let first = effects.next().map_or([0.0; LANES], |(effects, cause)| effects.map(|effect| effect * cause));
+    let sums = effects.fold(first, added);
     // Between the pulses of two rollers the flow is even.
-    if rest.iter().any(|cause| *cause != 0.0) {
-        add(rest, rest_row);
+    if rest.iter().all(|cause| *cause == 0.0) { sums } else { rest_row.iter().zip(rest).fold(sums, added) }
+}
+
+/// Returns the sums by lane and the effects of one more cause.
+#[inline(always)]
+fn added(mut sums: [f64; LANES], (effects, cause): (&[f64; LANES], &f64)) -> [f64; LANES] {
+    for (sum, effect) in sums.iter_mut().zip(effects) {
+        *sum += effect * cause;
     }
     sums
 }
@@ -163,13 +215,8 @@ pub(crate) fn reached(most: usize, end_s: f64, dt_s: f64, time_s: impl Fn(usize)
     if time_s(most) <= end_s {
         return most;
     }
-    // The quotient may round over a sample.
-    let mut count = (((end_s - time_s(0)) / dt_s) as usize).clamp(1, most);
-    while count > 1 && time_s(count - 1) > end_s {
-        count -= 1;
-    }
-    while count < most && time_s(count) <= end_s {
-        count += 1;
-    }
-    count
+    let near = (((end_s - time_s(0)) / dt_s) as usize).clamp(1, most);
+    // The quotient may round over a sample. Sums do in place of branches, whose outcome is hard to predict.
+    let inside = [near - 1, near, near + 1].map(|n| usize::from(time_s(n) <= end_s));
+    (near - 1 + inside.into_iter().sum::<usize>()).clamp(1, most)
 }

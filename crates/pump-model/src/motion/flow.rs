@@ -15,6 +15,13 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
+    /// Returns a flow that does not change, mL/s.
+    pub(crate) fn even(flow_ml_s: f64) -> Self {
+        let mut flow = Self::default();
+        flow.c[0] = flow_ml_s;
+        flow
+    }
+
     /// Returns the flow at `t`, mL/s.
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.terms().rev().fold(0.0, |sum, c| sum * t + c)
@@ -37,6 +44,9 @@ impl Flow {
     #[inline]
     pub(crate) fn quartic_after(&self, t: f64) -> [f64; 5] {
         let [c0, c1, c2, c3, c4, ..] = self.c;
+        if self.degree == 0 {
+            return [c0, 0.0, 0.0, 0.0, 0.0];
+        }
         shifted_quartic([c0, c1, c2, c3, c4], t)
     }
 

@@ -101,15 +101,20 @@ impl Leg {
     /// Returns the time from the start until the leg has turned `turn_rad` in its direction, s; none if it
     /// never does.
     pub(crate) fn time_to_turn(&self, turn_rad: f64) -> Option<f64> {
-        let speed_squared = self.speed_rad_s * self.speed_rad_s + 2.0 * self.acceleration_rad_s2 * turn_rad;
         if turn_rad == 0.0 {
             return Some(0.0);
         }
-        if speed_squared < 0.0 {
-            return None;
-        }
-        // This form of the quadratic's root does not cancel.
-        let time = 2.0 * turn_rad / (self.speed_rad_s + self.direction() * sqrt(speed_squared));
+        let time = if self.acceleration_rad_s2 == 0.0 {
+            turn_rad / self.speed_rad_s
+        } else {
+            let speed_squared =
+                self.speed_rad_s * self.speed_rad_s + 2.0 * self.acceleration_rad_s2 * turn_rad;
+            if speed_squared < 0.0 {
+                return None;
+            }
+            // This form of the quadratic's root does not cancel.
+            2.0 * turn_rad / (self.speed_rad_s + self.direction() * sqrt(speed_squared))
+        };
         (time.is_finite() && time >= 0.0).then_some(time)
     }
 }

@@ -56,6 +56,10 @@ impl Stretch {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
         let [c0, c1, c2, c3, c4, _] = per_rad.c;
+        if acceleration == 0.0 && [c1, c2, c3, c4] == [0.0; 4] {
+            // Between the pulses of two rollers the flow is even.
+            return Flow::even(c0 * speed);
+        }
         let q = shifted_quartic([c0, c1, c2, c3, c4], self.offset_rad + self.leg.turned(elapsed));
         if acceleration == 0.0 {
             let mut c = [0.0; DEGREE + 1];

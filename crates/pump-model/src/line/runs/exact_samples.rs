@@ -66,7 +66,17 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
 
     /// Writes the pressures of the next samples above the reservoir, kPa, for less than asking for them one
     /// by one.
-    pub fn fill_kpa(&mut self, mut kpa: &mut [f64]) {
+    pub fn fill_kpa(&mut self, kpa: &mut [f64]) {
+        self.fill(0.0, kpa);
+    }
+
+    /// Writes the pressures of the next samples, kPa absolute, as [`Self::fill_kpa`] does.
+    pub fn fill_pressure_kpa(&mut self, kpa: &mut [f64]) {
+        self.fill(self.run.line.reservoir_kpa, kpa);
+    }
+
+    /// Writes the pressures of the next samples, each `base_kpa` higher.
+    fn fill(&mut self, base_kpa: f64, mut kpa: &mut [f64]) {
         while !kpa.is_empty() {
             if self.next == self.valid {
                 self.go_on();
@@ -75,16 +85,12 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
             match self.causes {
                 // The next samples overwrite the excess of a row.
                 Some(causes) if self.next == 0 && kpa.len() >= COUNT => {
-                    let (places, _) = kpa.as_chunks_mut::<LANES>();
-                    for (place, row) in
-                        places.iter_mut().zip(self.reach.kpa(causes)).take(count.div_ceil(LANES))
-                    {
-                        *place = row;
-                    }
+                    let (places, _) = kpa.as_chunks_mut();
+                    self.reach.write_kpa(&causes, base_kpa, &mut places[..count.div_ceil(LANES)]);
                 }
                 _ => {
                     for (n, kpa) in kpa.iter_mut().take(count).enumerate() {
-                        [*kpa, _] = self.sample(self.next + n);
+                        *kpa = self.sample(self.next + n)[0] + base_kpa;
                     }
                 }
             }

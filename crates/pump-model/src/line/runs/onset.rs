@@ -6,6 +6,9 @@ use crate::line::propagator::{RECIPROCALS, TERMS};
 /// Number of coefficients of a flow at constant speed, a quartic of time.
 const COEFFICIENTS: usize = 5;
 
+/// Number of orders, an even one: 0.5^18/18! is below rounding.
+const ORDERS: usize = TERMS + 1;
+
 /// Responses of x and y to each coefficient of the flow.
 type Responses = [f64; 2 * COEFFICIENTS];
 
@@ -17,7 +20,7 @@ type Responses = [f64; 2 * COEFFICIENTS];
 pub(crate) struct Onset {
     per_longest: f64,
     /// H^(m+1) A^m b k!/(k+m+1)! by m and k, where H is the longest time.
-    orders: [Responses; TERMS],
+    orders: [Responses; ORDERS],
     /// Number of orders that are not below rounding.
     count: usize,
 }
@@ -30,7 +33,7 @@ impl Onset {
             return None;
         }
         let mut onset =
-            Self { per_longest: 1.0 / longest_s, orders: [[0.0; 2 * COEFFICIENTS]; TERMS], count: 0 };
+            Self { per_longest: 1.0 / longest_s, orders: [[0.0; 2 * COEFFICIENTS]; ORDERS], count: 0 };
         let mut power = [longest_s * oscillator.rate * oscillator.impedance, 0.0];
         // The weights k!/(k+m+1)!.
         let mut weights = [0.0; COEFFICIENTS];
@@ -55,11 +58,19 @@ impl Onset {
     /// in the time since its beginning, lowest order first.
     pub(crate) fn after(&self, after_s: f64, flow: &[f64; COEFFICIENTS]) -> Balanced {
         let part = after_s * self.per_longest;
-        let mut sums = [0.0; 2 * COEFFICIENTS];
-        for order in self.orders.iter().take(self.count).rev() {
-            for (sum, response) in sums.iter_mut().zip(order) {
-                *sum = part * *sum + response;
+        let square = part * part;
+        // The sums of even and of odd orders do not wait for each other.
+        let (mut sums, mut odd_sums) = ([0.0; 2 * COEFFICIENTS], [0.0; 2 * COEFFICIENTS]);
+        let (orders, _) = self.orders.as_chunks();
+        for [even, odd] in orders.iter().take(self.count.div_ceil(2)).rev() {
+            for ((sum, odd_sum), (even, odd)) in sums.iter_mut().zip(&mut odd_sums).zip(even.iter().zip(odd))
+            {
+                *sum = square * *sum + even;
+                *odd_sum = square * *odd_sum + odd;
             }
+        }
+        for (sum, odd_sum) in sums.iter_mut().zip(odd_sums) {
+            *sum += part * odd_sum;
         }
         let mut power = part;
         let mut state = [0.0; 2];
