@@ -1,136 +1,27 @@
 //! Samples of an exact run at any rising times.
 
-use crate::motion::flow::DEGREE;
 use crate::motion::leg::Leg;
 
+use super::block::{Block, Blocks, LANES, pressures};
 use crate::line::exact_run::{ExactRun, next_stretch};
 use crate::line::line_state::LineState;
-use crate::line::oscillator::{Balanced, Oscillator};
-use crate::line::propagator::RECIPROCALS;
+use crate::line::oscillator::Balanced;
 
-/// Number of samples that are computed together, each in a lane of its own.
-const LANES: usize = 8;
-
-/// Number of terms of a series: 2^32 9!/32! is below rounding.
-const TERMS: usize = 32;
-
-/// Number of what decides a series: a state, and the coefficients of a flow.
-const CAUSES: usize = DEGREE + 3;
-
-/// |A| h of the longest time for which a series is used. A longer one needs more terms, a shorter one more series.
-const REACH: f64 = 2.0;
+/// Number of blocks that cost less than one long step.
+const FEW: f64 = 16.0;
 
 /// Samples of an [`ExactRun`] at any times that rise. Close together, each pressure costs some twenty multiplications.
 ///
-/// One Taylor series serves all samples until the next edge, or until the line has swung on so far that it would need
-/// more terms.
+/// One polynomial serves all samples of a block of time, which ends at the next edge or where the line has swung on so
+/// far that it would need more terms.
 #[derive(Debug, Clone)]
 pub struct ExactSeries<'a, M> {
-    /// The run at the start of the series under way.
+    /// The run at the start of the block under way.
     run: ExactRun<'a, M>,
-    basis: Basis,
-    series: Series,
-    /// Time of the last sample since the stretch's start, s.
-    last_s: f64,
-}
-
-/// Taylor coefficients of x and y in turn, lowest order first.
-type Series = [f64; 2 * TERMS];
-
-/// Taylor coefficients of the line's states by each cause, over fractions of a fixed length of time.
-#[derive(Debug, Clone)]
-struct Basis {
-    length_s: f64,
-    per_length: f64,
-    causes: [Series; CAUSES],
-    /// Number of terms that are not below rounding. It is even.
-    terms: usize,
-}
-
-impl Basis {
-    /// Builds the series of z' = A z + b f(t): Z_(n+1) = H (A Z_n + b f_n H^n) / (n + 1).
-    fn new(oscillator: &Oscillator) -> Self {
-        // A line that cannot move has no time of its own.
-        let length_s = (REACH / oscillator.norm()).min(1e300);
-        let mut causes = [[0.0; 2 * TERMS]; CAUSES];
-        let mut terms = 1;
-        for (cause, series) in causes.iter_mut().enumerate() {
-            let mut term: Balanced = [[1.0, 0.0], [0.0, 1.0]].get(cause).copied().unwrap_or_default();
-            // The flow of order k enters behind the term k, and decides none before.
-            let enters = cause.checked_sub(2);
-            for (n, place) in series.as_chunks_mut().0.iter_mut().enumerate() {
-                *place = term;
-                if term[0].abs() + term[1].abs() > 1e-18 {
-                    terms = terms.max(n + 1);
-                }
-                let factor =
-                    length_s * RECIPROCALS.get(n + 1).copied().unwrap_or_else(|| 1.0 / (n + 1) as f64);
-                term = oscillator.times(term).map(|x| factor * x);
-                if enters == Some(n) {
-                    // In units of the flow that moves the line by as much as a state of 1 does.
-                    term[0] += RECIPROCALS[n + 1];
-                }
-            }
-        }
-        Self { length_s, per_length: 1.0 / length_s, causes, terms: terms.next_multiple_of(2) }
-    }
-
-    /// Makes `series` that of a run from its state on.
-    fn begin<M>(&self, run: &ExactRun<'_, M>, series: &mut Series) {
-        let ExactRun { oscillator, state, flow, .. } = run;
-        *series = [0.0; 2 * TERMS];
-        let mut add = |effects: &Series, cause: f64| {
-            for (sum, effect) in series.iter_mut().zip(effects) {
-                *sum += cause * effect;
-            }
-        };
-        let [by_x, by_y, by_flow @ ..] = &self.causes;
-        add(by_x, state[0]);
-        add(by_y, state[1]);
-        let mut power = self.length_s * oscillator.rate * oscillator.impedance;
-        for (effects, c) in by_flow.iter().zip(flow.shifted(run.reached_s).terms()) {
-            if c != 0.0 {
-                add(effects, power * c);
-            }
-            power *= self.length_s;
-        }
-    }
-
-    /// Returns the terms that count, one of even and one of odd order together. Such two do not wait for each other.
-    fn terms<'a>(&self, series: &'a Series) -> &'a [[f64; 4]] {
-        let terms = series.as_chunks().0;
-        terms.get(..self.terms / 2).unwrap_or(terms)
-    }
-
-    /// Returns the state at a part of the length.
-    fn at(&self, series: &Series, part: f64) -> Balanced {
-        let square = part * part;
-        let mut sums = [0.0; 4];
-        for terms in self.terms(series).iter().rev() {
-            for (sum, term) in sums.iter_mut().zip(terms) {
-                *sum = *sum * square + term;
-            }
-        }
-        let [x, y, odd_x, odd_y] = sums;
-        [x + part * odd_x, y + part * odd_y]
-    }
-
-    /// Returns the pressures at parts of the length, kPa.
-    #[inline]
-    fn kpa(&self, series: &Series, parts: &[f64; LANES]) -> [f64; LANES] {
-        let squares = parts.map(|part| part * part);
-        let (mut even, mut odd) = ([0.0; LANES], [0.0; LANES]);
-        for [x, _, odd_x, _] in self.terms(series).iter().rev() {
-            for ((even, odd), square) in even.iter_mut().zip(&mut odd).zip(squares) {
-                *even = *even * square + x;
-                *odd = *odd * square + odd_x;
-            }
-        }
-        for ((even, odd), part) in even.iter_mut().zip(odd).zip(parts) {
-            *even += part * odd;
-        }
-        even
-    }
+    blocks: Blocks,
+    block: Block,
+    /// Place of the last sample in the block.
+    last: f64,
 }
 
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
@@ -151,94 +42,136 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
 impl<'a, M: Iterator<Item = Leg>> ExactSeries<'a, M> {
     fn new(run: ExactRun<'a, M>) -> Self {
-        let basis = Basis::new(&run.oscillator);
-        let mut series = [0.0; 2 * TERMS];
-        basis.begin(&run, &mut series);
-        Self { last_s: run.reached_s, run, basis, series }
+        let blocks = Blocks::new(&run.oscillator);
+        let mut series = Self { run, blocks, block: Block::new(), last: 0.0 };
+        series.begin();
+        series
     }
 
     /// Writes the pressures above the reservoir at `times_s`, kPa. The times must rise, and so must those of one call
     /// after another; a time in the past gives the state reached. The excess of a longer slice is left as it is.
-    pub fn fill_kpa(&mut self, mut times_s: &[f64], mut kpa: &mut [f64]) {
-        while let (Some(first_s), false) = (times_s.first(), kpa.is_empty()) {
-            self.reach(*first_s);
-            let start_s = self.run.time_s();
-            let room_s = self.basis.length_s.min(self.run.stretch.end_s - start_s);
-            let last = (self.last_s - self.run.reached_s) * self.basis.per_length;
-            let mut parts = [0.0; LANES];
-            let mut count = 0;
-            for (part, time_s) in parts.iter_mut().zip(times_s.iter().take(kpa.len())) {
-                let since_s = time_s - start_s;
-                // The first is inside, whatever the difference rounds to.
-                if count > 0 && since_s > room_s {
-                    break;
-                }
-                *part = (since_s * self.basis.per_length).max(last);
-                count += 1;
-            }
-            let found = self.basis.kpa(&self.series, &parts);
-            let (now, later) = kpa.split_at_mut(count);
-            now.copy_from_slice(&found[..count]);
-            self.last_s = self.run.reached_s + parts[count - 1] * self.basis.length_s;
-            (times_s, kpa) = (&times_s[count..], later);
+    pub fn fill_kpa(&mut self, times_s: &[f64], kpa: &mut [f64]) {
+        self.fill(0.0, times_s, kpa);
+    }
+
+    /// Writes the pressures at `times_s`, kPa absolute, as [`Self::fill_kpa`] does.
+    pub fn fill_pressure_kpa(&mut self, times_s: &[f64], kpa: &mut [f64]) {
+        self.fill(self.run.line.reservoir_kpa, times_s, kpa);
+    }
+
+    /// Writes the pressures at `times_s`, each `base_kpa` higher.
+    fn fill(&mut self, base_kpa: f64, mut times_s: &[f64], mut kpa: &mut [f64]) {
+        while times_s.len().min(kpa.len()) >= LANES {
+            let count = self.fill_block(base_kpa, times_s, kpa);
+            (times_s, kpa) =
+                (times_s.get(count..).unwrap_or_default(), kpa.get_mut(count..).unwrap_or_default());
         }
+        // Fewer than the lanes are left.
+        while let Some(last_s) = times_s.iter().take(kpa.len()).next_back() {
+            let (mut lanes_s, mut lanes) = ([*last_s; LANES], [0.0; LANES]);
+            lanes_s.iter_mut().zip(times_s).for_each(|(lane_s, time_s)| *lane_s = *time_s);
+            let count = self.fill_block(base_kpa, &lanes_s, &mut lanes);
+            kpa.iter_mut().zip(lanes).take(count).for_each(|(kpa, lane)| *kpa = lane);
+            (times_s, kpa) =
+                (times_s.get(count..).unwrap_or_default(), kpa.get_mut(count..).unwrap_or_default());
+        }
+    }
+
+    /// Writes the next pressures as far as one block reaches and all lanes have places, and returns their number.
+    fn fill_block(&mut self, base_kpa: f64, times_s: &[f64], kpa: &mut [f64]) -> usize {
+        if let Some(first_s) = times_s.first() {
+            self.reach(*first_s);
+        }
+        let (start_s, reached_s) = (self.run.stretch.start_s, self.run.reached_s);
+        let place = |time_s: f64| self.block.place((time_s - start_s) - reached_s);
+        let room = place(self.run.stretch.end_s).min(1.0);
+        let mut terms = self.block.kpa;
+        terms[0] += base_kpa;
+        let (mut last, mut done) = (self.last, 0);
+        while let (Some(times_s), Some(kpa)) = (
+            times_s.get(done..).and_then(|times_s| times_s.first_chunk::<LANES>()),
+            kpa.get_mut(done..).and_then(|kpa| kpa.first_chunk_mut()),
+        ) {
+            let places = times_s.map(|time_s| {
+                let place = place(time_s);
+                if place > last { place } else { last }
+            });
+            // The next samples overwrite those beyond the block.
+            *kpa = pressures(&terms, &places);
+            let [.., latest] = places;
+            if latest <= room {
+                (last, done) = (latest, done + LANES);
+                continue;
+            }
+            let inside = places.map(|place| usize::from(place <= room)).iter().sum::<usize>();
+            // The first is inside, whatever its place rounds to.
+            let count = if done == 0 { inside.max(1) } else { inside };
+            last = places.into_iter().take(count).next_back().unwrap_or(last);
+            done += count;
+            break;
+        }
+        self.last = last;
+        done
     }
 
     /// Returns the state of the last sample, or that of the start.
     pub fn state(&self) -> LineState {
-        LineState::of(self.run.oscillator.physical(self.within(self.last_s)))
+        LineState::of(self.run.oscillator.physical(self.within(self.last)))
     }
 
     /// Returns the run, which goes on from the last sample.
     pub fn into_run(mut self) -> ExactRun<'a, M> {
-        self.go_to(self.last_s);
+        (self.run.state, self.run.reached_s) =
+            (self.within(self.last), self.run.reached_s + self.block.since_s(self.last));
         self.run
     }
 
-    /// Returns the state `since_s` after the stretch's start, which the series must reach.
-    fn within(&self, since_s: f64) -> Balanced {
-        self.basis.at(&self.series, (since_s - self.run.reached_s) * self.basis.per_length)
+    /// Returns the state at a place of the block.
+    fn within(&self, place: f64) -> Balanced {
+        if place > self.block.start { self.blocks.at(&self.block, place) } else { self.run.state }
     }
 
-    /// Makes a series that reaches `time_s`, unless the one under way does.
+    /// Goes on to the block that reaches `time_s`.
     fn reach(&mut self, time_s: f64) {
         while time_s > self.run.stretch.end_s {
-            self.go_to(self.run.stretch.end_s - self.run.stretch.start_s);
+            self.go_near(self.run.stretch.end_s);
+            let end_s = self.run.stretch.end_s - self.run.stretch.start_s;
+            self.run.state = self.within(self.block.place(end_s - self.run.reached_s));
             let next = next_stretch(&mut self.run.stretches);
             self.run.begin(next);
-            self.last_s = 0.0;
-            self.basis.begin(&self.run, &mut self.series);
+            self.begin();
         }
+        self.go_near(time_s);
+    }
+
+    /// Goes on to the block that reaches `time_s`, which must be inside the stretch.
+    fn go_near(&mut self, time_s: f64) {
         let since_s = time_s - self.run.stretch.start_s;
-        if since_s - self.run.reached_s > self.basis.length_s {
-            // The next sample may be within reach of the last one.
-            self.go_to(if since_s - self.last_s > self.basis.length_s { since_s } else { self.last_s });
-            self.basis.begin(&self.run, &mut self.series);
+        while since_s - self.run.reached_s > self.block.length_s {
+            self.run.state = self.block.end();
+            self.run.reached_s += self.block.length_s;
+            let left_s = since_s - self.run.reached_s;
+            if left_s > FEW * self.block.length_s {
+                self.run.go_on(left_s);
+            }
+            self.begin();
         }
     }
 
-    /// Takes the run to `since_s` after the stretch's start.
-    fn go_to(&mut self, since_s: f64) {
-        let is_near = since_s - self.run.reached_s <= self.basis.length_s;
-        let by_series_s = if is_near { since_s } else { self.last_s };
-        self.run.state = self.within(by_series_s);
-        self.run.reached_s = by_series_s;
-        self.run.go_on(since_s - by_series_s);
+    /// Begins a block in the state reached.
+    fn begin(&mut self) {
+        let ExactRun { oscillator, stretch, state, flow, reached_s, .. } = &self.run;
+        let room_s = (stretch.end_s - stretch.start_s) - reached_s;
+        self.blocks.begin(&mut self.block, oscillator, *state, (flow, *reached_s), room_s);
+        self.last = self.block.start;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::line::Line;
     use crate::port::Port;
     use crate::pump::pump::Pump;
-
-    #[test]
-    fn few_terms_are_above_rounding() {
-        let basis = Basis::new(&Oscillator::new(&Line::PUBLISHED, Port::Outlet));
-        assert!(basis.terms < TERMS, "{}", basis.terms);
-    }
 
     #[test]
     fn a_time_in_the_past_gives_the_state_reached() {
@@ -250,5 +183,20 @@ mod tests {
         assert_eq!(kpa[..2], [0.0; 2]);
         series.fill_kpa(&[0.1], &mut kpa);
         assert!((kpa[0] - run().at(0.3).above_reservoir_kpa).abs() < 1e-12);
+    }
+
+    #[test]
+    fn absolute_pressures_lie_above_the_reservoir_by_the_others() {
+        let pump = Pump::three_roller();
+        let run = || ExactRun::from_rest(&pump, Port::Outlet, [Leg::constant_speed(0.0, 7.0)]);
+        let times_s: [f64; 100] = core::array::from_fn(|n| 3e-3 * n as f64);
+        let [mut above_kpa, mut kpa, mut every_kpa] = [[0.0; 100]; 3];
+        run().in_series().fill_kpa(&times_s, &mut above_kpa);
+        run().in_series().fill_pressure_kpa(&times_s, &mut kpa);
+        run().every(3e-3).fill_pressure_kpa(&mut every_kpa);
+        for ((above_kpa, kpa), every_kpa) in above_kpa.iter().zip(kpa).zip(every_kpa) {
+            assert!((above_kpa + pump.outlet().reservoir_kpa - kpa).abs() < 1e-12);
+            assert!((every_kpa - kpa).abs() < 1e-12);
+        }
     }
 }
