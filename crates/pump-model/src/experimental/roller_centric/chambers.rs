@@ -137,7 +137,7 @@ impl Chambers<'_> {
 
     /// Returns the flow that the rollers let into a chamber less the flow that they let out, mL/s. With
     /// `over` 1 it is the slope over the angle, mL/(s rad).
-    fn leaks(&self, moment: &Moment, y: &StateVector, chamber: usize, over: usize) -> f64 {
+    fn leaks(&self, moment: &Moment, y: &[f64], chamber: usize, over: usize) -> f64 {
         let kpa = |chamber| y[pressure_of(chamber, moment.contacts)];
         let past = |k: usize| moment.conductance[k][over] * (kpa(k + 1) - kpa(k));
         let behind = if chamber < moment.contacts { past(chamber) } else { 0.0 };
@@ -146,12 +146,12 @@ impl Chambers<'_> {
     }
 
     /// Returns the swelling of a chamber, 1 + D (P - P_atm).
-    fn swelling(&self, moment: &Moment, y: &StateVector, chamber: usize) -> f64 {
+    fn swelling(&self, moment: &Moment, y: &[f64], chamber: usize) -> f64 {
         1.0 + self.plant.model.distensibility_per_kpa * y[pressure_of(chamber, moment.contacts)]
     }
 
     /// Returns the flow into a chamber that its pressure must take up, mL/s.
-    fn net(&self, moment: &Moment, y: &StateVector, chamber: usize) -> f64 {
+    fn net(&self, moment: &Moment, y: &[f64], chamber: usize) -> f64 {
         let mut net = self.leaks(moment, y, chamber, 0)
             - moment.volume[chamber][1] * moment.speed * self.swelling(moment, y, chamber);
         if chamber == 0 {
@@ -173,11 +173,12 @@ impl Chambers<'_> {
     }
 }
 
-impl Ode<STATES> for Chambers<'_> {
-    fn derivative(&self, t: f64, y: &StateVector) -> StateVector {
+/// The equations, in any size that has room for the segments in contact.
+impl<const N: usize> Ode<N> for Chambers<'_> {
+    fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
         let moment = self.at(t);
         let Plant { inlet, outlet, .. } = self.plant;
-        let mut dy = [0.0; STATES];
+        let mut dy = [0.0; N];
         for chamber in 0..=moment.contacts {
             dy[pressure_of(chamber, moment.contacts)] =
                 self.net(&moment, y, chamber) / moment.capacity[chamber];
@@ -191,10 +192,10 @@ impl Ode<STATES> for Chambers<'_> {
         dy
     }
 
-    fn jacobian(&self, t: f64, y: &StateVector) -> [[f64; STATES]; STATES] {
+    fn jacobian(&self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
         let moment = self.at(t);
         let Plant { model, inlet, outlet, .. } = self.plant;
-        let mut j = [[0.0; STATES]; STATES];
+        let mut j = [[0.0; N]; N];
         for chamber in 0..=moment.contacts {
             let row = pressure_of(chamber, moment.contacts);
             let per_capacity = 1.0 / moment.capacity[chamber];
@@ -224,10 +225,10 @@ impl Ode<STATES> for Chambers<'_> {
         j
     }
 
-    fn time_derivative(&self, t: f64, y: &StateVector) -> StateVector {
+    fn time_derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
         let moment = self.at(t);
         let Moment { speed, acceleration, .. } = moment;
-        let mut ft = [0.0; STATES];
+        let mut ft = [0.0; N];
         for chamber in 0..=moment.contacts {
             let [_, slope, curvature] = moment.volume[chamber];
             let capacity = moment.capacity[chamber];
@@ -243,7 +244,7 @@ impl Ode<STATES> for Chambers<'_> {
 
 /// Returns the errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|. Flow and volume may err by
 /// the amounts that carry the same energy, as in the flow-centric circuit.
-pub(super) fn options(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<STATES> {
+pub(super) fn options<const N: usize>(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<N> {
     let mut options = Options::equal(tolerance);
     for (line, flow, volume) in [(inlet, INLET_ML_S, TAKEN_ML), (outlet, OUTLET_ML_S, DELIVERED_ML)] {
         options.absolute[flow] = tolerance * flow_scale_ml_s(line);

@@ -43,6 +43,11 @@ impl Way {
         }
     }
 
+    /// Returns the largest number of rollers in contact at once.
+    pub(super) fn contacts(&self) -> f64 {
+        ceil((self.sealed_rad + 2.0 * self.engagement_rad) / self.pitch_rad)
+    }
+
     /// Returns the angle at which a roller first touches the tube, rad: p = -Lam - phi.
     fn first_rad(&self) -> f64 {
         -self.sealed_rad - self.engagement_rad
@@ -62,7 +67,7 @@ impl Edges {
     /// Finds the edges. Refuses more rollers in contact at once than there is room for.
     pub(super) fn new(pump: &Pump, model: &RollerCentric) -> Result<Self, ModelError> {
         let way = Way::of(pump);
-        let contacts = ceil((way.sealed_rad + 2.0 * way.engagement_rad) / way.pitch_rad);
+        let contacts = way.contacts();
         if contacts > MAX_CONTACTS as f64 {
             let allowed = "13 at most; the roller-centric model has room for 12 segments";
             return Err(refused(Parameter::RollersInContact, contacts, allowed));

@@ -45,5 +45,6 @@ mod chambers;
 mod contacts;
 pub(crate) mod parameters;
 pub(crate) mod run;
+mod solver;
 mod steady;
 mod tally;

@@ -3,17 +3,18 @@
 use crate::circuit::Loss;
 use crate::circuit::line_run::TOLERANCES;
 use crate::error::{IntegrationError, ModelError};
-use crate::integrator::{DenseStep, Rodas5p, Statistics};
+use crate::integrator::Statistics;
 use crate::motion::leg::Leg;
 use crate::motion::walk::{Passage, Walk};
 use crate::pump::pump::Pump;
 
 use super::chambers::{
     Chambers, DELIVERED_ML, INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S, Plant, PortLine, SEGMENTS,
-    STATES, StateVector, TAKEN_ML, options, pressure_of,
+    STATES, StateVector, TAKEN_ML, pressure_of,
 };
-use super::contacts::{Contacts, Edges, MAX_SEGMENTS};
+use super::contacts::{Contacts, Edges, MAX_SEGMENTS, Way};
 use super::parameters::RollerCentric;
+use super::solver::{Solver, Step};
 
 /// Pressures, flows and volumes of the pump at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,8 +58,8 @@ pub struct RollerRun<'a, M> {
     walk: Walk<Edges, M>,
     passage: Option<Passage>,
     contacts: Contacts,
-    solver: Rodas5p<STATES>,
-    last: Option<DenseStep<STATES>>,
+    solver: Solver,
+    last: Option<Step>,
 }
 
 impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
@@ -113,12 +114,13 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         let first = passage.unwrap_or(rest(start_s));
         let contacts = Contacts::of(pump, &model, &edges, edges.pitches_before(&first), first.piece);
         let state = at_rest(&plant, &contacts);
-        let solver = Rodas5p::new(start_s, state, options(pump.inlet(), pump.outlet(), tolerance))?;
+        let segments = (Way::of(pump).contacts() as usize).saturating_sub(1);
+        let solver = Solver::new(segments, start_s, &state, [pump.inlet(), pump.outlet()], tolerance)?;
         Ok(Self { pump, plant, edges, walk, passage, contacts, solver, last: None })
     }
 
     /// Makes one step that ends at `stop_s` at the latest. Returns none once that time is reached.
-    pub(super) fn step(&mut self, stop_s: f64) -> Result<Option<DenseStep<STATES>>, IntegrationError> {
+    pub(super) fn step(&mut self, stop_s: f64) -> Result<Option<Step>, IntegrationError> {
         if self.solver.time_s() >= stop_s {
             return Ok(None);
         }
@@ -153,10 +155,10 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         let Some(step) = &self.last else {
             return Ok(self.sample(&self.solver.state(), [0.0; 2]));
         };
-        let state = if t_s < step.end_s() { step.at(t_s) } else { self.solver.state() };
-        let x = ((t_s - step.start_s) / step.length_s).min(1.0);
-        let rates =
-            [INLET_KPA, OUTLET_KPA].map(|port| step.polynomial(port).derivative().at(x) / step.length_s);
+        let (start_s, length_s) = (step.start_s(), step.length_s());
+        let state = if t_s < start_s + length_s { step.at(t_s) } else { self.solver.state() };
+        let x = ((t_s - start_s) / length_s).min(1.0);
+        let rates = [INLET_KPA, OUTLET_KPA].map(|port| step.polynomial(port).derivative().at(x) / length_s);
         Ok(self.sample(&state, rates))
     }
 
@@ -257,8 +259,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
             }
         }
         self.contacts = after;
-        self.solver.set_state(state);
-        self.solver.restart();
+        self.solver.restart(&state);
     }
 
     /// Joins a segment with a port: (C + D V0) P is the sum of both contents. V0 is the volume of the

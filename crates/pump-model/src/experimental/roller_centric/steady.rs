@@ -53,8 +53,8 @@ impl RollerCentric {
             let mut inlet = Tally::new(inlet_line, Port::Inlet);
             let mut outlet = Tally::new(outlet_line, Port::Outlet);
             while let Some(step) = run.step(start_s + f64::from(number) * period_s)? {
-                inlet.add(step.length_s, &step.polynomial(INLET_KPA), &step.polynomial(INLET_ML_S));
-                outlet.add(step.length_s, &step.polynomial(OUTLET_KPA), &step.polynomial(OUTLET_ML_S));
+                inlet.add(step.length_s(), &step.polynomial(INLET_KPA), &step.polynomial(INLET_ML_S));
+                outlet.add(step.length_s(), &step.polynomial(OUTLET_KPA), &step.polynomial(OUTLET_ML_S));
             }
             let end = run.state();
             let ends_kpa = [
