@@ -130,19 +130,24 @@ impl Case {
         Self { pump, leg, ports, joint, exact }
     }
 
-    /// Returns the case with a hose's friction at both ports. It has no exact solution: `solve` fills the reference.
-    pub(crate) fn with_friction<E>(
-        friction: Friction,
-        solve: impl FnOnce(&Self, &mut Samples) -> Result<(), E>,
-    ) -> Result<Self, E> {
+    /// Returns the case with a hose's friction at both ports.
+    pub(crate) fn with_friction(friction: Friction) -> Self {
         let mut case = Self::new();
         for port in &mut case.ports {
             port.friction = Some(friction);
         }
+        case
+    }
+
+    /// Returns the case of a model without an exact solution: `solve` fills the reference.
+    pub(crate) fn solved_by<E>(
+        mut self,
+        solve: impl FnOnce(&Self, &mut Samples) -> Result<(), E>,
+    ) -> Result<Self, E> {
         let mut reference = room();
-        solve(&case, &mut reference)?;
-        case.exact = reference;
-        Ok(case)
+        solve(&self, &mut reference)?;
+        self.exact = reference;
+        Ok(self)
     }
 
     /// Returns the largest difference to the exact solution, kPa. It is infinite if a solver gave no number.

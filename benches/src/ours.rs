@@ -2,25 +2,21 @@
 
 use pump_model::circuit::Resistance;
 use pump_model::integrator::IntegrationError;
-use pump_model::{ExactRun, Leg, LineState, PortRun};
+use pump_model::{ExactRun, Leg, LineState, ModelError, PortRun, RollerCentric, RollerRun};
 
 use crate::case::{Case, DT_S, END_S, PORTS, SAMPLES, Samples, sample_s};
 
 /// Samples the exact solution.
 pub(crate) fn exact(case: &Case, samples: &mut Samples) {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
-        let base_kpa = case.pump.line(port).reservoir_kpa;
-        ExactRun::from_rest(&case.pump, port, [case.leg]).every(DT_S).fill_kpa(kpa);
-        kpa.iter_mut().for_each(|kpa| *kpa += base_kpa);
+        ExactRun::from_rest(&case.pump, port, [case.leg]).every(DT_S).fill_pressure_kpa(kpa);
     }
 }
 
 /// Samples the exact solution at times that it is given.
 pub(crate) fn exact_at(case: &Case, times_s: &[f64], samples: &mut Samples) {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
-        let base_kpa = case.pump.line(port).reservoir_kpa;
-        ExactRun::from_rest(&case.pump, port, [case.leg]).in_series().fill_kpa(times_s, kpa);
-        kpa.iter_mut().for_each(|kpa| *kpa += base_kpa);
+        ExactRun::from_rest(&case.pump, port, [case.leg]).in_series().fill_pressure_kpa(times_s, kpa);
     }
 }
 
@@ -60,6 +56,17 @@ pub(crate) fn rubbed(case: &Case, tolerance: f64, samples: &mut Samples) -> Resu
         let mut run =
             PortRun::<_, 2, _>::with_friction(&case.pump, friction, port, [case.leg], rest, tolerance)?;
         sampled(&mut run, base_kpa, kpa)?;
+    }
+    Ok(())
+}
+
+/// Samples the integrator's solution of the roller-centric model.
+pub(crate) fn roller_centric(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), ModelError> {
+    let mut run = RollerRun::new(&case.pump, RollerCentric::PUBLISHED, [case.leg], tolerance)?;
+    let [inlet, outlet] = samples;
+    for (n, (inlet, outlet)) in inlet.iter_mut().zip(outlet).enumerate() {
+        let sample = run.at(sample_s(n))?;
+        (*inlet, *outlet) = (sample.inlet_kpa, sample.outlet_kpa);
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use crate::bare::Bare;
 use crate::case::{Case, SAMPLES, Samples, room, sample_s};
 use crate::ours;
-use crate::peers::{explicit, implicit};
+use crate::peers::{explicit, implicit, roller_centric};
 use crate::timing::{Outcome, Row};
 
 /// Errors to reach, kPa.
@@ -88,9 +88,27 @@ const RUBBING: [(&str, Solve); 3] = [
     }),
 ];
 
+/// Rows of the roller-centric model: our integrator at each goal, then diffsol's BDF and ESDIRK34.
+const ROLLER_CENTRIC: [(&str, Solve); 3] = [
+    ("roller-centric: integrator, RODAS5P", |case, tolerance, samples| {
+        Ok(ours::roller_centric(case, tolerance, samples)?)
+    }),
+    ("roller-centric: diffsol BDF", |case, tolerance, samples| {
+        Ok(roller_centric::run(case, implicit::Method::Bdf, tolerance, samples)?)
+    }),
+    ("roller-centric: diffsol ESDIRK34", |case, tolerance, samples| {
+        Ok(roller_centric::run(case, implicit::Method::Esdirk34, tolerance, samples)?)
+    }),
+];
+
 /// Returns the rows of the case with a hose's friction, a pair for each solver, as many as there are [`GOALS_KPA`].
 pub(crate) fn rubbing_rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     rows_of(&RUBBING, case)
+}
+
+/// Returns the rows of the roller-centric model as [`rubbing_rows`] does.
+pub(crate) fn roller_centric_rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
+    rows_of(&ROLLER_CENTRIC, case)
 }
 
 /// Returns a row of each solver for each goal, at the loosest tolerance that reaches it.

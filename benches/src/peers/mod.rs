@@ -3,6 +3,7 @@
 
 pub(crate) mod explicit;
 pub(crate) mod implicit;
+pub(crate) mod roller_centric;
 pub(crate) mod sensitive;
 
 use crate::case::{Case, JointSegment, SAMPLES, Samples, horner, sample_s};
