@@ -2,11 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use pump_bench::built_in;
 use pump_bench::drives::{Drive, Leave};
-use pump_ctl::plan::{FlowKnot, FlowMotion, FlowPace, FlowPlan, FlowRow, Phase};
-use pump_model::Pump;
 
+use crate::flow::Flow;
 use crate::rig::Rig;
 use crate::simulated_klipper::Character;
 
@@ -14,38 +12,11 @@ use crate::simulated_klipper::Character;
 const ROWS: [(f64, f64); 8] =
     [(0.0, 0.0), (0.5, 2.0), (1.0, 1.5), (1.0, 1.4), (1.3, 0.0), (3.0, 0.0), (3.5, 2.0), (4.0, 0.0)];
 
-/// Plan of the flow in a direction.
-struct Flow {
-    pump: Pump,
-    knots: Vec<FlowKnot>,
-    pace: FlowPace,
-}
-
-impl Flow {
-    fn new(sign: f64) -> Self {
-        let file = built_in("three-roller").unwrap();
-        let pump = file.model().unwrap();
-        let mut plan = FlowPlan::new(&pump, file.limits().motor, Phase::known(0.9)).unwrap();
-        let mut knots = Vec::new();
-        for (time_s, flow_ml_s) in ROWS {
-            plan.take(FlowRow::new(time_s, sign * flow_ml_s)).unwrap();
-            knots.extend(plan.knot());
-        }
-        let pace = plan.end().unwrap();
-        Self { pump, knots, pace }
-    }
-
-    fn motion(&self) -> FlowMotion<'_> {
-        let motor = built_in("three-roller").unwrap().limits().motor;
-        FlowMotion::new(&self.pump, motor, Phase::known(0.9), &self.knots, self.pace)
-    }
-}
-
 #[test]
 fn every_step_of_a_flow_is_within_2_us_of_its_time_over_a_pause_too() {
     for sign in [1.0, -1.0] {
         let rig = Rig::new(Character { drift_ppm: 100.0, ..Character::default() });
-        let flow = Flow::new(sign);
+        let flow = Flow::new(&ROWS, sign);
         let motion = flow.motion();
         let mut drive = rig.open();
         drive.check_flow(&motion).unwrap();
@@ -73,7 +44,7 @@ fn a_flow_that_is_stopped_comes_to_rest_with_an_exact_count() {
     // In a slope, in the pause, and after it.
     for stop_ms in [800, 2200, 3400] {
         let rig = Rig::new(Character::default());
-        let flow = Flow::new(1.0);
+        let flow = Flow::new(&ROWS, 1.0);
         let motion = flow.motion();
         let mut drive = rig.open();
         drive.check_flow(&motion).unwrap();

@@ -8,6 +8,8 @@ mod boards;
 mod commands;
 mod doses;
 mod faults;
+#[path = "../../crates/pump-bench/tests/plans/flow.rs"]
+mod flow;
 mod flows;
 mod kills;
 mod racks;

@@ -1,10 +1,8 @@
 //! Flows over time.
 
-use pump_bench::built_in;
 use pump_bench::drives::{Drive, Leave};
-use pump_ctl::plan::{FlowKnot, FlowMotion, FlowPace, FlowPlan, FlowRow, Phase};
-use pump_model::Pump;
 
+use crate::flow::Flow;
 use crate::rig::{Rig, go, worst_of};
 use crate::world::TICK_HZ;
 
@@ -21,37 +19,10 @@ const ROWS: [(f64, f64); 9] = [
     (8.0, 0.0),
 ];
 
-/// Plan of the flow in a direction.
-struct Flow {
-    pump: Pump,
-    knots: Vec<FlowKnot>,
-    pace: FlowPace,
-}
-
-impl Flow {
-    fn new(sign: f64) -> Self {
-        let file = built_in("three-roller").unwrap();
-        let pump = file.model().unwrap();
-        let mut plan = FlowPlan::new(&pump, file.limits().motor, Phase::known(0.9)).unwrap();
-        let mut knots = Vec::new();
-        for (time_s, flow_ml_s) in ROWS {
-            plan.take(FlowRow::new(time_s, sign * flow_ml_s)).unwrap();
-            knots.extend(plan.knot());
-        }
-        let pace = plan.end().unwrap();
-        Self { pump, knots, pace }
-    }
-
-    fn motion(&self) -> FlowMotion<'_> {
-        let motor = built_in("three-roller").unwrap().limits().motor;
-        FlowMotion::new(&self.pump, motor, Phase::known(0.9), &self.knots, self.pace)
-    }
-}
-
 #[test]
 fn every_step_of_a_flow_comes_within_a_microsecond_of_its_time() {
     for sign in [1.0, -1.0] {
-        let (rig, flow) = (Rig::new(), Flow::new(sign));
+        let (rig, flow) = (Rig::new(), Flow::new(&ROWS, sign));
         let motion = flow.motion();
         let mut drive = rig.open();
         drive.check_flow(&motion).unwrap();
@@ -67,7 +38,7 @@ fn every_step_of_a_flow_comes_within_a_microsecond_of_its_time() {
 #[test]
 fn a_flow_that_is_stopped_decelerates_and_its_count_is_exact() {
     for stop_ms in [300, 1500, 4000, 6500] {
-        let (rig, flow) = (Rig::new(), Flow::new(1.0));
+        let (rig, flow) = (Rig::new(), Flow::new(&ROWS, 1.0));
         let motion = flow.motion();
         let mut drive = rig.open();
         drive.check_flow(&motion).unwrap();
@@ -82,7 +53,7 @@ fn a_flow_that_is_stopped_decelerates_and_its_count_is_exact() {
 
 #[test]
 fn a_flow_that_ran_out_of_leave_ends_where_it_came_to_rest() {
-    let (rig, flow) = (Rig::new(), Flow::new(1.0));
+    let (rig, flow) = (Rig::new(), Flow::new(&ROWS, 1.0));
     let motion = flow.motion();
     let mut drive = rig.open();
     drive.check_flow(&motion).unwrap();

@@ -5,6 +5,8 @@
 mod boards;
 mod doses;
 mod faults;
+#[path = "../plans/flow.rs"]
+mod flow;
 mod flows;
 mod meeting;
 mod onlooker;
