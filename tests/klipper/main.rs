@@ -7,6 +7,7 @@
 mod boards;
 mod commands;
 mod doses;
+mod driver_chips;
 mod faults;
 #[path = "../../crates/pump-bench/tests/plans/flow.rs"]
 mod flow;

@@ -21,6 +21,7 @@ const REST: Duration = Duration::from_secs(30);
 pub(crate) struct Rig {
     pub(crate) folder: TempDir,
     pub(crate) board: SimulatedKlipper,
+    pins: KlipperTable,
 }
 
 /// Returns the pins of a socket of an SKR Mini E3 V2.0: step, direction and enable.
@@ -41,14 +42,19 @@ pub(crate) fn motor() -> MotorTable {
 impl Rig {
     /// Switches a board on whose steps go to a file.
     pub(crate) fn new(character: Character) -> Self {
+        Self::of(character, socket("X"))
+    }
+
+    /// Switches a board on at which the pump has these pins.
+    pub(crate) fn of(character: Character, pins: KlipperTable) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let record = Some(folder.path().join("steps.txt"));
         let board = SimulatedKlipper::start_as(Character { record, ..character }).unwrap();
-        Self { folder, board }
+        Self { folder, board, pins }
     }
 
     pub(crate) fn table(&self) -> DriveTable {
-        DriveTable::of(DriverName::Klipper).with_port(self.board.path()).with_klipper(socket("X"))
+        DriveTable::of(DriverName::Klipper).with_port(self.board.path()).with_klipper(self.pins.clone())
     }
 
     pub(crate) fn opening(&self) -> Opening {
@@ -92,12 +98,12 @@ impl Rig {
         }
     }
 
-    /// Writes the pump file of the published pump at the socket X, and returns its path.
+    /// Writes the pump file of the published pump at these pins, and returns its path.
     pub(crate) fn pump(&self) -> PathBuf {
         let path = self.folder.path().join("pump.toml");
         let mut file = built_in("three-roller").unwrap();
         file.pump.id = "red".to_owned();
-        file.drive = Some(DriveTable::of(DriverName::Klipper).with_klipper(socket("X")));
+        file.drive = Some(DriveTable::of(DriverName::Klipper).with_klipper(self.pins.clone()));
         std::fs::write(&path, file.to_toml()).unwrap();
         PumpFile::read(&path).unwrap();
         path

@@ -47,6 +47,8 @@ pub(crate) struct Truth {
     pub(crate) now: u64,
     /// GCONF, IHOLD_IRUN and CHOPCONF of each driver that has a line.
     pub(crate) drivers: Vec<[u32; 3]>,
+    /// Datagrams of the host on the line to the drivers.
+    pub(crate) asked: u64,
     /// True ends the simulation.
     over: bool,
 }

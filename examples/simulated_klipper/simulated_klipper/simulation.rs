@@ -176,7 +176,7 @@ impl Simulation {
     /// Publishes the truth about the board.
     fn publish(&self, shared: &mut Shared) {
         let (truth, board) = (&mut shared.truth, &self.board);
-        (truth.steps, truth.stray) = (board.steps, board.stray);
+        (truth.steps, truth.stray, truth.asked) = (board.steps, board.stray, board.asked);
         truth.moving = board.is_moving();
         truth.configured = board.is_configured();
         truth.most_used = board.most_used;

@@ -134,10 +134,9 @@ impl<'a> Session<'a> {
     /// Returns the state of the pump by a device that was just connected.
     fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<Notice>) -> PumpState {
         let (model, stands) = (self.bench.model(), self.stands());
-        let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
         // The drive reports disturbances first: it may hear of a reset that changes the count.
         let (told, halted) = match drive.disturbed() {
-            Some(halted @ Disturbance::Halted { .. }) => (None, Some(halted)),
+            Some(Disturbance::Halted { slip_steps }) => (None, Some(slip_steps)),
             told => (told, None),
         };
         let count = drive.count();
@@ -152,19 +151,7 @@ impl<'a> Session<'a> {
         if stands.released && !counts_anyhow {
             met = self.meet_released(count, notes);
         } else if let Some(event) = event {
-            met = after_event(stands, event, self.bench.fall_rad(), model);
-            if was_known {
-                let now = match event {
-                    _ if met.phase().is_known(pitch_rad) => "known less well, by two full steps of the motor",
-                    Disturbance::EmergencyStop => {
-                        "unknown, because people may have turned the rotor meanwhile"
-                    }
-                    _ if met.disturbances > 1 => "unknown: that was the second time since it was found",
-                    _ => "unknown: two full steps of the motor more, and it may be any angle of a pitch",
-                };
-                let text = format!("{event}: the rollers' angle is {now}");
-                notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
-            }
+            met = self.meet_disturbed(event, count, notes);
         } else if let Some((part, moved)) = lost_and_found(&stands, count) {
             met = stands.recounted(&part, moved * part.intent.steps.signum(), model);
         } else if let (Some(before), Some(now)) = (stands.count, count) {
@@ -182,25 +169,49 @@ impl<'a> Session<'a> {
                 }
             };
         }
-        if let Some(halted) = halted {
+        // The board made the plan's own ramp if it made all of its steps.
+        let made_all = self.cut_off.is_some_and(|(_, part)| self.moved(count) == Some(part.intent.steps));
+        if let Some(slip_steps) = halted.filter(|_| !made_all) {
             // The count is that of the steps all the same, so the halt comes on top.
-            met = after_event(met, halted, self.fall_rad(halted), model);
-            notes.push(
-                Notice::from(format!("{halted}: the rollers' angle is known less well"))
-                    .with_remedy(Remedy::FindAngle),
-            );
+            met = met.halted(slip_steps, self.file().limits().motor.step_rad(), model);
+            let halted = Disturbance::Halted { slip_steps };
+            let text = format!("{halted}: the rollers' angle is known less well");
+            notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
         }
         PumpState { count, released: false, ..met }
     }
 
-    /// Returns the angle by which the rotor may have turned in an event.
-    pub(super) fn fall_rad(&self, event: Disturbance) -> f64 {
-        match event {
-            Disturbance::Halted { slip_steps } => {
-                f64::from(slip_steps) * self.file().limits().motor.step_rad()
+    /// Returns the steps by which a device that counts `count` now has moved since its count on record.
+    fn moved(&self, count: Option<i64>) -> Option<i64> {
+        count.zip(self.stands().count).map(|(now, before)| now - before)
+    }
+
+    /// Returns the state of a pump after an event that the rotor's angle may not have survived, by a device that
+    /// counts `count` now.
+    fn meet_disturbed(&self, event: Disturbance, count: Option<i64>, notes: &mut Vec<Notice>) -> PumpState {
+        let (model, stands) = (self.bench.model(), self.stands());
+        let in_motion = self.cut_off.filter(|_| event == Disturbance::CurrentLost);
+        let met = match in_motion {
+            Some((before, part)) => {
+                let moved = self.moved(count).filter(|moved| part.holds(*moved));
+                let most = moved.map_or(part.made_most, |moved| moved * part.intent.steps.signum());
+                before.without_current(&part.intent, most, model)
             }
-            _ => self.bench.fall_rad(),
+            None => after_event(stands, event, self.bench.fall_rad(), model),
+        };
+        let pitch_rad = model.pitch_rad();
+        if stands.phase().is_known(pitch_rad) {
+            let now = match event {
+                _ if in_motion.is_some() => "unknown, because nobody knows which steps the motor has made",
+                _ if met.phase().is_known(pitch_rad) => "known less well, by two full steps of the motor",
+                Disturbance::EmergencyStop => "unknown, because people may have turned the rotor meanwhile",
+                _ if met.disturbances > 1 => "unknown: that was the second time since it was found",
+                _ => "unknown: two full steps of the motor more, and it may be any angle of a pitch",
+            };
+            let text = format!("{event}: the rollers' angle is {now}");
+            notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
         }
+        met
     }
 
     /// Returns the state of a pump whose rotor was released, by a device that counts `count` now.

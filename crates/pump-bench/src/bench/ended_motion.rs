@@ -160,6 +160,7 @@ impl<'a> Session<'a> {
         let lets_go = !device.drive.holds_at_rest();
         let let_go = (lets_go && pauses.is_some()).then_some(Disturbance::Disabled);
         let event = device.drive.disturbed().or(let_go);
+        self.notes.append(&mut device.drive.notes());
         let state = PumpState { count: device.drive.count(), ..state };
         let Some(event) = event else { return state };
         let (fall_rad, model) = (self.bench.fall_rad(), self.bench.model());

@@ -83,6 +83,9 @@ pub enum Disturbance {
     Reset,
     /// The motor was without current.
     Disabled,
+    /// The stepper driver has switched the motor off, or lost its supply, and nobody knows when. A motion that was
+    /// under way may have had no current for any part of its steps.
+    CurrentLost,
     /// The device was out of reach in motion.
     LinkLost,
     /// The emergency stop has cut the current of every motor of the device. People may have turned the rotor meanwhile.
@@ -103,6 +106,7 @@ impl Display for Disturbance {
         to.write_str(match self {
             Self::Reset => "the device was reset",
             Self::Disabled => "the motor was without current",
+            Self::CurrentLost => "the stepper driver has lost the motor's current",
             Self::LinkLost => "the device was out of reach in motion",
             Self::EmergencyStop => {
                 "the emergency stop was pressed, and each motor of the board was without current"
@@ -354,7 +358,7 @@ pub trait Drive: Debug + Send {
         None
     }
 
-    /// Returns the notes for the user to read before the device moves. Each note is returned once.
+    /// Returns the notes for the user to read before the device moves, and after it has. Each note is returned once.
     fn notes(&mut self) -> Vec<Notice> {
         Vec::new()
     }

@@ -191,6 +191,23 @@ impl PumpState {
         Self { disturbances, ..self.closed(pump).at(wider) }
     }
 
+    /// Returns the state of a rotor whose motor was stopped in motion without a ramp. It may have slipped by so many
+    /// steps, and so may the dose that the stop has left unfinished.
+    pub(crate) fn halted(self, slip_steps: u32, step_rad: f64, pump: &Pump) -> Self {
+        let ended_here = |part: &Unfinished| wrap(part.phase().angle_rad(), TURN_RAD) == self.angle_rad;
+        let unfinished = self.unfinished.map(|part| {
+            // A turn to find the angle after that dose has slipped in its place.
+            if ended_here(&part) { part.slipped(slip_steps.into()) } else { part }
+        });
+        Self { unfinished, ..self.disturbed(f64::from(slip_steps) * step_rad, pump) }
+    }
+
+    /// Returns the state of a rotor whose motor had no current, from some step of its last motion on or from its begin,
+    /// which nobody knows. It has made `most` of the steps at most.
+    pub(crate) fn without_current(self, intent: &Intent, most: i64, pump: &Pump) -> Self {
+        self.after(intent, most.min(0), most.max(0), pump).lost(pump)
+    }
+
     /// Returns the state once a lost device reports that it made `made` steps of the unfinished dose `part`.
     ///
     /// Any other uncertainty of the angle stays, and an angle that is unknown stays unknown.

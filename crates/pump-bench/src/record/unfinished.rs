@@ -51,6 +51,11 @@ impl Unfinished {
         Self { count_before: None, searched_ml: self.searched_ml + turned_ml, ..self }
     }
 
+    /// Returns this dose after its motor was stopped at speed, and may have slipped by so many steps.
+    pub(super) fn slipped(self, by: i64) -> Self {
+        Self { made_least: self.made_least - by, made_most: self.made_most + by, ..self }
+    }
+
     /// Returns true for a run that goes on until somebody stops it.
     pub fn is_endless(&self) -> bool {
         self.intent.terms.until_stopped

@@ -42,6 +42,8 @@ pub(in super::super) struct Board {
     /// Levels of the outputs.
     pub(super) outputs: BTreeMap<u32, bool>,
     pub(in super::super) drivers: Vec<Driver>,
+    /// Datagrams on the line to them.
+    pub(in super::super) asked: u64,
     /// Steps of the motor at each socket, those in reverse taken off.
     pub(in super::super) steps: [i64; 4],
     /// Steps of motors that had no current.
@@ -75,6 +77,7 @@ impl Board {
             last_reason: Reason::Requested,
             outputs: BTreeMap::new(),
             drivers,
+            asked: 0,
             steps: [0; 4],
             stray: 0,
             most_used: 0,
@@ -90,8 +93,8 @@ impl Board {
 
     /// Returns the board after a reset of its processor at tick `now`. Drivers keep their power, motors their place.
     pub(in super::super) fn reset(self, now: u64) -> Self {
-        let Self { character, drivers, steps, stray, most_used, made, .. } = self;
-        Self { drivers, steps, stray, most_used, made, ..Self::new(character, now) }
+        let Self { character, drivers, asked, steps, stray, most_used, made, .. } = self;
+        Self { drivers, asked, steps, stray, most_used, made, ..Self::new(character, now) }
     }
 
     /// Sends a response.

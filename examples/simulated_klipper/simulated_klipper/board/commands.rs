@@ -180,6 +180,7 @@ impl Board {
         let is_moving = self.is_moving();
         let (now, hz) = (self.now, self.character.hz);
         let Some(Some(Part::Uart(uart))) = self.parts.get_mut(oid as usize) else { return Err(Reason::Oid) };
+        self.asked += 1;
         let drivers = &mut self.drivers;
         uart.send(bits, size, (now, hz), |datagram| {
             drivers.iter_mut().find_map(|driver| driver.answer(datagram, is_moving))

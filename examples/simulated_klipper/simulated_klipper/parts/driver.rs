@@ -37,6 +37,10 @@ const DRV_STATUS: u8 = 0x6f;
 /// Names of the faults and warnings of DRV_STATUS, in the order of their bits.
 const FAULTS: [&str; 8] = ["otpw", "ot", "s2ga", "s2gb", "s2vsa", "s2vsb", "ola", "olb"];
 
+/// Those of them that switch the motor off, and the bit of GSTAT that tells of them afterwards.
+const SWITCH_OFF: u32 = 0b11_1110;
+const DRV_ERR: u32 = 1 << 1;
+
 /// Returns the checksum of a datagram: x^8 + x^2 + x + 1, over the bits of each byte from the lowest.
 fn checksum(bytes: &[u8]) -> u8 {
     let mut sum = 0_u8;
@@ -76,6 +80,10 @@ impl Driver {
         let bit = FAULTS.iter().position(|fault| *fault == name);
         let bit = bit.ok_or_else(|| format!("`{name}` is none of {}", FAULTS.join(", ")))?;
         self.faults = self.faults & !(1 << bit) | u32::from(is_there) << bit;
+        if SWITCH_OFF >> bit & u32::from(is_there) == 1 {
+            // drv_err stays until it is cleared.
+            *self.registers.entry(GSTAT).or_default() |= DRV_ERR;
+        }
         Ok(())
     }
 
@@ -166,9 +174,15 @@ mod tests {
         assert_eq!(read(&mut driver, 0, 0x6f), Some(1 << 31 | 10 << 16));
         driver.set_fault("ot", true).unwrap();
         assert_eq!(read(&mut driver, 0, 0x6f).map(|status| status & 0xff), Some(2));
-        assert_eq!(read(&mut driver, 0, 0x01), Some(1));
+        assert_eq!(read(&mut driver, 0, 0x01), Some(3));
         write(&mut driver, 0x01, 1);
-        assert_eq!(read(&mut driver, 0, 0x01), Some(0));
+        driver.set_fault("ot", false).unwrap();
+        driver.set_fault("otpw", true).unwrap();
+        assert_eq!(
+            read(&mut driver, 0, 0x01),
+            Some(2),
+            "the fault has passed, and is told until it is cleared"
+        );
     }
 
     #[test]

@@ -312,7 +312,12 @@ impl KlipperError {
 
     /// Returns true if the rotor's angle is unknown after this error.
     pub(super) fn loses(&self) -> bool {
-        matches!(self, Self::Count { .. })
+        matches!(self, Self::Count { .. }) || self.is_of_driver()
+    }
+
+    /// Returns true if the stepper driver has lost the motor's current, or nobody knows whether it has.
+    pub(super) fn is_of_driver(&self) -> bool {
+        matches!(self, Self::Driver(error) if !matches!(error, TmcError::Setting { .. }))
     }
 }
 

@@ -92,6 +92,12 @@ impl KlipperTable {
         Self { index: Some(index), ..self }
     }
 
+    /// Returns the table with a stepper driver that is set over its line.
+    #[must_use]
+    pub fn with_tmc(self, tmc: TmcTable) -> Self {
+        Self { tmc: Some(tmc), ..self }
+    }
+
     /// Returns the time for which the step pin is active, in us: the one that is given, or the usual one.
     pub fn pulse_us(&self) -> f64 {
         self.step_pulse_us.unwrap_or(USUAL_PULSE_US)
@@ -150,6 +156,12 @@ impl TmcTable {
     /// Returns the table of a driver at address 0 of the wire of this pin, for a motor of this current in A (RMS).
     pub fn new(uart: KlipperPin, run_a: f64) -> Self {
         Self { uart, tx: None, address: 0, sense_ohm: usual_sense_ohm(), run_a, hold_a: None }
+    }
+
+    /// Returns the table with a pin of its own that writes the line.
+    #[must_use]
+    pub fn with_tx(self, tx: KlipperPin) -> Self {
+        Self { tx: Some(tx), ..self }
     }
 
     /// Returns the current of the motor while it holds, in A: the one that is given, or that of the turning motor.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use pump_ctl::plan::{FlowMotion, Motor, Plan, PlannedMotion};
 
-use crate::drives::klipper::board::{Board, Met, SessionRecord, Terms, marks, meet};
+use crate::drives::klipper::board::{Board, Met, SessionRecord, Terms, check_driver, marks, meet};
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::link::{Link, Place};
 use crate::drives::klipper::motion::{self, Fault, Made, Task, most_steps_s};
@@ -157,11 +157,22 @@ impl Klipper {
 
     /// Checks that the board can make a motion, and that it is where it was left.
     fn check_motion(&mut self, motion: PlannedMotion<'_>) -> Result<(), DriveError> {
-        let checked = self.task(motion);
+        let checked = self.task(motion).and_then(|_| self.check_driver());
         if checked.is_err() {
             self.part();
         }
-        Ok(checked.map(drop)?)
+        Ok(checked?)
+    }
+
+    /// Refuses a stepper driver that has lost the motor's current.
+    fn check_driver(&mut self) -> Result<(), KlipperError> {
+        let At::Met(board) = &mut self.at else { return Ok(()) };
+        let Some(address) = board.driver else { return Ok(()) };
+        check_driver(&mut board.talk, address).map(drop).inspect_err(|error| {
+            if error.is_of_driver() {
+                self.disturbed = Some(Disturbance::CurrentLost);
+            }
+        })
     }
 
     /// Makes the steps of `plan`.
@@ -182,6 +193,10 @@ impl Klipper {
             }
         });
         self.at_rest();
+        let made = made.map(|(made, warning)| {
+            self.notes.extend(warning.map(Notice::from));
+            made
+        });
         let known = match &made {
             Ok(made) => Some(made.steps),
             Err(fault) => fault.known(),

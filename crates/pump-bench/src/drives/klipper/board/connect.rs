@@ -102,10 +102,11 @@ pub(in crate::drives::klipper) fn meet(
         index_level: terms.pins.index.as_ref().is_some_and(|index| !index.inverted),
         bytes_s: terms.baud / BITS,
         dead_man: terms.dead_man,
+        driver: terms.driver.as_ref().map(|(address, _)| *address),
     };
     match energise(&mut board, terms) {
-        Ok((position, of_driver, was_reset)) => {
-            let disturbed = disturbed.or(was_reset.then_some(Disturbance::Disabled));
+        Ok((position, of_driver, was_off)) => {
+            let disturbed = if was_off { Some(Disturbance::CurrentLost) } else { disturbed };
             Ok(Met { board, position, disturbed, replaced, of_driver })
         }
         Err(error) => Err((Box::new(board.talk.link), error)),
@@ -312,18 +313,21 @@ fn configure(
 }
 
 /// Sets the stepper driver, and gives the motor current. Returns the count, what a person is to know of the
-/// stepper driver, and true if that was found without its settings.
+/// stepper driver, and true if that has lost its motor's current since it was set.
 fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool), KlipperError> {
-    let mut was_reset = false;
+    let mut was_off = false;
     let of_driver = match &terms.driver {
         // The registers are set while the motor has no current, and checked while it has.
-        Some(driver) if board.record.has_current => match driver_line::check(&mut board.talk, driver) {
-            Err(KlipperError::Driver(TmcError::Reset { .. })) => {
-                was_reset = true;
+        Some(driver) if board.record.has_current => match driver_line::check(&mut board.talk, driver.0) {
+            Err(KlipperError::Driver(lost @ (TmcError::Reset { .. } | TmcError::Off { .. }))) => {
+                was_off = true;
                 board.set_current(false)?;
-                driver_line::set(&mut board.talk, driver)?
+                // A fault that is still there is refused now.
+                let mut of_driver = driver_line::set(&mut board.talk, driver)?;
+                of_driver.insert(0, lost.to_string());
+                of_driver
             }
-            checked => checked?,
+            checked => checked?.into_iter().collect(),
         },
         Some(driver) => driver_line::set(&mut board.talk, driver)?,
         None => Vec::new(),
@@ -333,5 +337,5 @@ fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool)
         let record = SessionRecord { has_current: true, slip_steps: 0, ..board.record };
         board.put_on_record(record)?;
     }
-    Ok((board.position()?, of_driver, was_reset))
+    Ok((board.position()?, of_driver, was_off))
 }

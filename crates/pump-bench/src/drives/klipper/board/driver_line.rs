@@ -4,7 +4,7 @@ use super::board::Talk;
 use super::configuration::{Configuration, oid};
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
-use crate::drives::klipper::tmc::{Tmc, TmcLine, TmcSettings, TmcStatus, bit_ticks};
+use crate::drives::klipper::tmc::{ANSWER_LEN, Tmc, TmcLine, TmcSettings, TmcStatus, bit_ticks};
 use crate::pump_file::{PinPull, TmcTable};
 
 /// Command that makes the line.
@@ -50,9 +50,20 @@ pub(super) fn set(talk: &mut Talk, driver: &(u8, TmcSettings)) -> Result<Vec<Str
     Ok(std::iter::once(set).chain(warning(status)).collect())
 }
 
-/// Refuses a driver that was reset, or has switched its motor off. Returns what a person is to know of it.
-pub(super) fn check(talk: &mut Talk, driver: &(u8, TmcSettings)) -> Result<Vec<String>, KlipperError> {
-    Tmc::new(talk, driver.0).check().map(|status| warning(status).into_iter().collect())
+/// Refuses the driver at an address if it was reset, or has switched its motor off. Returns its warning, if it has one.
+pub(in crate::drives::klipper) fn check(
+    talk: &mut Talk,
+    address: u8,
+) -> Result<Option<String>, KlipperError> {
+    Tmc::new(talk, address).check().map(warning)
+}
+
+/// Has the board put a question to a driver, and waits for no answer.
+pub(in crate::drives::klipper) fn ask(talk: &mut Talk, question: &[u8]) -> Result<(), KlipperError> {
+    let size = u8::try_from(ANSWER_LEN).unwrap_or(u8::MAX);
+    let send = talk.dictionary.command(SEND)?;
+    talk.link.queue(&send.encode(&[oid::DRIVER_LINE.into(), question.into(), size.into()])?)?;
+    Ok(())
 }
 
 fn warning(status: TmcStatus) -> Option<String> {

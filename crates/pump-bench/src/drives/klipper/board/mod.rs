@@ -11,5 +11,6 @@ mod terms;
 pub(super) use board::{Board, reason};
 pub(super) use configuration::oid;
 pub(super) use connect::{Met, be_still, marks, meet};
+pub(super) use driver_line::{ask as ask_driver, check as check_driver};
 pub(super) use session_record::SessionRecord;
 pub(super) use terms::Terms;

@@ -3,6 +3,7 @@
 //! Steps that a board has in its queue cannot be taken back, and end where the queue ends. So the queue is short, and
 //! the way to rest is queued at its end as soon as no further step may follow.
 
+mod driver_watch;
 mod feed;
 mod index;
 mod lost;

@@ -5,12 +5,13 @@ use std::time::Duration;
 use pump_ctl::plan::PlannedMotion;
 use pump_ctl::step::{Segment, TickRate};
 
+use super::driver_watch::DriverWatch;
 use super::feed::Feed;
 use super::index::Index;
-use super::outcome::{Fault, Made};
+use super::outcome::{Ended, Fault, Made};
 use super::ramp::{ramp, steps as ramp_steps};
 use super::task::{Task, times_of};
-use crate::drives::klipper::board::{Board, oid, reason};
+use crate::drives::klipper::board::{Board, check_driver, oid, reason};
 use crate::drives::klipper::clock::Reading;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::fault::fault;
@@ -62,6 +63,7 @@ pub(super) struct Motion<'a> {
     /// Number of the block that asks for the clock.
     asked: Option<u64>,
     put_off_at: Duration,
+    driver: Option<DriverWatch>,
     /// Error with which the motion ends, once the motor stands.
     failed: Option<KlipperError>,
 }
@@ -77,6 +79,7 @@ impl<'a> Motion<'a> {
         seeks: bool,
     ) -> Self {
         Self {
+            driver: board.driver.map(DriverWatch::new),
             board,
             plan,
             task,
@@ -102,7 +105,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Goes on for as long as `wait` at most. Returns the steps made once the motion has ended.
-    pub(super) fn turn(&mut self, wait: Duration) -> Option<Result<Made, Fault>> {
+    pub(super) fn turn(&mut self, wait: Duration) -> Option<Result<Ended, Fault>> {
         let turned = match self.feed.take() {
             Some(feed) => self.go_on(feed, wait),
             None => match self.stand() {
@@ -117,16 +120,27 @@ impl<'a> Motion<'a> {
     }
 
     /// Returns the outcome of a motor that stands, if the motion ends there.
-    fn stand(&mut self) -> Option<Result<Made, Fault>> {
+    fn stand(&mut self) -> Option<Result<Ended, Fault>> {
         if let Some(error) = self.failed.take() {
-            return Some(Err(Fault::at(self.made, error)));
+            return Some(Err(self.stood(error)));
         }
         if self.made >= self.all() || self.lead.stops() {
-            return Some(Ok(Made { steps: self.made, index_at: self.index_at }));
+            let made = Made { steps: self.made, index_at: self.index_at };
+            let checked =
+                self.board.driver.map_or(Ok(None), |address| check_driver(&mut self.board.talk, address));
+            return Some(checked.map(|warning| (made, warning)).map_err(|error| self.stood(error)));
         }
         // The times of a flow that has come to rest have passed.
         let is_too_late = self.made > 0 && matches!(self.plan, PlannedMotion::Flow(_));
         is_too_late.then(|| Err(Fault::at(self.made, KlipperError::FlowPaused)))
+    }
+
+    /// Returns the fault of a motor that stands after `error`. A motor without current has not made the last steps that
+    /// the board has counted.
+    fn stood(&self, error: KlipperError) -> Fault {
+        let sure =
+            self.driver.as_ref().filter(|_| error.is_of_driver()).map_or(self.made, |driver| driver.sure);
+        Fault { error, least: sure.min(self.made), most: self.made }
     }
 
     /// Begins the next move from rest, if there is leave for one.
@@ -206,6 +220,9 @@ impl<'a> Motion<'a> {
         let (low, high) = (now.value.saturating_sub(now.within as u64), now.value + now.within as u64);
         let made = self.made + feed.made_at(low);
         self.lead.note_made(made);
+        if let (Some(driver), None) = (&mut self.driver, &self.failed) {
+            driver.go_on(self.board, made)?;
+        }
         feed.forget(low);
         let stops = self.failed.is_some() || self.lead.stops();
         if !feed.is_closed && !stops {
@@ -292,6 +309,9 @@ impl<'a> Motion<'a> {
                         }
                     }
                     "endstop_state" => self.note_index(message.unsigned("next_clock")?)?,
+                    "tmcuart_response" if self.failed.is_none() => {
+                        self.driver.as_mut().map_or(Ok(()), |driver| driver.hear(&message))?;
+                    }
                     _ => {}
                 }
             }

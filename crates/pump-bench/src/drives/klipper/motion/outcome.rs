@@ -12,6 +12,9 @@ pub(in crate::drives::klipper) struct Made {
     pub(in crate::drives::klipper) index_at: Option<u64>,
 }
 
+/// Motion that has ended without a fault, with the warning of its stepper driver.
+pub(in crate::drives::klipper) type Ended = (Made, Option<String>);
+
 /// Fault of a motion, with the bounds of the steps made.
 #[derive(Debug)]
 pub(in crate::drives::klipper) struct Fault {

@@ -7,7 +7,7 @@ use std::time::Duration;
 use pump_ctl::plan::PlannedMotion;
 
 use super::motion::Motion;
-use super::outcome::{Fault, Made};
+use super::outcome::{Ended, Fault};
 use super::task::Task;
 use crate::drives::Gate;
 use crate::drives::klipper::board::Board;
@@ -34,7 +34,7 @@ pub(in crate::drives::klipper) fn run(
     start: i64,
     seeks: bool,
     gate: &mut Gate<'_>,
-) -> Result<Made, Fault> {
+) -> Result<Ended, Fault> {
     let (leads, free) = ([SentLead::new(plan, AHEAD, task.brake_steps)], Lead::free());
     let [lead] = &leads;
     board.talk.link.set_quiet(QUIET);

@@ -47,6 +47,13 @@ pub(super) fn answer(bytes: &[u8], register: u8) -> Option<u32> {
     }
 }
 
+/// Returns the answer of a driver whose register has a value.
+#[cfg(test)]
+pub(super) fn answer_of(register: u8, value: u32) -> Vec<u8> {
+    let [a, b, c, d] = value.to_be_bytes();
+    sealed(vec![ANSWER_SYNC, MASTER, register, a, b, c, d])
+}
+
 /// Returns bytes with their checksum.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes.push(checksum(&bytes));

@@ -8,7 +8,7 @@ use super::settings::TmcSettings;
 use super::status::TmcStatus;
 
 /// Tries of a read or a write. Motor cables disturb single bits.
-const TRIES: u32 = 3;
+pub(super) const TRIES: u32 = 3;
 
 /// Most writes that the count may have gone on by after one: a command of the board's may have been carried out again.
 const COUNTED_MOST: u8 = 8;
@@ -39,6 +39,16 @@ pub(in crate::drives::klipper) trait TmcLine {
     ///
     /// The line's error if the board does not tell how the exchange ended.
     fn exchange(&mut self, bits: &[u8], answer: usize) -> Result<Vec<u8>, Self::Error>;
+}
+
+/// Returns the bits that ask the driver at an address for a register.
+pub(super) fn question(address: u8, register: Register) -> Vec<u8> {
+    pack(&datagram::read(address, register.number))
+}
+
+/// Returns the value of a register that the bits of an answer tell. `None` if they are damaged.
+pub(super) fn value_of(bits: &[u8], register: Register) -> Option<u32> {
+    unpack(bits, ANSWER_BYTES).and_then(|bytes| datagram::answer(&bytes, register.number))
 }
 
 /// TMC2209 on a line.
@@ -88,26 +98,19 @@ impl<'a, L: TmcLine> Tmc<'a, L> {
     ///
     /// The line's error; [`TmcError::Silent`] or [`TmcError::Damaged`] if no try brought an answer.
     pub(in crate::drives::klipper) fn read(&mut self, register: Register) -> Result<u32, L::Error> {
-        let request = pack(&datagram::read(self.address, register.number));
+        let request = question(self.address, register);
         let mut damaged = 0;
         for _ in 0..TRIES {
             let bits = self.line.exchange(&request, packed_len(ANSWER_BYTES))?;
             if bits.is_empty() {
                 continue;
             }
-            let told =
-                unpack(&bits, ANSWER_BYTES).and_then(|bytes| datagram::answer(&bytes, register.number));
-            match told {
+            match value_of(&bits, register) {
                 Some(value) => return Ok(value),
                 None => damaged += 1,
             }
         }
-        let address = self.address;
-        Err(match damaged {
-            0 => TmcError::Silent { address, tries: TRIES },
-            damaged => TmcError::Damaged { address, damaged, tries: TRIES },
-        }
-        .into())
+        Err(TmcError::unanswered(self.address, damaged, TRIES).into())
     }
 
     /// Writes a register, and has the driver's count and the register itself confirm it, as far as it can be read.
@@ -161,14 +164,7 @@ impl<'a, L: TmcLine> Tmc<'a, L> {
     /// The line's error; [`TmcError::Reset`] or [`TmcError::Off`] if the motor has lost its current.
     pub(in crate::drives::klipper) fn check(&mut self) -> Result<TmcStatus, L::Error> {
         let status = TmcStatus { events: self.read(GSTAT)?, flags: self.read(DRV_STATUS)? };
-        let address = self.address;
-        if status.was_reset() {
-            return Err(TmcError::Reset { address }.into());
-        }
-        match status.faults() {
-            Some(faults) => Err(TmcError::Off { address, faults }.into()),
-            None => Ok(status),
-        }
+        Ok(status.checked(self.address)?)
     }
 
     /// Returns the number of writes that the driver has counted, modulo 256.

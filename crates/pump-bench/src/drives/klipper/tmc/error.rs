@@ -114,3 +114,13 @@ pub enum TmcError {
         faults: String,
     },
 }
+
+impl TmcError {
+    /// Returns the error of a driver that was asked `tries` times, and whose answers were damaged or did not come.
+    pub(super) fn unanswered(address: u8, damaged: u32, tries: u32) -> Self {
+        match damaged {
+            0 => Self::Silent { address, tries },
+            damaged => Self::Damaged { address, damaged, tries },
+        }
+    }
+}

@@ -10,12 +10,14 @@
 //! - `settings`: what a motor needs, as writes of registers.
 //! - `status`: faults of a driver in words.
 //! - `driver`: reads and confirmed writes over a [`TmcLine`].
+//! - `inquiry`: questions for the state of a driver whose motor turns, by a line that nobody may wait for.
 
 mod current;
 mod datagram;
 mod driver;
 mod error;
 mod frames;
+mod inquiry;
 mod register;
 mod settings;
 mod status;
@@ -24,5 +26,6 @@ mod tests;
 
 pub(super) use driver::{Tmc, TmcLine, bit_ticks};
 pub use error::TmcError;
+pub(super) use inquiry::{ANSWER_LEN, Inquiry};
 pub(super) use settings::{Chopper, TmcSettings};
 pub(super) use status::TmcStatus;

@@ -1,5 +1,6 @@
 //! Faults and warnings of a driver in words (datasheet, chapter 5.5.3, DRV_STATUS).
 
+use super::error::TmcError;
 use super::register::gstat;
 
 /// Faults that switch the motor off, by their bits of DRV_STATUS, with what to do.
@@ -42,6 +43,21 @@ pub(in crate::drives::klipper) struct TmcStatus {
 }
 
 impl TmcStatus {
+    /// Returns this state of the driver at an address, if its motor has had current since its settings were written.
+    ///
+    /// # Errors
+    ///
+    /// [`TmcError::Reset`] or [`TmcError::Off`] if the motor has lost its current.
+    pub(super) fn checked(self, address: u8) -> Result<Self, TmcError> {
+        if self.was_reset() {
+            return Err(TmcError::Reset { address });
+        }
+        match self.faults() {
+            Some(faults) => Err(TmcError::Off { address, faults }),
+            None => Ok(self),
+        }
+    }
+
     /// Returns true if the driver was reset since its settings were written.
     pub(in crate::drives::klipper) fn was_reset(self) -> bool {
         self.events & gstat::RESET != 0

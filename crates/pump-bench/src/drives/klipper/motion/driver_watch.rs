@@ -1,0 +1,73 @@
+//! The watch over the stepper driver of a motor that turns.
+//!
+//! A driver that switches its motor off tells nobody of itself, and the board goes on counting steps. So the driver is
+//! asked again and again, and the steps before the last good answer are those that the motor has made for certain.
+
+use std::time::Duration;
+
+use crate::drives::klipper::board::{Board, ask_driver};
+use crate::drives::klipper::error::KlipperError;
+use crate::drives::klipper::protocol::Message;
+use crate::drives::klipper::tmc::{Inquiry, TmcError};
+
+/// Time between two inquiries.
+const EVERY: Duration = Duration::from_millis(250);
+
+/// Longest wait for an answer. The board tells of a driver that does not answer within milliseconds, and sends nothing
+/// twice.
+const ANSWER: Duration = Duration::from_millis(400);
+
+/// Watch over a driver.
+#[derive(Debug)]
+pub(super) struct DriverWatch {
+    inquiry: Inquiry,
+    /// Time at which the question under way was asked.
+    asked_at: Option<Duration>,
+    /// True while an inquiry is under way, and the steps that were made when it began.
+    inquires: bool,
+    made: u64,
+    inquired_at: Option<Duration>,
+    /// Steps that the motor had current for.
+    pub(super) sure: u64,
+}
+
+impl DriverWatch {
+    /// Makes the watch over the driver at an address, which had no fault before the motion.
+    pub(super) fn new(address: u8) -> Self {
+        let inquiry = Inquiry::new(address);
+        Self { inquiry, asked_at: None, inquires: false, made: 0, inquired_at: None, sure: 0 }
+    }
+
+    /// Asks what is to be asked now, after `made` steps.
+    pub(super) fn go_on(&mut self, board: &mut Board, made: u64) -> Result<(), KlipperError> {
+        let now = board.talk.link.now();
+        if self.asked_at.is_some_and(|asked| now.saturating_sub(asked) > ANSWER) {
+            self.take(&[])?;
+        }
+        let is_time = self.inquired_at.is_none_or(|at| now.saturating_sub(at) >= EVERY);
+        if !self.inquires && is_time {
+            (self.inquires, self.made, self.inquired_at) = (true, made, Some(now));
+        }
+        if self.inquires && self.asked_at.is_none() {
+            ask_driver(&mut board.talk, &self.inquiry.question())?;
+            self.asked_at = Some(now);
+        }
+        Ok(())
+    }
+
+    /// Takes the board's answer.
+    pub(super) fn hear(&mut self, message: &Message) -> Result<(), KlipperError> {
+        if self.asked_at.is_some() {
+            self.take(message.bytes("read")?)?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, bits: &[u8]) -> Result<(), TmcError> {
+        self.asked_at = None;
+        if self.inquiry.take(bits)?.is_some() {
+            (self.inquires, self.sure) = (false, self.made);
+        }
+        Ok(())
+    }
+}

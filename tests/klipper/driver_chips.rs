@@ -1,0 +1,133 @@
+//! Stepper drivers that lose their motor's current in the middle of a dose, while the board goes on counting.
+
+use std::process::Child;
+use std::thread::{scope, sleep};
+use std::time::{Duration, Instant};
+
+use pump_bench::drives::{Disturbance, Drive};
+use pump_bench::pump_file::{KlipperTable, TmcTable};
+
+use crate::rig::{Rig, dose, ended, run, said, socket};
+use crate::simulated_klipper::Character;
+
+/// Returns the pins of a socket with the line to its TMC2209.
+fn with_driver(name: &str) -> KlipperTable {
+    let tmc = TmcTable::new("PC11".parse().unwrap(), 0.8).with_tx("PC10".parse().unwrap());
+    socket(name).with_tmc(tmc)
+}
+
+/// Waits until the motor has made so many steps, and returns how many it has made then.
+fn until_made(rig: &Rig, steps: i64) -> i64 {
+    let until = Instant::now() + Duration::from_secs(20);
+    while rig.board.truth().steps[0] < steps && Instant::now() < until {
+        sleep(Duration::from_millis(2));
+    }
+    rig.board.truth().steps[0]
+}
+
+/// Starts a dose of 20 mL at 4 mL/s, and waits until it is under way.
+fn begun(rig: &Rig) -> Child {
+    let (code, said) = rig.runs(&["home", "--set", "30deg", "--tolerance", "0deg"]);
+    assert_eq!(code, Some(0), "{said}");
+    let dose = rig.starts(&["20mL", "--rate", "4mL/s", "--confirm-pump"]);
+    assert!(until_made(rig, 3000) >= 3000);
+    dose
+}
+
+#[test]
+fn a_driver_that_switches_its_motor_off_in_motion_ends_it_with_the_steps_that_are_sure() {
+    for (fault, words) in [("ot", "it is too hot"), ("s2ga", "coil A is shorted to ground")] {
+        let rig = Rig::of(Character::default(), with_driver("X"));
+        let plan = dose(20.0, 5.0, true);
+        let mut drive = rig.open();
+        drive.disturbed();
+        let (fault, at) = scope(|scope| {
+            let hand = scope.spawn(|| {
+                let at = until_made(&rig, 6000);
+                rig.board.touch(&format!("fault X {fault}")).unwrap();
+                at
+            });
+            (run(&mut drive, &plan).unwrap_err(), hand.join().unwrap())
+        });
+        let made = rig.board.truth().steps[0];
+        assert!(fault.lost && said(&fault).contains(words), "{}", said(&fault));
+        assert!(fault.made_least > 0 && fault.made_least <= at, "{at}: {fault:?}");
+        assert_eq!(fault.made_most, made, "{fault:?}");
+        // The driver is asked some times a second, and the motor comes to rest by its ramp.
+        assert!(made < at + 8000, "{at}, {made}");
+    }
+}
+
+#[test]
+fn a_driver_without_fault_is_asked_through_a_whole_dose_and_no_step_is_late() {
+    let rig = Rig::of(Character::default(), with_driver("X"));
+    let plan = dose(10.0, 5.0, true);
+    let mut drive = rig.open();
+    let before = rig.board.truth().asked;
+    assert_eq!(run(&mut drive, &plan).unwrap(), plan.steps().unsigned_abs());
+    let truth = rig.board.truth();
+    assert_eq!((truth.steps[0], truth.shutdown, truth.stray), (plan.steps(), None, 0));
+    // Two questions each 250 ms of some 2 s, and as many at the begin and the end.
+    assert!(truth.asked - before >= 12, "{} questions", truth.asked - before);
+    rig.board.touch("fault X otpw").unwrap();
+    run(&mut drive, &dose(1.0, 5.0, true)).unwrap();
+    assert!(drive.notes().iter().any(|note| note.to_string().contains("it is hot")));
+}
+
+#[test]
+fn a_dose_whose_driver_fails_is_no_full_dose_and_its_bounds_are_on_record() {
+    let rig = Rig::of(Character::default(), with_driver("X"));
+    let dose = begun(&rig);
+    rig.board.touch("fault X ot").unwrap();
+    let (code, said) = ended(dose);
+    assert!(code != Some(0) && said.contains("too hot"), "{code:?}: {said}");
+    let state = rig.state().unwrap();
+    let part = state.unfinished.unwrap();
+    assert_eq!(part.made_most, rig.board.truth().steps[0], "{said}");
+    assert!(part.made_least < part.made_most - 200 && part.made_most < part.intent.steps, "{said}");
+    let (code, said) = rig.runs(&["resume"]);
+    assert!(code != Some(0) && said.contains("too hot"), "the fault is still there: {said}");
+    assert_eq!(rig.board.truth().steps[0], part.made_most);
+    rig.board.touch("mend X ot").unwrap();
+    let (code, said) = rig.runs(&["home", "--unfinished", "--set", "10deg", "--tolerance", "1deg"]);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = rig.runs(&["resume"]);
+    assert!(code == Some(0) && said.contains("were delivered before"), "{code:?}: {said}");
+}
+
+#[test]
+fn a_driver_that_failed_behind_a_killed_program_leaves_all_its_steps_unsure() {
+    for fault in ["ot", "s2vsb"] {
+        let rig = Rig::of(Character::default(), with_driver("X"));
+        let mut dose = begun(&rig);
+        dose.kill().unwrap();
+        ended(dose);
+        rig.comes_to_rest();
+        let made = rig.board.truth().steps[0];
+        // A fault that has passed is told all the same.
+        rig.board.touch(&format!("fault X {fault}")).unwrap();
+        rig.board.touch(&format!("mend X {fault}")).unwrap();
+        let (code, said) = rig.runs(&["accept"]);
+        assert!(code == Some(0) && said.contains("nobody knows which steps the motor has made"), "{said}");
+        assert!(said.contains("between 0.0000 and"), "{said}");
+        let state = rig.state().unwrap();
+        assert!(state.unfinished.is_none() && state.half_width_rad > 1.0, "{made} steps: {state:?}");
+    }
+}
+
+#[test]
+fn a_driver_that_has_failed_at_rest_moves_nothing_until_it_is_mended() {
+    let rig = Rig::of(Character::default(), with_driver("X"));
+    let plan = dose(1.0, 2.0, false);
+    let mut drive = rig.open();
+    run(&mut drive, &plan).unwrap();
+    rig.board.touch("fault X s2gb").unwrap();
+    let words = said(&drive.check(&plan).unwrap_err());
+    assert!(words.contains("coil B is shorted to ground"), "{words}");
+    assert_eq!(drive.disturbed(), Some(Disturbance::CurrentLost));
+    drive.connect().unwrap_err();
+    rig.board.touch("mend X s2gb").unwrap();
+    drive.connect().unwrap();
+    assert_eq!(drive.count(), Some(plan.steps()));
+    run(&mut drive, &plan).unwrap();
+}
