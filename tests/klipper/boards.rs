@@ -3,7 +3,7 @@
 use pump_bench::drives::Drive;
 use pump_bench::pump_file::{DriveTable, DriverName};
 
-use crate::rig::{Rig, dose, run, said, socket};
+use crate::rig::{Rig, command, dose, ended, run, said, socket, with_driver};
 use crate::simulated_klipper::Character;
 
 fn board(character: Character) -> Rig {
@@ -90,4 +90,32 @@ fn a_queue_that_is_too_small_and_a_motor_that_is_too_fast_are_refused_before_the
     let words = said(&drive.check(&dose(6.0, 8.0, true)).unwrap_err());
     assert!(words.contains("commands within 0.3 s, and the board's queue holds 24"), "{words}");
     assert_eq!(rig.board.truth().steps[0], 0);
+}
+
+#[test]
+fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise() {
+    let rig = Rig::of(Character::default(), with_driver("X", 0));
+    let runs = |id: &str, pins, words: &[&str]| {
+        let pump = rig.pump_at(id, pins);
+        ended(command(rig.folder.path(), &pump, rig.board.path(), words).spawn().unwrap())
+    };
+    let dose = ["1mL", "--confirm-pump"];
+    let (code, said) = runs("red", with_driver("X", 0), &dose);
+    assert_eq!(code, Some(0), "{said}");
+    let made = rig.board.truth().steps;
+    for (pins, words) in [
+        (with_driver("X", 0), "the pin PB13 of the board"),
+        (with_driver("Y", 0), "the TMC2209 at address 0 of PC11 of the board"),
+    ] {
+        let (code, said) = runs("blue", pins, &dose);
+        assert!(code == Some(2) && said.contains(words) && said.contains("pump `red`"), "{code:?}: {said}");
+        assert!(said.contains("`--accept-settings` writes it anew"), "{said}");
+        assert_eq!(rig.board.truth().steps, made, "nothing moves");
+    }
+    let (code, said) = runs("blue", with_driver("Y", 2), &dose);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = runs("green", with_driver("X", 0), &["1mL", "--confirm-pump", "--accept-settings"]);
+    assert!(code == Some(0) && said.contains("the socket turned pump `red`"), "{code:?}: {said}");
+    let (code, said) = runs("red", with_driver("X", 0), &dose);
+    assert!(code == Some(2) && said.contains("pump `green`"), "{code:?}: {said}");
 }

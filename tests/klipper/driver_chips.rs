@@ -5,16 +5,9 @@ use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};
 
 use pump_bench::drives::{Disturbance, Drive};
-use pump_bench::pump_file::{KlipperTable, TmcTable};
 
-use crate::rig::{Rig, dose, ended, run, said, socket};
+use crate::rig::{Rig, dose, ended, run, said, with_driver};
 use crate::simulated_klipper::Character;
-
-/// Returns the pins of a socket with the line to its TMC2209.
-fn with_driver(name: &str) -> KlipperTable {
-    let tmc = TmcTable::new("PC11".parse().unwrap(), 0.8).with_tx("PC10".parse().unwrap());
-    socket(name).with_tmc(tmc)
-}
 
 /// Waits until the motor has made so many steps, and returns how many it has made then.
 fn until_made(rig: &Rig, steps: i64) -> i64 {
@@ -37,7 +30,7 @@ fn begun(rig: &Rig) -> Child {
 #[test]
 fn a_driver_that_switches_its_motor_off_in_motion_ends_it_with_the_steps_that_are_sure() {
     for (fault, words) in [("ot", "it is too hot"), ("s2ga", "coil A is shorted to ground")] {
-        let rig = Rig::of(Character::default(), with_driver("X"));
+        let rig = Rig::of(Character::default(), with_driver("X", 0));
         let plan = dose(20.0, 5.0, true);
         let mut drive = rig.open();
         drive.disturbed();
@@ -60,7 +53,7 @@ fn a_driver_that_switches_its_motor_off_in_motion_ends_it_with_the_steps_that_ar
 
 #[test]
 fn a_driver_without_fault_is_asked_through_a_whole_dose_and_no_step_is_late() {
-    let rig = Rig::of(Character::default(), with_driver("X"));
+    let rig = Rig::of(Character::default(), with_driver("X", 0));
     let plan = dose(10.0, 5.0, true);
     let mut drive = rig.open();
     let before = rig.board.truth().asked;
@@ -76,7 +69,7 @@ fn a_driver_without_fault_is_asked_through_a_whole_dose_and_no_step_is_late() {
 
 #[test]
 fn a_dose_whose_driver_fails_is_no_full_dose_and_its_bounds_are_on_record() {
-    let rig = Rig::of(Character::default(), with_driver("X"));
+    let rig = Rig::of(Character::default(), with_driver("X", 0));
     let dose = begun(&rig);
     rig.board.touch("fault X ot").unwrap();
     let (code, said) = ended(dose);
@@ -98,7 +91,7 @@ fn a_dose_whose_driver_fails_is_no_full_dose_and_its_bounds_are_on_record() {
 #[test]
 fn a_driver_that_failed_behind_a_killed_program_leaves_all_its_steps_unsure() {
     for fault in ["ot", "s2vsb"] {
-        let rig = Rig::of(Character::default(), with_driver("X"));
+        let rig = Rig::of(Character::default(), with_driver("X", 0));
         let mut dose = begun(&rig);
         dose.kill().unwrap();
         ended(dose);
@@ -117,7 +110,7 @@ fn a_driver_that_failed_behind_a_killed_program_leaves_all_its_steps_unsure() {
 
 #[test]
 fn a_driver_that_has_failed_at_rest_moves_nothing_until_it_is_mended() {
-    let rig = Rig::of(Character::default(), with_driver("X"));
+    let rig = Rig::of(Character::default(), with_driver("X", 0));
     let plan = dose(1.0, 2.0, false);
     let mut drive = rig.open();
     run(&mut drive, &plan).unwrap();

@@ -6,7 +6,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use pump_bench::drives::{Drive, DriveError, DriveFault, Klipper, Leave, Opening};
-use pump_bench::pump_file::{DriveTable, DriverName, KlipperTable, MotorTable, PumpFile};
+use pump_bench::pump_file::{DriveTable, DriverName, KlipperTable, MotorTable, PumpFile, TmcTable};
 use pump_bench::record::PumpState;
 use pump_bench::{Bench, built_in};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
@@ -33,6 +33,13 @@ pub(crate) fn socket(name: &str) -> KlipperTable {
         _ => ["PB3", "PB4", "!PD2"],
     };
     KlipperTable::new(step.parse().unwrap(), dir.parse().unwrap()).with_enable(enable.parse().unwrap())
+}
+
+/// Returns the pins of a socket with the line to the TMC2209 at an address.
+pub(crate) fn with_driver(name: &str, address: u8) -> KlipperTable {
+    let mut tmc = TmcTable::new("PC11".parse().unwrap(), 0.8).with_tx("PC10".parse().unwrap());
+    tmc.address = address;
+    socket(name).with_tmc(tmc)
 }
 
 pub(crate) fn motor() -> MotorTable {
@@ -100,10 +107,15 @@ impl Rig {
 
     /// Writes the pump file of the published pump at these pins, and returns its path.
     pub(crate) fn pump(&self) -> PathBuf {
-        let path = self.folder.path().join("pump.toml");
+        self.pump_at("red", self.pins.clone())
+    }
+
+    /// Writes a pump file of the published pump under another name, at these pins of the board. Returns its path.
+    pub(crate) fn pump_at(&self, id: &str, pins: KlipperTable) -> PathBuf {
+        let path = self.folder.path().join(format!("{id}.toml"));
         let mut file = built_in("three-roller").unwrap();
-        file.pump.id = "red".to_owned();
-        file.drive = Some(DriveTable::of(DriverName::Klipper).with_klipper(self.pins.clone()));
+        file.pump.id = id.to_owned();
+        file.drive = Some(DriveTable::of(DriverName::Klipper).with_klipper(pins));
         std::fs::write(&path, file.to_toml()).unwrap();
         PumpFile::read(&path).unwrap();
         path

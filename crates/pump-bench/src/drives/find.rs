@@ -72,7 +72,7 @@ impl FoundBoard {
     pub fn pumps_on_record(&self, port: &Path, opening: &Opening) -> Vec<(String, Axis)> {
         let found = self.marks(port, None, opening);
         let pumps = RecordedPump::of_board(&found, opening);
-        pumps.into_iter().map(|pump| (pump.pump, pump.axis)).collect()
+        pumps.into_iter().filter_map(|pump| Some((pump.pump, pump.board.axis?))).collect()
     }
 
     /// Puts this board on record for a pump that has not moved, so that another board at the port is refused. The

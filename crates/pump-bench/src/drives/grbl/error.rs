@@ -9,7 +9,6 @@ use thiserror::Error;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
-use crate::pump_file::Axis;
 
 use super::axis_name::{axes_in_words, letter_at};
 use super::code::{alarm_text, error_text, stops_at_once};
@@ -214,16 +213,16 @@ pub enum GrblError {
     },
     /// The axis turns another pump by the record.
     #[error(
-        "the axis {axis} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
+        "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
          if these are two boards whose ports share a name, give each a text with `$I=`; if it has taken the place of \
          `{other}`, or both files describe one pump, the record is to say so",
         .port.display(), pump_in_words(pump.as_deref())
     )]
-    AxisTaken {
+    PlaceTaken {
         /// Path of the port.
         port: PathBuf,
-        /// Axis of the board.
-        axis: Axis,
+        /// Axis of the board, as the message words it.
+        place: String,
         /// Board, as the message words it.
         board: String,
         /// Id of the pump. `None` if the drive was opened for no pump of a bench.
@@ -408,7 +407,7 @@ impl GrblError {
                 | Self::SettingsChanged { .. }
                 | Self::SettingsRecord { .. }
                 | Self::OtherBoard { .. }
-                | Self::AxisTaken { .. }
+                | Self::PlaceTaken { .. }
                 | Self::BoardRecord { .. }
                 | Self::NoAxis { .. }
                 | Self::Rate { .. }
@@ -427,8 +426,8 @@ impl From<BoardError> for GrblError {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
             }
-            BoardError::AxisTaken { port, axis, board, pump, other } => {
-                Self::AxisTaken { port, axis, board, pump, other }
+            BoardError::Taken { port, place, board, pump, other } => {
+                Self::PlaceTaken { port, place, board, pump, other }
             }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }

@@ -144,6 +144,24 @@ pub enum KlipperError {
         /// Path of the port.
         port: PathBuf,
     },
+    /// A pin turns another pump by the record.
+    #[error(
+        "the {place} of the board at {} ({board}) belongs to pump `{other}` by the record; give {} a socket of its own; if it \
+         has taken the place of `{other}`, or both files describe one pump, the record is to say so",
+        .port.display(), pump_in_words(.pump.as_deref())
+    )]
+    PlaceTaken {
+        /// Path of the port.
+        port: PathBuf,
+        /// Pin of the board or stepper driver at a pin, as the message words it.
+        place: String,
+        /// Board, as the message words it.
+        board: String,
+        /// Id of the pump. `None` if the drive was opened for no pump of a bench.
+        pump: Option<String>,
+        /// Id of the pump on record.
+        other: String,
+    },
     /// Another firmware than Klipper's is on the board.
     #[error("the board at {} runs the firmware {app:?}, and this driver needs Klipper's; load that", .port.display())]
     OtherFirmware {
@@ -299,6 +317,7 @@ impl KlipperError {
                 | Self::Shared { .. }
                 | Self::OtherFirmware { .. }
                 | Self::OtherBoard { .. }
+                | Self::PlaceTaken { .. }
                 | Self::BoardRecord { .. }
                 | Self::SessionRecord { .. }
                 | Self::Configured { .. }
@@ -327,8 +346,9 @@ impl From<BoardError> for KlipperError {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
             }
-            // The record of a board with pins has no axis, so none is taken.
-            BoardError::AxisTaken { port, .. } => Self::Shared { port },
+            BoardError::Taken { port, place, board, pump, other } => {
+                Self::PlaceTaken { port, place, board, pump, other }
+            }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }

@@ -1,25 +1,23 @@
-//! The pumps on record of one board: an axis turns one of them.
+//! The pumps on record of one board: an axis, or a socket of a board without axes, turns one of them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::known_board::{BoardError, KnownBoard, RECORD, read};
 use crate::drives::opening::Opening;
-use crate::pump_file::Axis;
 
 /// Pump whose record names a board.
 #[derive(Debug, Clone)]
 pub(in crate::drives) struct RecordedPump {
     /// Name of the pump's folder, which is its id.
     pub(in crate::drives) pump: String,
-    /// Axis that turns it.
-    pub(in crate::drives) axis: Axis,
     path: PathBuf,
-    board: KnownBoard,
+    /// Board, with the axis or the pins that turn it.
+    pub(in crate::drives) board: KnownBoard,
 }
 
 impl RecordedPump {
-    /// Returns the other pumps whose records name `board` and an axis. The pump's own record is in `PUMP/DRIVE` of the
+    /// Returns the other pumps whose records name `board`. The pump's own record is in `PUMP/DRIVE` of the
     /// folder of all records, which has that of the boards too. A record that cannot be read is that of no pump.
     pub(in crate::drives) fn of_board(board: &KnownBoard, opening: &Opening) -> Vec<Self> {
         let drive = opening.settings_record.as_deref().and_then(Path::parent);
@@ -39,15 +37,15 @@ impl RecordedPump {
             let path = folder.path().join(drive).join(RECORD);
             let recorded = read(&path).ok().flatten().filter(|recorded| board.is_surely(recorded))?;
             let pump = folder.file_name().into_string().ok()?;
-            Some(Self { pump, axis: recorded.axis?, path, board: recorded })
+            Some(Self { pump, path, board: recorded })
         });
         let mut found: Vec<_> = found.collect();
         found.sort_by(|one, other| one.pump.cmp(&other.pump));
         found
     }
 
-    /// Forgets the axis of this pump, because another one is in its place.
+    /// Forgets the axis and the pins of this pump, because another one is in its place.
     pub(in crate::drives) fn displace(&self) -> Result<(), BoardError> {
-        KnownBoard { axis: None, ..self.board.clone() }.write(&self.path)
+        KnownBoard { axis: None, pins: Vec::new(), ..self.board.clone() }.write(&self.path)
     }
 }

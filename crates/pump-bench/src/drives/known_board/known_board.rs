@@ -34,6 +34,10 @@ pub(in crate::drives) struct KnownBoard {
     /// Axis that turns the pump of the record. `None` in a record of an early version, and after another pump has taken
     /// the place.
     pub(in crate::drives) axis: Option<Axis>,
+    /// Device of the port of a board without axes, by which it is told from others of its kind whose ports keep no name.
+    pub(in crate::drives) device: Option<String>,
+    /// Pins, and stepper drivers at pins, that turn the pump of the record and no other, where the board has no axes.
+    pub(in crate::drives) pins: Vec<String>,
 }
 
 /// Board and pump that made place for those that are there now, because a person accepted it.
@@ -43,8 +47,10 @@ pub(in crate::drives) struct MadePlace {
     pub(in crate::drives) board: Option<String>,
     /// True if this board is on record now. Otherwise it is from the pump's first motion on.
     is_recorded: bool,
-    /// Pumps that the axis turned by their records.
+    /// Pumps that were in the place by their records.
     pumps: Vec<String>,
+    /// Words for that place.
+    place: &'static str,
 }
 
 impl MadePlace {
@@ -63,7 +69,8 @@ impl MadePlace {
                 }
                 false => "",
             };
-            format!("the axis turned pump `{pump}` by the record; it turns this pump on record now{trial}")
+            let place = self.place;
+            format!("{place} turned pump `{pump}` by the record; it turns this pump on record now{trial}")
         });
         board.chain(pumps).map(Notice::from)
     }
@@ -79,6 +86,10 @@ struct Recorded {
     text: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axis: Option<Axis>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    device: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pins: Vec<String>,
 }
 
 /// Reason for which a board is not that of the pump. Each drive words it as its own error.
@@ -95,16 +106,12 @@ pub(in crate::drives) enum BoardError {
         /// Words for the board on record.
         recorded: String,
     },
-    /// The axis turns another pump by the record.
-    #[cfg_attr(
-        not(any(feature = "grbl", feature = "node")),
-        allow(dead_code, reason = "a Klipper board has no axes")
-    )]
-    AxisTaken {
+    /// The place on the board turns another pump by the record.
+    Taken {
         /// Path of the port.
         port: PathBuf,
-        /// Axis of the board.
-        axis: Axis,
+        /// Words for the axis, the pin, or the stepper driver at a pin.
+        place: String,
         /// Words for the board.
         board: String,
         /// Id of the pump, as [`Opening::pump`].
@@ -148,7 +155,16 @@ impl KnownBoard {
     /// Returns true if this board is the one on record for certain: they have a mark in common.
     pub(in crate::drives) fn is_surely(&self, recorded: &Self) -> bool {
         let has_mark = recorded.number.is_some() || recorded.port_name.is_some() || recorded.text.is_some();
-        has_mark && self.is_same(recorded)
+        let is_elsewhere = recorded.port_name.is_none() && self.device != recorded.device;
+        has_mark && !is_elsewhere && self.is_same(recorded)
+    }
+
+    /// Returns words for the axis or the first pin that turns this pump and that of the record, which is of the same
+    /// board. They are empty if there is none.
+    fn place_of(&self, recorded: &Self) -> String {
+        let axis = self.axis.filter(|axis| recorded.axis == Some(*axis));
+        let pin = self.pins.iter().find(|pin| recorded.pins.contains(pin));
+        axis.map(|axis| format!("axis {axis}")).or_else(|| pin.cloned()).unwrap_or_default()
     }
 
     /// Compares this board at `port` with the one on record, and puts it on record unless `opening` leaves that for
@@ -169,14 +185,13 @@ impl KnownBoard {
             let (port, found) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
             return Err(BoardError::Other { port, pump: opening.pump.clone(), found, recorded });
         }
-        let others = self.pumps_of_axis(opening);
-        // A trial with a built-in pump keeps no axis from a pump of the user's own.
-        let keeps_axis = |other: &&RecordedPump| is_built_in_of(opening) || !is_built_in(&other.pump);
-        let keeper = others.iter().find(keeps_axis);
-        if let (Some(other), Some(axis), false) = (keeper, self.axis, opening.accept_settings) {
+        let others = self.pumps_in_place(opening);
+        // A trial with a built-in pump keeps no place from a pump of the user's own.
+        let keeps_place = |other: &&RecordedPump| is_built_in_of(opening) || !is_built_in(&other.pump);
+        if let (Some(other), false) = (others.iter().find(keeps_place), opening.accept_settings) {
             let (port, board) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
-            let (pump, other) = (opening.pump.clone(), other.pump.clone());
-            return Err(BoardError::AxisTaken { port, axis, board, pump, other });
+            let (pump, place) = (opening.pump.clone(), self.place_of(&other.board));
+            return Err(BoardError::Taken { port, place, board, pump, other: other.pump.clone() });
         }
         others.iter().try_for_each(RecordedPump::displace)?;
         if recorded.as_ref() != Some(self) && !opening.records_later {
@@ -184,13 +199,14 @@ impl KnownBoard {
         }
         let is_recorded = !opening.records_later;
         let pumps = others.into_iter().map(|other| other.pump).collect();
-        Ok(MadePlace { board: another, is_recorded, pumps })
+        let place = if self.axis.is_some() { "the axis" } else { "the socket" };
+        Ok(MadePlace { board: another, is_recorded, pumps, place })
     }
 
-    /// Returns the other pumps that the axis turns by their records.
-    fn pumps_of_axis(&self, opening: &Opening) -> Vec<RecordedPump> {
+    /// Returns the other pumps that the axis or a pin turns by their records.
+    pub(in crate::drives) fn pumps_in_place(&self, opening: &Opening) -> Vec<RecordedPump> {
         let mut others = RecordedPump::of_board(self, opening);
-        others.retain(|other| Some(other.axis) == self.axis);
+        others.retain(|other| !self.place_of(&other.board).is_empty());
         others
     }
 
@@ -199,7 +215,7 @@ impl KnownBoard {
     #[cfg(all(feature = "grbl", feature = "node"))]
     pub(in crate::drives) fn expect(&self, opening: &Opening) -> Result<Vec<String>, BoardError> {
         let Some(path) = record_path(opening) else { return Ok(Vec::new()) };
-        let others = self.pumps_of_axis(opening);
+        let others = self.pumps_in_place(opening);
         others.iter().try_for_each(RecordedPump::displace)?;
         path.parent()
             .map_or(Ok(()), create_folders)
@@ -238,6 +254,8 @@ impl KnownBoard {
             port_name: self.port_name.clone(),
             text: self.text.clone(),
             axis: self.axis,
+            device: self.device.clone(),
+            pins: self.pins.clone(),
         };
         let written = replace_plain(path, |to| {
             serde_json::to_writer(&mut *to, &recorded)?;
@@ -290,8 +308,8 @@ pub(in crate::drives) fn read(path: &Path) -> Result<Option<KnownBoard>, BoardEr
     }
     let number = recorded.number.map(|digits| u64::from_str_radix(&digits, 16)).transpose();
     let number = number.map_err(|error| unread(error.to_string()))?;
-    let Recorded { port_name, text, axis, .. } = recorded;
-    Ok(Some(KnownBoard { number, port_name, text, axis }))
+    let Recorded { port_name, text, axis, device, pins, .. } = recorded;
+    Ok(Some(KnownBoard { number, port_name, text, axis, device, pins }))
 }
 
 fn failed(action: &'static str, path: &Path, reason: String) -> BoardError {

@@ -85,15 +85,15 @@ pub enum NodeError {
     },
     /// The axis turns another pump by the record.
     #[error(
-        "the axis {axis} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
+        "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
          if it has taken the place of `{other}`, or both files describe one pump, the record is to say so",
         .port.display(), pump_in_words(pump.as_deref())
     )]
-    AxisTaken {
+    PlaceTaken {
         /// Path of the port.
         port: PathBuf,
-        /// Axis of the board.
-        axis: Axis,
+        /// Axis of the board, as the message words it.
+        place: String,
         /// Board, as the message words it.
         board: String,
         /// Id of the pump. `None` if the drive was opened for no pump of a bench.
@@ -366,7 +366,7 @@ impl NodeError {
             Self::NoPort
                 | Self::Open { .. }
                 | Self::OtherBoard { .. }
-                | Self::AxisTaken { .. }
+                | Self::PlaceTaken { .. }
                 | Self::BoardRecord { .. }
                 | Self::SessionRecord { .. }
                 | Self::OneNumber { .. }
@@ -406,8 +406,8 @@ impl From<BoardError> for NodeError {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
             }
-            BoardError::AxisTaken { port, axis, board, pump, other } => {
-                Self::AxisTaken { port, axis, board, pump, other }
+            BoardError::Taken { port, place, board, pump, other } => {
+                Self::PlaceTaken { port, place, board, pump, other }
             }
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }

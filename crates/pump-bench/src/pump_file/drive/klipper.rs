@@ -98,6 +98,14 @@ impl KlipperTable {
         Self { tmc: Some(tmc), ..self }
     }
 
+    /// Returns the pins that turn this motor and no other, and its stepper driver, in words. An enable pin may be that of
+    /// several motors.
+    pub fn own_pins(&self) -> Vec<String> {
+        let driver =
+            self.tmc.as_ref().map(|tmc| format!("TMC2209 at address {} of {}", tmc.address, tmc.uart.name));
+        [&self.step, &self.dir].map(|pin| format!("pin {}", pin.name)).into_iter().chain(driver).collect()
+    }
+
     /// Returns the time for which the step pin is active, in us: the one that is given, or the usual one.
     pub fn pulse_us(&self) -> f64 {
         self.step_pulse_us.unwrap_or(USUAL_PULSE_US)

@@ -132,7 +132,13 @@ fn identify(link: &mut Link, terms: &Terms) -> Result<(Commands, Dictionary), Kl
 
 /// Returns the marks of a board. It tells no number, and its microcontroller is no more than its kind.
 pub(in crate::drives::klipper) fn marks(talk: &Talk, terms: &Terms) -> KnownBoard {
-    KnownBoard { text: talk.dictionary.constant_text("MCU"), ..terms.at_port.clone() }
+    let device = terms.port.canonicalize().unwrap_or_else(|_| terms.port.clone());
+    KnownBoard {
+        text: talk.dictionary.constant_text("MCU"),
+        device: Some(device.to_string_lossy().into_owned()),
+        pins: terms.pins.own_pins(),
+        ..terms.at_port.clone()
+    }
 }
 
 /// Returns the clock of the steps: no two are closer than a pulse and its pause, or than the board makes them.
