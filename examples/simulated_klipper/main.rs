@@ -18,11 +18,12 @@ Z and E. Prints a device that `dose --driver klipper --port` takes, and runs unt
 
   --for <seconds>      ends by itself
   --piped              ends with its standard input
+  --chip <name>        microcontroller that its dictionary names [default: stm32f103xe]
   --clock <Hz>         ticks of its clock in a second [default: 72000000]
   --drift <ppm>        drift of its clock, in parts of a million
   --first-tick <tick>  tick at which it is switched on
   --slots <number>     commands that its queue holds [default: 512]
-  --fastest <steps/s>  most steps a second [default: 150000]
+  --fastest <steps/s>  most steps a second [default: 590000]
   --baud <bits/s>      rate of its line; 0 is a line without delay, as USB [default: 250000]
   --drivers <number>   sockets with a TMC2209 on the line PC11, PC10 [default: 2]
   --index <pin=socket:steps>  index sensor at a pin, high once in so many steps of a socket, as PC0=X:3200
@@ -71,6 +72,8 @@ fn set(
     value: &mut impl FnMut() -> Result<String, String>,
 ) -> Result<bool, Box<dyn Error>> {
     match word {
+        // The name lives as long as the program.
+        "--chip" => character.chip = value()?.leak(),
         "--clock" => character.hz = value()?.parse()?,
         "--drift" => character.drift_ppm = value()?.parse()?,
         "--first-tick" => character.first_tick = value()?.parse()?,

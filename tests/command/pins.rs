@@ -1,4 +1,4 @@
-//! The pins of a step driver at a node, as a pump file gives them.
+//! The pins of a step driver at a node or at a Klipper board, as a pump file gives them.
 
 use std::fs;
 
@@ -76,4 +76,57 @@ fn a_value_of_the_pins_out_of_range_is_one_message() {
         let (code, answer) = check(&user, &drive);
         assert!(code == 2 && answer.contains(said), "{said}: {answer}");
     }
+}
+
+const KLIPPER: &str = "driver = \"klipper\"\nport = \"/dev/ttyACM0\"\n";
+const PINS: &str = "[drive.klipper]\nstep = \"PB13\"\ndir = \"PB12\"\nenable = \"!PB14\"\n";
+const TMC: &str = "[drive.klipper.tmc]\nuart = \"PC11\"\ntx = \"PC10\"\nrun_a = 0.5\n";
+
+#[test]
+fn the_pins_and_the_stepper_driver_of_a_klipper_board_are_listed() {
+    let user = User::new();
+    let (code, said) = check(&user, &format!("{KLIPPER}{PINS}"));
+    assert_eq!(code, 0, "{said}");
+    for text in [
+        "step PB13 for 2 us, then 2 us off at least; direction PB12; enable !PB14; no index sensor; dead-man 500 ms",
+        "stays as its jumpers and its trimmer set it",
+        " steps/s",
+    ] {
+        assert!(said.contains(text), "{text}: {said}");
+    }
+    let (code, said) = check(&user, &format!("{KLIPPER}{PINS}{TMC}hold_a = 0.3\n"));
+    assert_eq!(code, 0, "{said}");
+    let stepper = "TMC2209 at PC11, written by PC10, address 0; 0.5 A (RMS) while the motor turns, 0.3 A at rest, with \
+                   0.11 Ohm; ";
+    assert!(said.contains(stepper) && said.contains("which the board sets"), "{said}");
+    let given = said.lines().find(|line| line.trim_start().starts_with("given")).unwrap();
+    assert!(given.contains("current at rest"), "{given}");
+}
+
+#[test]
+fn a_check_refuses_what_the_drive_of_a_klipper_board_would_refuse() {
+    let user = User::new();
+    let range = "allowed: 0.031 to 1.768 A (RMS) with [drive.klipper.tmc] sense_ohm of 0.11 Ohm";
+    for (drive, said) in [
+        (format!("{KLIPPER}{PINS}{TMC}hold_a = 0.9\n"), "hold_a is 0.9 A; allowed: 0.031 A to run_a, 0.5 A"),
+        (format!("{KLIPPER}{PINS}{}", TMC.replace("0.5", "1.9")), range),
+        (format!("{KLIPPER}{PINS}{}", TMC.replace("0.5", "0.01")), range),
+        (format!("{KLIPPER}{PINS}{TMC}sense_ohm = 0.05\n"), "sense_ohm is 0.05 Ohm; allowed: 0.075 to 1 Ohm"),
+        (format!("{KLIPPER}{PINS}{TMC}address = 4\n"), "address is 4; allowed: 0 to 3"),
+        (
+            format!("{KLIPPER}axis = \"Y\"\n{PINS}"),
+            "[drive] axis is Y; allowed: no axis beside driver = \"klipper\"",
+        ),
+    ] {
+        let (code, answer) = check(&user, &drive);
+        assert!(code == 2 && answer.contains(said), "{said}: {answer}");
+    }
+    let shown = user.types(&["pumps", "show", "three-roller"]).out;
+    let steps = shown.lines().find(|line| line.starts_with("steps_per_rev")).unwrap();
+    let shown = shown.replace(steps, "steps_per_rev = 3000");
+    fs::write(user.path("micro.toml"), format!("{shown}\n[drive]\n{KLIPPER}{PINS}{TMC}")).unwrap();
+    let answer = user.types(&["pumps", "check", "micro.toml"]);
+    let said =
+        "steps_per_rev is 3000 beside full_steps_per_rev = 200; allowed: full_steps_per_rev times 1, 2, 4, 8";
+    assert!(answer.code == 2 && answer.err.contains(said), "{}", answer.err);
 }

@@ -119,3 +119,36 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
     let (code, said) = runs("red", with_driver("X", 0), &dose);
     assert!(code == Some(2) && said.contains("pump `green`"), "{code:?}: {said}");
 }
+
+#[test]
+fn a_step_rate_beyond_that_of_the_microcontroller_is_refused_before_anything_moves() {
+    let slow = board(Character { chip: "unheard-of", ..Character::default() });
+    let path = slow.pump();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let steps = text.lines().find(|line| line.starts_with("steps_per_rev")).unwrap();
+    std::fs::write(&path, text.replace(steps, "steps_per_rev = 51200")).unwrap();
+    let file = pump_bench::PumpFile::read(&path).unwrap();
+    let rpm = 0.95 * file.motor.max_speed_rpm;
+    let rate = format!("{}mL/s", file.model().unwrap().revolution_ml() * rpm / 60.0);
+    let doses = |rig: &Rig| {
+        let words = ["2mL", "--rate", &rate, "--confirm-pump", "--start-angle", "0deg"];
+        ended(command(slow.folder.path(), &path, rig.board.path(), &words).spawn().unwrap())
+    };
+    let needed = rpm / 60.0 * 51_200.0;
+    // A 1024th of 72 MHz, less some room for whole ticks.
+    let limit = 0.95 * 72e6 / 1024.0;
+    assert!(needed > limit && needed < 250_000.0, "{needed} steps/s");
+    let (code, said) = doses(&slow);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("the klipper driver makes 667"), "{said}");
+    assert!(
+        said.contains("steps/s at most") && said.contains("dose slower, or with fewer microsteps"),
+        "{said}"
+    );
+    assert_eq!(slow.board.truth().steps, [0; 4]);
+    // An STM32F103 makes them, and keeps to each.
+    let fast = board(Character::default());
+    let (code, said) = doses(&fast);
+    assert_eq!((code, fast.board.truth().shutdown), (Some(0), None), "{said}");
+    assert!(fast.board.truth().steps[0] > 0);
+}

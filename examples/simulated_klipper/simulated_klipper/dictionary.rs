@@ -184,8 +184,10 @@ impl Dictionary {
             messages.iter().map(|(format, _, id)| ((*format).to_owned(), json!(id))).collect()
         };
         let ports = ["PA", "PB", "PC", "PD"];
-        let pins: Map<String, Value> =
-            (0..).zip(ports).map(|(n, port)| (format!("{port}0"), json!([16 * n, 16]))).collect();
+        let pins: Map<String, Value> = match character.chip {
+            "rp2040" => Map::from_iter([("gpio0".to_owned(), json!([0, 30]))]),
+            _ => (0..).zip(ports).map(|(n, port)| (format!("{port}0"), json!([16 * n, 16]))).collect(),
+        };
         let reasons: Map<String, Value> =
             Reason::ALL.iter().map(|(reason, words)| ((*words).to_owned(), json!(reason.id()))).collect();
         json!({
@@ -198,7 +200,7 @@ impl Dictionary {
             "enumerations": { "pin": pins, "static_string_id": reasons },
             "config": {
                 "CLOCK_FREQ": character.hz,
-                "MCU": "stm32f103xe",
+                "MCU": character.chip,
                 "SERIAL_BAUD": character.baud.max(1),
                 "STATS_SUMSQ_BASE": 256,
                 "RECEIVE_WINDOW": 192,

@@ -54,6 +54,8 @@ pub(crate) struct Noise {
 /// Character of a board.
 #[derive(Debug, Clone)]
 pub(crate) struct Character {
+    /// Microcontroller, as its dictionary says. The pins of an RP2040 are gpio0 to gpio29.
+    pub(crate) chip: &'static str,
     /// Ticks of the board's clock in a second, as its dictionary says.
     pub(crate) hz: u32,
     /// Drift of its clock, in parts of a million.
@@ -82,11 +84,13 @@ impl Default for Character {
     fn default() -> Self {
         Self {
             // An STM32F103 (72 MHz, 20 kB of RAM).
+            chip: "stm32f103xe",
             hz: 72_000_000,
             drift_ppm: 0.0,
             first_tick: 0,
             slots: 512,
-            most_steps_s: 150_000.0,
+            // Half of the 1,180,000 of Klipper's docs/Features.md, which step at both edges of a pulse.
+            most_steps_s: 590_000.0,
             baud: 250_000,
             drivers: 2,
             noise: Noise::default(),

@@ -48,7 +48,14 @@ pub enum DoseError {
     #[error(
         "the {driver} driver makes {most_steps_s:.0} steps/s at most, and so {limit_rpm:.2} of the {file_rpm} r/min \
          that the pump file allows; dose slower{}",
-        if driver == "node" { ", or with fewer microsteps; long pulses in [drive.pins] take of it too" } else { "" }
+        match driver.as_str() {
+            "node" => ", or with fewer microsteps; long pulses in [drive.pins] take of it too",
+            "klipper" => {
+                ", or with fewer microsteps: a quarter of the microcontroller's benchmark in Klipper's documentation \
+                 is asked for, and a long [drive.klipper] step_pulse_us takes of it too"
+            }
+            _ => "",
+        }
     )]
     DeviceSpeed {
         /// Name of the drive.

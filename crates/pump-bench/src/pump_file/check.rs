@@ -51,7 +51,7 @@ impl PumpFile {
         self.outlet.check()?;
         self.motor.check()?;
         self.speed_law.check()?;
-        self.drive.as_ref().map_or(Ok(()), |drive| drive.check())?;
+        self.drive.as_ref().map_or(Ok(()), |drive| drive.check(&self.motor))?;
         let has_hose = self.inlet.is_estimated() || self.outlet.line.is_estimated();
         self.fluid.check(has_hose)?;
         self.ambient.check()?;

@@ -4,6 +4,7 @@ mod driver_fault;
 mod klipper;
 mod klipper_pin;
 mod pins;
+pub(crate) mod tmc_range;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ pub use klipper::{KlipperTable, TmcTable};
 pub use klipper_pin::{KlipperPin, KlipperPinError, PinPull};
 pub use pins::{Pins, PinsTable};
 
+use super::motor::MotorTable;
 use super::range::{WrongValue, allow, within, within_if_given};
 use crate::words::words;
 
@@ -242,7 +244,7 @@ impl DriveTable {
     }
 
     /// Refuses the first value outside its range.
-    pub(super) fn check(&self) -> Result<(), WrongValue> {
+    pub(super) fn check(&self, motor: &MotorTable) -> Result<(), WrongValue> {
         let has_name = self.port.as_ref().is_none_or(|port| !port.as_os_str().is_empty());
         allow(has_name, "[drive] port", "\"\"", "a serial port, as \"/dev/ttyUSB0\"")?;
         if let Some(baud) = self.baud {
@@ -256,7 +258,7 @@ impl DriveTable {
         }
         within_if_given("[drive] index_angle_deg", self.index_angle_deg, -360.0..=360.0)?;
         within("[drive] index_width_deg", self.index_width_deg, 0.0..=180.0)?;
-        self.check_board_keys()?;
+        self.check_board_keys(motor)?;
         let is_simulated = self.driver == DriverName::Sim;
         let allowed = "beside driver = \"sim\" only, since a real motor keeps real time";
         allow(is_simulated || self.pace.is_none(), "[drive] pace", "given", allowed)?;
@@ -268,17 +270,23 @@ impl DriveTable {
     }
 
     /// Refuses keys of another board than the driver's, and a Klipper board without its pins.
-    fn check_board_keys(&self) -> Result<(), WrongValue> {
+    fn check_board_keys(&self, motor: &MotorTable) -> Result<(), WrongValue> {
         let is = |driver| self.driver == driver;
         let (is_node, is_klipper) = (is(DriverName::Node), is(DriverName::Klipper));
         let allowed = "beside driver = \"node\" only, since other boards have their own";
         allow(self.pins.is_none() || is_node, "[drive.pins]", "given", allowed)?;
         let allowed = "beside driver = \"node\" or \"klipper\" only, since other boards have their own";
         allow(self.dead_man_ms.is_none() || is_node || is_klipper, "[drive] dead_man_ms", "given", allowed)?;
+        let allowed =
+            "no axis beside driver = \"klipper\", whose pins in [drive.klipper] say which motor turns";
+        allow(!is_klipper || self.axis == Axis::default(), "[drive] axis", self.axis, allowed)?;
         let allowed = "beside driver = \"klipper\" only, since other boards have pins of their own";
         allow(self.klipper.is_none() || is_klipper, "[drive.klipper]", "given", allowed)?;
         match &self.klipper {
-            Some(klipper) => klipper.check(self.index_angle_deg.is_some()),
+            Some(klipper) => {
+                klipper.check(self.index_angle_deg.is_some())?;
+                klipper.tmc.as_ref().map_or(Ok(()), |tmc| tmc.check_motor(motor))
+            }
             None if is_klipper => {
                 let allowed =
                     "a table with the pins step and dir, as step = \"PB13\", and enable if there is one";

@@ -18,6 +18,7 @@ mod uncertainty;
 
 pub use ambient::{AmbientSource, AmbientTable};
 pub use dose_limits::UncheckedLimit;
+pub(crate) use drive::tmc_range;
 pub use drive::{
     Axis, DriveTable, DriverFault, DriverName, KlipperPin, KlipperPinError, KlipperTable, Pace, PinPull,
     Pins, PinsTable, TmcTable,
@@ -36,6 +37,8 @@ pub(crate) use line::reservoir::most_lift_mm;
 pub use line::{HoseTable, LineSource, LineTable};
 pub use motor::MotorTable;
 pub use pump::PumpTable;
+#[cfg(feature = "klipper")]
+pub(crate) use range::WrongValue;
 pub use speed_law::SpeedLawTable;
 pub use uncertainty::UncertaintyTable;
 pub(crate) use uncertainty::Unweighed;

@@ -9,7 +9,7 @@ use super::error::PumpFileError;
 
 /// A value that a pump file must not hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct WrongValue {
+pub(crate) struct WrongValue {
     key: &'static str,
     value: String,
     allowed: String,
@@ -25,6 +25,12 @@ impl WrongValue {
     pub(super) fn hint(mut self, hint: &str) -> Self {
         self.allowed += &format!(" ({hint})");
         self
+    }
+
+    /// Returns the key, its value in words, and what is allowed.
+    #[cfg(feature = "klipper")]
+    pub(crate) fn parts(self) -> (&'static str, String, String) {
+        (self.key, self.value, self.allowed)
     }
 
     /// Returns the error of the pump file that `origin` names.

@@ -46,6 +46,7 @@ pub fn pump_check(file: &PumpFile, used: Option<&Stored>) -> Result<String, Disp
         .into_iter()
         .chain(calibration)
         .chain(pins::pins_text(file).map(|text| ("pins", text)))
+        .chain(pins::driver_text(file).map(|text| ("stepper", text)))
         .chain(sources::source_lines(file, used.map(|used| &used.calibration)))
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
     let text: String = catalogue_line(file).into_iter().chain(lines).chain(warnings(file, used)).collect();
@@ -184,7 +185,8 @@ fn law_text(pump: &SpeedDependentPump) -> Result<String, DisplacementError> {
 /// The motor's fastest speed, and the largest mean flow up to it.
 fn fastest_text(file: &PumpFile, pump: &SpeedDependentPump) -> Result<String, DisplacementError> {
     let most_rpm = file.motor.max_speed_rpm;
-    Ok(format!("{most_rpm} r/min, {:.3} mL/s", pump.largest_flow_ml_s(most_rpm)?))
+    let steps = pins::fastest_text(file).unwrap_or_default();
+    Ok(format!("{most_rpm} r/min, {:.3} mL/s{steps}", pump.largest_flow_ml_s(most_rpm)?))
 }
 
 /// The volume of a roller, and its source.

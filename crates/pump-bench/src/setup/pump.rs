@@ -163,7 +163,9 @@ impl Answers {
             let mut drive = file.drive.clone().filter(|drive| drive.driver == driver);
             let table = drive.get_or_insert_with(|| DriveTable::of(driver));
             table.port = self.port.clone().or(table.port.take());
-            table.axis = self.axis.unwrap_or(table.axis);
+            if driver != DriverName::Klipper {
+                table.axis = self.axis.unwrap_or(table.axis);
+            }
             table.invert = self.invert.unwrap_or(table.invert);
             if let Some(socket) = self.socket.as_ref().filter(|_| driver == DriverName::Klipper) {
                 table.klipper = Some(socket.table(self.current_a));

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::klipper_pin::{KlipperPin, PinPull};
-use crate::pump_file::range::{WrongValue, allow, within, within_if_given};
+use super::tmc_range;
+use crate::pump_file::motor::MotorTable;
+use crate::pump_file::range::{WrongValue, allow, within_if_given};
 
 /// Longest pulse, in us. A board makes a pause of the same length.
 const LONGEST_PULSE_US: f64 = 100.0;
@@ -11,9 +13,6 @@ const LONGEST_PULSE_US: f64 = 100.0;
 /// Usual pulse, in us: as long as a DRV8825 needs, the slowest of the common drivers (Texas Instruments, SLVSA73F,
 /// section 6.6).
 const USUAL_PULSE_US: f64 = 2.0;
-
-/// Largest current of a stepper driver TMC2209, in A: 2 A of root mean square (Trinamic, TMC2209 datasheet rev. 1.09).
-const MOST_A: f64 = 2.0;
 
 /// The table `[drive.klipper]`.
 ///
@@ -179,9 +178,11 @@ impl TmcTable {
 
     /// Refuses the first value outside its range.
     fn check(&self) -> Result<(), WrongValue> {
-        within("[drive.klipper.tmc] address", self.address, 0..=3)?;
-        within("[drive.klipper.tmc] sense_ohm", self.sense_ohm, 0.01..=1.0)?;
-        within("[drive.klipper.tmc] run_a", self.run_a, 0.05..=MOST_A)?;
-        within_if_given("[drive.klipper.tmc] hold_a", self.hold_a, 0.05..=MOST_A)
+        tmc_range::check(self.address, self.sense_ohm, (self.run_a, self.hold_a()))
+    }
+
+    /// Refuses a motor whose microsteps the driver does not make.
+    pub(in crate::pump_file) fn check_motor(&self, motor: &MotorTable) -> Result<(), WrongValue> {
+        tmc_range::microsteps(motor.steps_per_rev, motor.full_steps_per_rev).map(drop)
     }
 }

@@ -130,15 +130,24 @@ mod tests {
         ends(check(4, 0.11, (0.5, 0.3)), "[drive.klipper.tmc] address is 4; allowed: 0 to 3");
         ends(check(0, 0.05, (0.5, 0.3)), "0.075 to 1 Ohm; the board's papers name it, and 0.11 Ohm is usual");
         for run_a in [0.0, 0.02, 1.9, f64::NAN] {
-            ends(check(0, 0.11, (run_a, run_a)), "0.031 to 1.768 A (RMS) with [drive.klipper.tmc] sense_ohm of 0.11 Ohm");
+            ends(
+                check(0, 0.11, (run_a, run_a)),
+                "0.031 to 1.768 A (RMS) with [drive.klipper.tmc] sense_ohm of 0.11 Ohm",
+            );
         }
         ends(check(0, 0.11, (0.5, 0.9)), "hold_a is 0.9 A; allowed: 0.031 A to run_a, 0.5 A");
         // The coarse scale begins higher.
         ends(check(0, 0.11, (1.2, 0.04)), "hold_a is 0.04 A; allowed: 0.055 A to run_a, 1.2 A");
-        assert_eq!([(3200, 200), (200, 200), (102_400, 400)].map(|(n, full)| microsteps(n, full)), [Ok(16), Ok(1), Ok(256)]);
+        assert_eq!(
+            [(3200, 200), (200, 200), (102_400, 400)].map(|(n, full)| microsteps(n, full)),
+            [Ok(16), Ok(1), Ok(256)]
+        );
         for (steps, full) in [(3000, 200), (3210, 200), (102_400, 200), (100, 200)] {
             let words = said(microsteps(steps, full).map(drop));
-            assert!(words.contains(&format!("is {steps} beside full_steps_per_rev = {full}; allowed: full_st")), "{words}");
+            assert!(
+                words.contains(&format!("is {steps} beside full_steps_per_rev = {full}; allowed: full_st")),
+                "{words}"
+            );
         }
     }
 }

@@ -1,9 +1,13 @@
-//! The pins of a step driver at a node, and which of their values the pump file gives.
+//! The pins of a step driver at a node or at a Klipper board, and which of their values the pump file gives.
 
-use crate::pump_file::{DriverFault, DriverName, Pins, PumpFile};
+use crate::numbers::significant;
+use crate::pump_file::{DriverFault, DriverName, KlipperTable, Pins, PumpFile, TmcTable};
 
-/// Returns the times and the polarity of the pins, for a pump at a node.
+/// Returns the times and the polarity of the pins, for a pump at a node or at a Klipper board.
 pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
+    if let Some((table, dead_man_ms)) = klipper(file) {
+        return Some(klipper_text(table, dead_man_ms));
+    }
     let drive = file.drive.as_ref().filter(|drive| drive.driver == DriverName::Node)?;
     let pins = drive.pins_or_usual();
     let Pins { step_pulse_us, step_pause_us, direction_setup_us, direction_hold_us, enable_setup_ms, .. } =
@@ -26,6 +30,17 @@ pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
 
 /// Returns the values of the pins, and if the file gives them.
 pub(super) fn pins_given(file: &PumpFile) -> Vec<(&'static str, bool)> {
+    if let Some((table, _)) = klipper(file) {
+        let mut given = vec![
+            ("pins", true),
+            ("step pulse", table.step_pulse_us.is_some()),
+            ("dead-man time", file.drive.as_ref().is_some_and(|drive| drive.dead_man_ms.is_some())),
+        ];
+        if let Some(tmc) = &table.tmc {
+            given.extend([("current of the motor", true), ("current at rest", tmc.hold_a.is_some())]);
+        }
+        return given;
+    }
     let Some(drive) = file.drive.as_ref().filter(|drive| drive.driver == DriverName::Node) else {
         return Vec::new();
     };
@@ -42,4 +57,47 @@ pub(super) fn pins_given(file: &PumpFile) -> Vec<(&'static str, bool)> {
         ("stepper driver's fault", pins.driver_fault.is_some()),
         ("dead-man time", drive.dead_man_ms.is_some()),
     ]
+}
+
+/// Returns the table of a Klipper board and its dead-man time in ms, for a pump at one.
+fn klipper(file: &PumpFile) -> Option<(&KlipperTable, u16)> {
+    let drive = file.drive.as_ref().filter(|drive| drive.driver == DriverName::Klipper)?;
+    Some((drive.klipper.as_ref()?, drive.dead_man_or_usual_ms()))
+}
+
+fn klipper_text(table: &KlipperTable, dead_man_ms: u16) -> String {
+    let (step, dir, pulse_us) = (&table.step, &table.dir, table.pulse_us());
+    let enable = table
+        .enable
+        .as_ref()
+        .map_or("no enable, so the motor always has current".to_owned(), |enable| format!("enable {enable}"));
+    let index = table.index.as_ref().map_or("no index sensor".to_owned(), |index| format!("index {index}"));
+    format!(
+        "step {step} for {pulse_us} us, then {pulse_us} us off at least; direction {dir}; {enable}; {index}; dead-man \
+         {dead_man_ms} ms"
+    )
+}
+
+/// Returns the stepper driver that the board sets, its currents and its microsteps, for a pump at a Klipper board.
+pub(super) fn driver_text(file: &PumpFile) -> Option<String> {
+    let (table, _) = klipper(file)?;
+    let Some(tmc) = &table.tmc else {
+        return Some("stays as its jumpers and its trimmer set it".to_owned());
+    };
+    let TmcTable { uart, address, sense_ohm, run_a, .. } = tmc;
+    let written = tmc.tx.as_ref().map_or(String::new(), |tx| format!(", written by {tx}"));
+    let microsteps = file.motor.steps_per_rev / file.motor.full_steps_per_rev.max(1);
+    Some(format!(
+        "TMC2209 at {uart}{written}, address {address}; {run_a} A (RMS) while the motor turns, {} A at rest, with \
+         {sense_ohm} Ohm; {microsteps} microsteps of {} full steps, which the board sets",
+        tmc.hold_a(),
+        file.motor.full_steps_per_rev
+    ))
+}
+
+/// Returns the most steps a second that the motor makes by its file, for a pump at a Klipper board.
+pub(super) fn fastest_text(file: &PumpFile) -> Option<String> {
+    klipper(file)?;
+    let motor = file.limits().motor;
+    Some(format!(", {} steps/s", significant(motor.max_speed_rad_s / motor.step_rad(), 4)))
 }

@@ -8,6 +8,7 @@ use super::commands::Commands;
 use super::configuration::Configuration;
 use super::driver_line;
 use super::session_record::SessionRecord;
+use super::step_rate::most_steps_s;
 use super::terms::Terms;
 use crate::drives::Disturbance;
 use crate::drives::klipper::dictionary::Dictionary;
@@ -37,10 +38,6 @@ const CLOCKS_HZ: RangeInclusive<u32> = 1_000_000..=1_000_000_000;
 
 /// Bytes under way to a board that does not say how many it holds: its port is USB, which holds them back itself.
 const USB_WINDOW: u32 = 768;
-
-/// Most steps a second of all motors of a board. The slowest one that Klipper's documentation measures, of 16 MHz,
-/// makes 98,000 with three motors (Klipper3d/klipper, `docs/Features.md`, "Step Benchmarks").
-const MOST_STEPS_S: u32 = 90_000;
 
 /// Bits of a byte on a serial line: 8, a start and a stop.
 const BITS: u32 = 10;
@@ -84,7 +81,8 @@ pub(in crate::drives::klipper) fn meet(
         Err(error) => return Err((Box::new(talk.link), error)),
     };
     let Found { hz, state, record, disturbed, is_reversed } = found;
-    let ready = talk.read_clock(hz).and_then(|clock| Ok((clock, step_timer(hz, terms)?)));
+    let chip = talk.dictionary.constant_text("MCU");
+    let ready = talk.read_clock(hz).and_then(|clock| Ok((clock, step_timer(hz, chip.as_deref(), terms)?)));
     let (clock, timer) = match ready {
         Ok(ready) => ready,
         Err(error) => return Err((Box::new(talk.link), error)),
@@ -142,9 +140,10 @@ pub(in crate::drives::klipper) fn marks(talk: &Talk, terms: &Terms) -> KnownBoar
 }
 
 /// Returns the clock of the steps: no two are closer than a pulse and its pause, or than the board makes them.
-fn step_timer(hz: u32, terms: &Terms) -> Result<StepTimer, RefitError> {
+fn step_timer(hz: u32, chip: Option<&str>, terms: &Terms) -> Result<StepTimer, RefitError> {
     let pulses = (2.0 * terms.pins.pulse_us() * f64::from(hz) * 1e-6).ceil() as u32;
-    StepTimer::new(hz, pulses.max(hz.div_ceil(MOST_STEPS_S)))
+    let steps = (f64::from(hz) / most_steps_s(chip, hz)).ceil() as u32;
+    StepTimer::new(hz, pulses.max(steps))
 }
 
 /// Brings the board to rest with the configuration of the pump, and without current if it was configured anew.

@@ -6,6 +6,7 @@ mod configuration;
 mod connect;
 mod driver_line;
 mod session_record;
+mod step_rate;
 mod terms;
 
 pub(super) use board::{Board, reason};

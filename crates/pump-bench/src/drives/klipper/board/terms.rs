@@ -8,7 +8,7 @@ use crate::drives::Opening;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::tmc::{Chopper, TmcError, TmcSettings};
 use crate::drives::known_board::KnownBoard;
-use crate::pump_file::{DriveTable, KlipperTable, MotorTable, TmcTable};
+use crate::pump_file::{DriveTable, KlipperTable, MotorTable, TmcTable, tmc_range};
 
 /// Terms on which a board is met.
 #[derive(Debug, Clone)]
@@ -57,15 +57,7 @@ impl Terms {
 
 /// Returns the address and the settings of a stepper driver. The microsteps are those of the pump file's motor.
 fn driver(table: &TmcTable, motor: &MotorTable) -> Result<(u8, TmcSettings), TmcError> {
-    let (steps, full) = (motor.steps_per_rev, motor.full_steps_per_rev.max(1));
-    let microsteps = if steps % full == 0 { u16::try_from(steps / full).unwrap_or(0) } else { 0 };
-    if microsteps == 0 {
-        return Err(TmcError::Setting {
-            name: "number of microsteps",
-            value: format!("{steps} steps of {full} full steps"),
-            allowed: "1, 2, 4, 8, 16, 32, 64, 128 or 256 steps for each full step".to_owned(),
-        });
-    }
+    let microsteps = tmc_range::microsteps(motor.steps_per_rev, motor.full_steps_per_rev)?;
     let currents = (table.run_a, table.hold_a());
     let settings =
         TmcSettings::new(table.address, currents, table.sense_ohm, microsteps, Chopper::default())?;

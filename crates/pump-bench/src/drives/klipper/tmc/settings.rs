@@ -1,20 +1,13 @@
 //! Settings of a driver, as the writes of its registers.
 
-use super::current::{Scale, current_a, range_a};
+use super::current::Scale;
 use super::error::TmcError;
 use super::register::{
     CHOPCONF, COOLCONF, GCONF, GSTAT, IHOLD_IRUN, PWMCONF, PWMCONF_USUAL, Register, SLAVECONF, TCOOLTHRS,
     TPOWERDOWN, TPWMTHRS, VACTUAL, chopconf, gconf, gstat,
 };
-
-/// Largest address (datasheet, chapter 4: pins MS1 and MS2).
-const ADDRESS_MOST: u8 = 3;
-
-/// Sense resistors, in Ohm, of the datasheet's table (chapter 8).
-const SENSE_OHM: (f64, f64) = (0.075, 1.0);
-
-/// Most microsteps of a full step (chapter 5.5.1, MRES).
-const MICROSTEPS_MOST: u16 = 256;
+use crate::pump_file::WrongValue;
+use crate::pump_file::tmc_range::{self, MICROSTEPS_MOST, current_a};
 
 /// Delay of an answer: 3 times 8 bits. Several drivers on a wire need 2 at least, so that none takes the answer of
 /// another for a request (chapter 5.1, SLAVECONF). The board waits for 64 bits (Klipper3d/klipper, `src/tmcuart.c`).
@@ -36,6 +29,13 @@ pub(in crate::drives::klipper) enum Chopper {
     StealthChop,
     /// By current: more torque at speed, and audible.
     SpreadCycle,
+}
+
+impl From<WrongValue> for TmcError {
+    fn from(wrong: WrongValue) -> Self {
+        let (name, value, allowed) = wrong.parts();
+        Self::Setting { name, value, allowed }
+    }
 }
 
 /// Settings of a driver.
@@ -62,34 +62,8 @@ impl TmcSettings {
         microsteps: u16,
         chopper: Chopper,
     ) -> Result<Self, TmcError> {
-        let refused = |name, value: String, allowed| Err(TmcError::Setting { name, value, allowed });
-        if address > ADDRESS_MOST {
-            return refused(
-                "[drive.klipper.tmc] address",
-                address.to_string(),
-                format!("0 to {ADDRESS_MOST}"),
-            );
-        }
-        let (least, most) = SENSE_OHM;
-        if !(least..=most).contains(&sense_ohm) {
-            let allowed = format!("{least} to {most} Ohm; the board's papers name it, and 0.11 Ohm is usual");
-            return refused("[drive.klipper.tmc] sense_ohm", format!("{sense_ohm} Ohm"), allowed);
-        }
-        let (least, most) = range_a(sense_ohm);
-        if !(least..=most).contains(&run_a) {
-            let allowed = format!("{least:.3} to {most:.3} A (RMS) with {sense_ohm} Ohm");
-            return refused("[drive.klipper.tmc] run_a", format!("{run_a} A"), allowed);
-        }
-        let scale = Scale::of(run_a, run_a, sense_ohm);
-        let least = current_a(0, scale.is_sensitive, sense_ohm);
-        if !(least..=run_a).contains(&hold_a) {
-            let allowed = format!("{least:.3} A to run_a, {run_a} A");
-            return refused("[drive.klipper.tmc] hold_a", format!("{hold_a} A"), allowed);
-        }
-        if !microsteps.is_power_of_two() || microsteps > MICROSTEPS_MOST {
-            let allowed = "1, 2, 4, 8, 16, 32, 64, 128 or 256".to_owned();
-            return refused("[motor] steps_per_rev in parts of a full step", microsteps.to_string(), allowed);
-        }
+        tmc_range::check(address, sense_ohm, (run_a, hold_a))?;
+        tmc_range::microsteps(microsteps.into(), 1)?;
         Ok(Self { address, scale: Scale::of(run_a, hold_a, sense_ohm), sense_ohm, microsteps, chopper })
     }
 
@@ -117,7 +91,7 @@ impl TmcSettings {
         let Scale { is_sensitive, run, hold } = self.scale;
         let chopper = if self.chopper == Chopper::SpreadCycle { gconf::EN_SPREADCYCLE } else { 0 };
         let chip = gconf::PDN_DISABLE | gconf::MSTEP_REG_SELECT | gconf::MULTISTEP_FILT;
-        let resolution = (MICROSTEPS_MOST / self.microsteps).trailing_zeros();
+        let resolution = (MICROSTEPS_MOST / u32::from(self.microsteps)).trailing_zeros();
         let sensitivity = if is_sensitive { chopconf::VSENSE } else { 0 };
         vec![
             (SLAVECONF, ANSWER_DELAY),
