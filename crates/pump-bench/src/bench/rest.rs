@@ -103,6 +103,10 @@ impl Bench {
     /// Plans the rest of the unfinished dose from the record, as [`Session::prepare_rest`] does. Moves and writes
     /// nothing, and does not ask the device.
     ///
+    /// The device of a dose that was cut off may know the exact steps, and [`Session::prepare_rest`] asks it first.
+    /// Where the bounds on record allow no plan, the rest is planned as if the device told the middle of them, with a
+    /// warning.
+    ///
     /// # Errors
     ///
     /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::Folder`] if another process moves the
@@ -110,11 +114,59 @@ impl Bench {
     pub fn prepare_rest(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let unfinished = self.state_to_plan_from()?.and_then(|state| Some((state, state.unfinished?)));
         let (state, dose) = unfinished.ok_or(DoseError::NothingUnfinished("resume"))?;
-        let mut prepared = self.plan_rest(&self.file_for_dry_run()?, &dose, state, request)?;
+        let file = self.file_for_dry_run()?;
+        let counted = self.as_counted(&state, &dose)?;
+        let by_record = self.plan_rest(&file, &dose, state, request);
+        let (mut prepared, is_of_record) = match (by_record, counted) {
+            (Ok(prepared), _) => (prepared, true),
+            (Err(refused), Some((state, dose))) => {
+                let planned = self.plan_rest(&file, &dose, state, request);
+                (planned.map_err(|_| refused)?, false)
+            }
+            (Err(refused), None) => return Err(refused),
+        };
         self.would_be_safe(Some(&state), prepared.plan.planned_ml())?;
+        let asks_first = counted.map(|(_, counted)| self.asks_first(&dose, &counted, is_of_record));
+        prepared.warnings.extend(asks_first);
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(Some(&state)));
         Ok(prepared)
+    }
+
+    /// Returns the state and the unfinished dose as they are if the device, which is met before the rest, tells that it
+    /// made the middle of the steps on record. `None` if no device can tell more than the record.
+    fn as_counted(
+        &self,
+        state: &PumpState,
+        dose: &Unfinished,
+    ) -> Result<Option<(PumpState, Unfinished)>, DoseError> {
+        if dose.made_least >= dose.made_most || !self.identity().abilities.readback {
+            return Ok(None);
+        }
+        let made = i64::midpoint(dose.made_least, dose.made_most).min(dose.intent.steps.abs() - 1);
+        let counted = match self.story()?.cut_off {
+            Some((before, part)) => {
+                before.count.map(|_| before.after(&part.intent, made, made, self.model()))
+            }
+            None => dose.count_before.map(|_| state.recounted(dose, made, self.model())),
+        };
+        Ok(counted.and_then(|state| Some((state, state.unfinished?))))
+    }
+
+    /// Tells that the rest of `dose` begins with a question to the device, whose answer is nearer to the truth than the
+    /// record. The plan is that of the record, or of the dose as `counted`.
+    fn asks_first(&self, dose: &Unfinished, counted: &Unfinished, is_of_record: bool) -> Notice {
+        let asks = "the rest itself first asks the board, which knows the exact steps and the angle unless it was reset";
+        if is_of_record {
+            return format!("{asks}; this plan is by the record alone").into();
+        }
+        let (least_ml, most_ml) = dose.delivered_ml(self.model());
+        let middle_ml = significant(counted.booked_ml(self.model()), 4);
+        let record = between(least_ml, most_ml);
+        Notice::from(format!(
+            "{asks}; the record has {record} delivered, and this plan takes {middle_ml} mL; after a reset the rest is \
+             refused until the angle is found",
+        ))
     }
 
     /// Plans the rest of `dose` with the pump file as the device allows it.

@@ -44,6 +44,12 @@ fn a_dose_that_was_killed_is_counted_to_the_step_and_resumed() {
     rig.world.pass(1500);
     let count = rig.world.count();
     assert!(count >= 800);
+    // By the record alone the angle is unknown, and the board is asked before the rest.
+    let planned = bench.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    let told = |text: &str| planned.warnings.iter().any(|warning| warning.text().contains(text));
+    assert!(
+        planned.plan.is_smooth() && told("first asks the board") && told("after a reset the rest is refused")
+    );
     let mut drive = rig.open();
     let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.connect().unwrap();

@@ -11,10 +11,13 @@ use crate::record::{LogEntry, Purpose};
 pub struct LogTotal {
     /// Number of doses; the rest of a dose counts, a retraction and a turn to the index do not.
     pub doses: u64,
-    /// Volume delivered less that sucked back or run in reverse, in mL.
+    /// Volume delivered less that sucked back or run in reverse, in mL. Turns to the index are not in it.
     pub delivered_ml: f64,
-    /// Volume that was pumped in either direction, with primes, purges and retractions, in mL.
+    /// Volume that was pumped in either direction, with primes, purges and retractions, in mL. Turns to the index are
+    /// not in it.
     pub pumped_ml: f64,
+    /// Volume of turns to the index in either direction, in mL, while a dose was unfinished. The log has no others.
+    pub searched_ml: f64,
     /// Number of doses whose time is before that of the dose before them: the clock had gone back.
     pub clock_went_back: u64,
     /// Largest error of the volume by doses that were cut off, in mL: nobody knows how many steps they made. The
@@ -35,8 +38,13 @@ pub struct LogTotals {
 impl LogTotal {
     fn add(&mut self, entry: &LogEntry, went_back: bool) {
         self.clock_went_back += u64::from(went_back);
+        if entry.purpose == Purpose::Jog {
+            // No dose has it, and another turn to the index has no entry.
+            self.searched_ml += entry.delivered_ml.abs();
+            return;
+        }
         self.pumped_ml += entry.delivered_ml.abs();
-        self.doses += u64::from(!matches!(entry.purpose, Purpose::Retract | Purpose::Jog));
+        self.doses += u64::from(entry.purpose != Purpose::Retract);
         self.delivered_ml += entry.delivered_ml;
         let delivered_ml = entry.delivered_ml;
         self.unknown_ml += entry
@@ -60,7 +68,11 @@ impl LogTotal {
             0 => String::new(),
             count => format!("; the clock had gone back {count} times"),
         };
-        format!("{volume} in {} {doses}{unknown}{}", self.doses, clock.replace(" 1 times", " once"))
+        let searched = match self.searched_ml {
+            0.0 => String::new(),
+            ml => format!("; turns to the index pumped another {} mL", significant(ml, 4)),
+        };
+        format!("{volume} in {} {doses}{unknown}{searched}{}", self.doses, clock.replace(" 1 times", " once"))
     }
 }
 
@@ -78,27 +90,28 @@ impl LogTotals {
         days.chain(tubes).collect()
     }
 
-    /// Writes the totals as a table: `day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back`. Each row has a
-    /// day or a tube.
+    /// Writes the totals as a table: `day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back,searched_ml`. Each
+    /// row has a day or a tube.
     pub fn csv(&self) -> String {
         let row = |day: &str, tube: &str, total: &LogTotal| {
-            let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back } = total;
-            format!("{day},{tube},{doses},{delivered_ml},{unknown_ml},{pumped_ml},{clock_went_back}\n")
+            let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back, searched_ml } = total;
+            let volumes = format!("{delivered_ml},{unknown_ml},{pumped_ml}");
+            format!("{day},{tube},{doses},{volumes},{clock_went_back},{searched_ml}\n")
         };
         let days = self.by_day.iter().map(|(day, total)| row(day, "", total));
         let tubes = self.by_tube.iter().map(|(tube, total)| row("", &tube.to_string(), total));
-        let header = "day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back\n";
+        let header = "day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back,searched_ml\n";
         [header.to_owned()].into_iter().chain(days).chain(tubes).collect()
     }
 
     /// Writes the totals of `pump` by `driver` as JSON (`schema` `log-total/1`), a line a day and a line a tube.
     pub fn json(&self, pump: &str, driver: &str) -> String {
         let row = |key: &str, value: serde_json::Value, total: &LogTotal| {
-            let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back } = total;
+            let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back, searched_ml } = total;
             let mut row = serde_json::json!({
                 "schema": "log-total/1", "pump": pump, "driver": driver, "day": null, "tube": null,
                 "doses": doses, "delivered_ml": delivered_ml, "unknown_ml": unknown_ml, "pumped_ml": pumped_ml,
-                "clock_went_back": clock_went_back,
+                "clock_went_back": clock_went_back, "searched_ml": searched_ml,
             });
             row[key] = value;
             format!("{row}\n")
@@ -122,6 +135,20 @@ mod tests {
         let total = totals.by_tube[&1];
         assert_eq!((total.delivered_ml, total.unknown_ml), (3.5, 2.0));
         assert_eq!(total.text(), "3.5 mL in 2 doses, of which ± 2 mL by doses that were cut off");
+    }
+
+    #[test]
+    fn a_turn_to_the_index_is_told_beside_the_doses_and_is_in_no_volume_of_theirs() {
+        let turn = LogEntry { purpose: Purpose::Jog, delivered_ml: -1.21, ..LogEntry::example(2, 0) };
+        let mut totals = LogTotals::default();
+        totals.add(&LogEntry::example(1, 0), false);
+        totals.add(&turn, false);
+        let total = totals.by_tube[&1];
+        assert_eq!(
+            (total.doses, total.delivered_ml, total.pumped_ml, total.searched_ml),
+            (1, 1.0, 1.0, 1.21)
+        );
+        assert_eq!(total.text(), "1 mL in 1 dose; turns to the index pumped another 1.21 mL");
     }
 
     #[test]
