@@ -224,8 +224,8 @@ fn is_of_version(error: &DriveError) -> bool {
 /// names the port all the same, with a warning.
 pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
     let is_silent = course.asker.is_silent();
-    let Answers { driver, port: Some(port), axis, .. } = &course.answers else { return Ok(()) };
-    if *driver == Some(DriverName::Sim) || axis.is_none() && !is_silent {
+    let Answers { driver, port: Some(port), axis, socket, .. } = &course.answers else { return Ok(()) };
+    if *driver == Some(DriverName::Sim) || axis.is_none() && socket.is_none() && !is_silent {
         return Ok(());
     }
     let port = port.clone();
@@ -252,6 +252,7 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
         }
         _ => {}
     }
+    socket::socket_of_other_board(course)?;
     lack_of_axis(course)
 }
 

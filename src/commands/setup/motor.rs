@@ -1,6 +1,6 @@
 //! The questions about the motor: its steps per revolution of the pump head.
 
-use pump_bench::catalogue::unusual_full_steps;
+use pump_bench::catalogue::{unusual_full_steps, unusual_microsteps};
 use pump_bench::setup::{Answers, Topic, USUAL_FULL_STEPS};
 use pump_bench::units::{FULL_STEPS_PER_REV, MICROSTEPS, count};
 
@@ -69,10 +69,21 @@ fn ask_microsteps(course: &mut Course) -> Asked<()> {
         option: "--microsteps 16",
         usual: course.suggested(|last| microsteps(last).map(|steps| steps.to_string()), None),
         help: "the switches or jumpers of the stepper driver set them, as 16; if you are not sure say 16: the first \
-               revolution shows it",
+               revolution shows it. A Klipper board sets those of a TMC2209 itself: 1, 2, 4, 8, 16, 32, 64, 128 or 256",
     };
-    let read =
-        |answer: &str| count("number of microsteps", MICROSTEPS)(answer).map_err(|error| error.to_string());
+    let suggested = question.usual.as_ref().map(|usual| usual.answer.clone());
+    let mut doubted = None;
+    // Unusual microsteps are taken once they are said again, and as a suggestion that somebody has said before.
+    let read = |answer: &str| {
+        let steps = count("number of microsteps", MICROSTEPS)(answer).map_err(|error| error.to_string())?;
+        match unusual_microsteps(steps) {
+            Some(why) if doubted != Some(steps) && suggested.as_deref() != Some(answer) => {
+                doubted = Some(steps);
+                Err(format!("{why}; write {steps} again if yours has them"))
+            }
+            _ => Ok(steps),
+        }
+    };
     course.settle(Topic::Microsteps, &question, read, |answers, steps| answers.microsteps = Some(steps))
 }
 

@@ -95,6 +95,9 @@ pub(super) struct AnswerOptions {
     /// Current of the motor (RMS) at a socket whose stepper driver the board sets, as 0.5A
     #[arg(long, value_name = "CURRENT", help_heading = "Motor", value_parser = units::current_a)]
     current: Option<f64>,
+    /// Current of that motor at rest (RMS), as 0.3A [default: that of the turning motor]
+    #[arg(long, value_name = "CURRENT", help_heading = "Motor", value_parser = units::current_a)]
+    hold_current: Option<f64>,
     /// Way in which the pump runs as the axis counts up
     #[arg(long, value_name = "forward|reverse", help_heading = "Motor", value_parser = is_reverse)]
     direction: Option<IsReverse>,
@@ -210,6 +213,7 @@ impl AnswerOptions {
         put(&mut answers.axis, self.axis);
         put(&mut answers.socket, self.socket.clone());
         put(&mut answers.current_a, self.current);
+        put(&mut answers.hold_a, self.hold_current);
         put(&mut answers.invert, self.direction.map(|IsReverse(is_reverse)| is_reverse));
         put(&mut answers.configure, self.configure.then_some(true));
         put(&mut answers.altitude_m, self.altitude.map(|mm| 1e-3 * mm));

@@ -1,5 +1,7 @@
 //! One revolution that a person watches: it shows the motor's steps and the way in which the pump turns.
 
+mod known_microsteps;
+
 use std::ops::ControlFlow;
 
 use pump_bench::drives::{DriveError, NodeError};
@@ -41,18 +43,19 @@ pub(super) fn watch(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> 
     refuse_unseen(course, *turned)?;
     meet_board(course)?;
     may_move(course)?;
+    let mut wrong = 0;
     while !(course.answers.done.turned && course.answers.done.directed) {
         turn(course)?;
-        see(course, turned)?;
+        see(course, turned, &mut wrong)?;
     }
     Ok(())
 }
 
 /// Asks what the revolution has shown, until it is clear whether another one is to follow.
-fn see(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
+fn see(course: &mut Course, turned: &mut Option<f64>, wrong: &mut u32) -> Asked<()> {
     loop {
         if !course.answers.done.turned {
-            see_turn(course, turned)?;
+            see_turn(course, turned, wrong)?;
         }
         if !course.answers.done.turned || course.answers.done.directed {
             return Ok(());
@@ -250,8 +253,8 @@ fn turn(course: &mut Course) -> Asked<()> {
     }
 }
 
-/// Asks how far the head turned, and corrects the steps.
-fn see_turn(course: &mut Course, turned_said: &mut Option<f64>) -> Asked<()> {
+/// Asks how far the head turned, and corrects the steps. `wrong` counts the revolutions that were wrong.
+fn see_turn(course: &mut Course, turned_said: &mut Option<f64>, wrong: &mut u32) -> Asked<()> {
     let question = Question {
         text: "Did the line come back to its place after one turn? If not, how far did it turn (1/4, 90deg, 2)?",
         option: "--turned 1",
@@ -275,6 +278,26 @@ fn see_turn(course: &mut Course, turned_said: &mut Option<f64>) -> Asked<()> {
     if Answers::is_one_turn(turned) {
         return Ok(seen(course, |answers| answers.done.turned = true)?);
     }
+    if known_microsteps::are_set(course)? {
+        return match known_microsteps::correct(course, turned, *wrong > 0) {
+            // The revolution was made, and is judged anew.
+            Err(Stop::Back) => see_turn(course, turned_said, wrong),
+            corrected => {
+                *wrong += 1;
+                corrected
+            }
+        };
+    }
+    correct_steps(course, turned, turned_said, wrong)
+}
+
+/// Asks for the steps of the motor whose revolution made so many turns.
+fn correct_steps(
+    course: &mut Course,
+    turned: f64,
+    turned_said: &mut Option<f64>,
+    wrong: &mut u32,
+) -> Asked<()> {
     let steps = steps_of(&course.bench()?);
     let corrected = course.answers.corrected_steps(steps, turned);
     let micro = corrected.microsteps.map_or(String::new(), |micro| format!(", that is {micro} microsteps,"));
@@ -304,7 +327,7 @@ fn see_turn(course: &mut Course, turned_said: &mut Option<f64>) -> Asked<()> {
     });
     match answers {
         // The revolution was made, and is judged anew.
-        Err(Stop::Back) => see_turn(course, turned_said),
+        Err(Stop::Back) => see_turn(course, turned_said, wrong),
         answers => {
             course.take(answers?)?;
             rewrite(course)

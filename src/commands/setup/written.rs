@@ -85,7 +85,9 @@ fn verdict(answer: &str) -> Result<Verdict, String> {
         "head" | "rollers" => Verdict::Correct(&[Topic::Head, Topic::Bore, Topic::Rollers, Topic::Rate]),
         "motor" => Verdict::Correct(&[Topic::FullSteps, Topic::Microsteps, Topic::Gear]),
         "board" => {
-            Verdict::Correct(&[Topic::Driver, Topic::Port, Topic::Axis, Topic::Socket, Topic::Current])
+            const BOARD: [Topic; 6] =
+                [Topic::Driver, Topic::Port, Topic::Axis, Topic::Socket, Topic::Current, Topic::HoldCurrent];
+            Verdict::Correct(const { &BOARD })
         }
         "place" => Verdict::Correct(&[
             Topic::Ambient,
@@ -164,7 +166,10 @@ fn board_in_words(course: &Course, file: &PumpFile) -> String {
     let port = drive.port.as_ref().map_or_else(|| "no port".to_owned(), |port| port.display().to_string());
     let place = match (&course.answers.socket, &drive.klipper) {
         (Some(socket), Some(pins)) => {
-            let current = pins.tmc.as_ref().map_or_else(String::new, |tmc| format!(", {} A", tmc.run_a));
+            let current = pins.tmc.as_ref().map_or_else(String::new, |tmc| match tmc.hold_a {
+                Some(hold_a) => format!(", {} A, {hold_a} A at rest", tmc.run_a),
+                None => format!(", {} A", tmc.run_a),
+            });
             format!("socket {socket}{current}")
         }
         (None, Some(pins)) => format!("steps at {}", pins.step),

@@ -26,4 +26,4 @@ pub use roller_runs::{Fall, RollerRuns};
 pub use stated_motor::{MotorSteps, StatedMotor};
 pub(crate) use suction::{SUCKS, beyond_known_kpa, suction_warning};
 pub(crate) use unusual::doubtful;
-pub use unusual::{unusual, unusual_full_steps};
+pub use unusual::{unusual, unusual_full_steps, unusual_microsteps};

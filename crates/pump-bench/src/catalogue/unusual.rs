@@ -175,6 +175,18 @@ pub fn unusual_full_steps(full_steps: u32) -> Option<String> {
     })
 }
 
+/// Returns why microsteps are hardly those of a stepper driver, or `None` if they may be.
+///
+/// ```
+/// use pump_bench::catalogue::unusual_microsteps;
+/// assert!(unusual_microsteps(16).is_none());
+/// assert!(unusual_microsteps(15).unwrap().starts_with("15 microsteps are unusual"));
+/// ```
+pub fn unusual_microsteps(microsteps: u32) -> Option<String> {
+    (!is_usual(microsteps))
+        .then(|| format!("{microsteps} microsteps are unusual: stepper drivers have {}", usual_in_words()))
+}
+
 /// Warns of full steps that hardly any motor has.
 fn of_full_steps(file: &PumpFile) -> Option<String> {
     let is_said = file.motor.confirmed != Some(false);

@@ -9,12 +9,14 @@ use std::time::Duration;
 use super::error::DriveError;
 use super::grbl::{self, GrblError, ask_boards};
 #[cfg(feature = "klipper")]
-use super::klipper::{self, KlipperError};
+use super::klipper::{self, BoardPins, KlipperError};
 use super::known_board::{KnownBoard, RecordedPump};
+#[cfg(not(feature = "klipper"))]
+use super::not_built::BoardPins;
 use super::opening::Opening;
 use super::stop_request::StopRequest;
 use super::{NodeError, node};
-use crate::pump_file::{Axis, DriveTable, DriverName};
+use crate::pump_file::{Axis, DriveTable, DriverName, KlipperTable};
 
 /// Longest wait for a grbl board that a node's driver has asked before: it has started by then.
 const STARTED: Duration = Duration::from_secs(2);
@@ -45,6 +47,8 @@ pub enum FoundBoard {
         chip: String,
         /// Version of the firmware.
         version: String,
+        /// Pins of the board.
+        pins: BoardPins,
     },
 }
 
@@ -93,6 +97,19 @@ impl FoundBoard {
         KnownBoard { number: self.number(), axis, ..KnownBoard::at_port(Some(port), opening) }
     }
 
+    /// Refuses the first pin of a table that the board lacks, or that its firmware uses itself. A board that has no pins
+    /// by name refuses none.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError::Refused`] with the pin, and the pins that the board has.
+    pub fn check_pins(&self, table: &KlipperTable) -> Result<(), DriveError> {
+        match self {
+            Self::Klipper { pins, .. } => pins.check(table),
+            Self::Grbl { .. } | Self::Node { .. } => Ok(()),
+        }
+    }
+
     /// Returns the name of the board's driver.
     pub fn driver(&self) -> DriverName {
         match self {
@@ -111,7 +128,7 @@ impl Display for FoundBoard {
                 let number = if *board == 0 { String::new() } else { format!(" {board:016x}") };
                 write!(to, "a node{number}, firmware {major}.{minor}.{patch}")?;
             }
-            Self::Klipper { chip, version } => {
+            Self::Klipper { chip, version, .. } => {
                 let chip = if chip.is_empty() { String::new() } else { format!(" ({chip})") };
                 write!(to, "a Klipper board{chip}, firmware {version}")?;
             }
@@ -240,7 +257,7 @@ fn ask_grbl(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
 #[cfg(feature = "klipper")]
 fn ask_klipper(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
     let identity = klipper::ask(port, DriveTable::of(DriverName::Klipper).rate_baud(), stop)?;
-    Ok(FoundBoard::Klipper { chip: identity.chip, version: identity.version })
+    Ok(FoundBoard::Klipper { chip: identity.chip, version: identity.version, pins: identity.pins })
 }
 
 #[cfg(not(feature = "klipper"))]

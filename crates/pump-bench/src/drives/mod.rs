@@ -46,10 +46,14 @@ pub use grbl::{Grbl, GrblBoard, GrblError, ask_ports};
 pub(crate) use identity::Identity;
 #[cfg(feature = "klipper")]
 pub use klipper::{ClockError, DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
+#[cfg(all(feature = "grbl", feature = "node", feature = "klipper"))]
+pub use klipper::BoardPins;
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 pub use opening::Opening;
 pub(crate) use opening::SETTINGS_RECORD;
+#[cfg(all(feature = "grbl", feature = "node", not(feature = "klipper")))]
+pub use not_built::BoardPins;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;

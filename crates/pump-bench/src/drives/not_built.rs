@@ -7,6 +7,8 @@ use super::error::DriveError;
 use super::opening::Opening;
 #[cfg(not(all(feature = "grbl", feature = "node")))]
 use super::stop_request::StopRequest;
+#[cfg(all(feature = "grbl", feature = "node"))]
+use crate::pump_file::KlipperTable;
 use crate::pump_file::{DriveTable, PumpFile};
 
 /// Refuses the board.
@@ -32,4 +34,17 @@ pub(super) fn recorded_limits(
 #[cfg(not(all(feature = "grbl", feature = "node")))]
 pub(super) fn told_apart(error: DriveError, _table: &DriveTable, _stop: &StopRequest) -> DriveError {
     error
+}
+
+/// Pins of a board with the Klipper firmware. A program without its driver finds no such board.
+#[cfg(all(feature = "grbl", feature = "node"))]
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum BoardPins {}
+
+#[cfg(all(feature = "grbl", feature = "node"))]
+impl BoardPins {
+    /// Returns nothing, since there are no such pins.
+    pub(super) fn check(&self, _table: &KlipperTable) -> Result<(), DriveError> {
+        match *self {}
+    }
 }

@@ -58,6 +58,8 @@ pub struct Answers {
     pub socket: Option<MotorSocket>,
     /// Current of the motor at a socket with a stepper driver that is set over its wire, in A (RMS).
     pub current_a: Option<f64>,
+    /// Current of that motor at rest, in A (RMS). `None` takes that of the turning motor.
+    pub hold_a: Option<f64>,
     /// True if the pump runs in reverse when the axis counts up.
     pub invert: Option<bool>,
     /// True if the board's settings may be written where they do not fit the pump.
@@ -173,6 +175,7 @@ impl Answers {
             axis: None,
             socket: None,
             current_a: None,
+            hold_a: None,
             invert: None,
             configure: None,
             altitude_m: None,
@@ -234,7 +237,10 @@ impl Answers {
         missing(&mut self.max_speed_rpm, &other.max_speed_rpm);
         missing(&mut self.driver, &other.driver);
         missing(&mut self.port, &other.port);
-        missing(&mut self.current_a, &other.current_a);
+        if self.current_a.is_none() {
+            missing(&mut self.current_a, &other.current_a);
+            missing(&mut self.hold_a, &other.hold_a);
+        }
         missing(&mut self.suction_lift_mm, &other.suction_lift_mm);
         missing(&mut self.discharge_lift_mm, &other.discharge_lift_mm);
         missing(&mut self.outlet_end, &other.outlet_end);

@@ -24,6 +24,7 @@ impl Answers {
         self.check_rollers()?;
         self.check_bore()?;
         self.check_lift()?;
+        self.check_stepper_driver()?;
         let is_known = self.rollers.is_some() || self.is_of_file() || self.catalogued()?.is_some();
         if self.head.is_none() || !is_known {
             return Ok(());

@@ -105,6 +105,29 @@ pub enum SetupError {
         /// Pump that has the socket.
         name: String,
     },
+    /// The stepper driver that the board sets does not make the current.
+    #[error("the {what} is {current_a} A; allowed: {allowed}")]
+    Current {
+        /// Name of the current.
+        what: &'static str,
+        /// Current that was said, in A (RMS).
+        current_a: f64,
+        /// Currents that are allowed, as the message words them.
+        allowed: String,
+    },
+    /// The stepper driver that the board sets does not make the microsteps.
+    #[error(
+        "{microsteps} microsteps of {full_steps} full steps are none that a TMC2209 makes, and the board sets the one \
+         at this socket; allowed: {allowed}"
+    )]
+    Microsteps {
+        /// Microsteps that were said.
+        microsteps: f64,
+        /// Full steps of a revolution.
+        full_steps: u32,
+        /// Microsteps that are allowed, as the message words them.
+        allowed: &'static str,
+    },
     /// The rate needs a head that turns faster than it may.
     #[error(
         "{} mL/s needs {needed_rpm:.0} r/min of a head of {ml_per_rev:.4} mL per revolution, and it turns at \

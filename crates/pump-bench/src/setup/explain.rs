@@ -25,6 +25,10 @@ impl Explain for SetupError {
             Self::Socket { socket, name, .. } => {
                 facts.value(socket).allowed(format!("a socket other than that of {name}"))
             }
+            Self::Current { current_a, allowed, .. } => {
+                facts.value(format!("{current_a} A")).allowed(allowed)
+            }
+            Self::Microsteps { microsteps, allowed, .. } => facts.value(microsteps).allowed(allowed),
             Self::Fast { rate_ml_s, most_ml_s, .. } => {
                 facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{most_ml_s} mL/s at most"))
             }

@@ -14,6 +14,7 @@ mod outlook;
 mod printer_board;
 mod pump;
 mod removal;
+mod stepper_driver;
 mod topic;
 mod turn;
 

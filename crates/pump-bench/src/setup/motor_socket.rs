@@ -21,7 +21,7 @@ const ADDRESS_MOST: u8 = 3;
 /// use pump_bench::setup::MotorSocket;
 ///
 /// let socket: MotorSocket = "skr-mini-e3-v3:Y".parse()?;
-/// assert_eq!(socket.table(Some(0.5)).step.name, "PB10");
+/// assert_eq!(socket.table(Some(0.5), None).step.name, "PB10");
 /// let pins: MotorSocket = "step=PB13,dir=PB12,enable=!PB14".parse()?;
 /// assert!(socket.has_driver_wire() && !pins.has_driver_wire());
 /// # Ok::<(), pump_bench::setup::SocketError>(())
@@ -114,14 +114,20 @@ impl MotorSocket {
         &self.step.name
     }
 
+    /// Returns the board whose socket it is. `None` for pins by hand.
+    pub fn board(&self) -> Option<&'static PrinterBoard> {
+        PrinterBoard::of(self.said.split_once([':', ' ']).map_or(self.said.as_str(), |(name, _)| name))
+    }
+
     /// Returns the table of a pump file. The stepper driver is set where it has a wire and the motor's current, in A
-    /// (RMS), is known.
-    pub fn table(&self, current_a: Option<f64>) -> KlipperTable {
+    /// (RMS), is known. `hold_a` is the current at rest, if it is another one.
+    pub fn table(&self, current_a: Option<f64>, hold_a: Option<f64>) -> KlipperTable {
         let mut table = KlipperTable::new(self.step.clone(), self.dir.clone());
         table.enable.clone_from(&self.enable);
         table.tmc = self.wire.as_ref().zip(current_a).map(|(wire, run_a)| TmcTable {
             tx: wire.tx.clone(),
             address: wire.address,
+            hold_a,
             ..TmcTable::new(wire.uart.clone(), run_a)
         });
         table
@@ -236,7 +242,7 @@ mod tests {
             let mut seen = std::collections::BTreeSet::new();
             for socket in board.sockets() {
                 let read: MotorSocket = format!("{}:{socket}", board.name).parse().unwrap();
-                let table = read.table(Some(0.5));
+                let table = read.table(Some(0.5), None);
                 let (enable, tmc) = (table.enable.unwrap(), table.tmc.unwrap());
                 for pin in [&table.step, &table.dir, &enable] {
                     assert!(seen.insert(pin.name.clone()), "{read}: {pin}");
@@ -251,7 +257,7 @@ mod tests {
     /// Lines of config/generic-bigtreetech-skr-mini-e3-v3.0.cfg.
     #[test]
     fn a_socket_is_that_of_the_boards_own_file() {
-        let table = "SKR-Mini-E3-V3 e".parse::<MotorSocket>().unwrap().table(Some(0.65));
+        let table = "SKR-Mini-E3-V3 e".parse::<MotorSocket>().unwrap().table(Some(0.65), None);
         let tmc = table.tmc.unwrap();
         let pins = [table.step, table.dir, table.enable.unwrap(), tmc.uart, tmc.tx.unwrap()];
         assert_eq!(pins.map(|pin| pin.to_string()), ["PB3", "PB4", "!PD1", "PC11", "PC10"]);
@@ -263,10 +269,10 @@ mod tests {
         let said = "step=PB13,dir=!PB12,enable=!PB14,uart=PC11,tx=PC10,address=2";
         let socket: MotorSocket = said.parse().unwrap();
         assert_eq!((String::from(socket.clone()), socket.step_pin()), (said.to_owned(), "PB13"));
-        assert_eq!(socket.table(Some(0.4)).tmc.map(|tmc| tmc.address), Some(2));
-        assert_eq!(socket.table(None).tmc, None);
+        assert_eq!(socket.table(Some(0.4), None).tmc.map(|tmc| tmc.address), Some(2));
+        assert_eq!(socket.table(None, None).tmc, None);
         let bare: MotorSocket = "step=gpio2 dir=gpio3".parse().unwrap();
-        assert_eq!((bare.has_driver_wire(), bare.table(Some(0.4)).enable), (false, None));
+        assert_eq!((bare.has_driver_wire(), bare.table(Some(0.4), None).enable), (false, None));
     }
 
     #[test]

@@ -55,13 +55,13 @@ const MINI_WIRE: (&str, Option<&str>) = ("PC11", Some("PC10"));
 /// Wire of the four drivers of an SKR Pico.
 const PICO_WIRE: (&str, Option<&str>) = ("gpio9", Some("gpio8"));
 
-/// Returns a wire of an Octopus, which has one for each driver.
+/// Returns the wire of a driver that has one of its own.
 const fn own(pin: &'static str) -> (&'static str, Option<&'static str>) {
     (pin, None)
 }
 
 /// Printer boards whose sockets are known.
-const BOARDS: [PrinterBoard; 4] = [
+const BOARDS: [PrinterBoard; 5] = [
     PrinterBoard {
         name: "skr-mini-e3-v3",
         title: "BIGTREETECH SKR Mini E3 V3.0",
@@ -84,6 +84,18 @@ const BOARDS: [PrinterBoard; 4] = [
             pins("Y", ["PB10", "PB2", "!PB11"], MINI_WIRE, 2),
             pins("Z", ["PB0", "PC5", "!PB1"], MINI_WIRE, 1),
             pins("E", ["PB3", "PB4", "!PD2"], MINI_WIRE, 3),
+        ],
+    },
+    PrinterBoard {
+        name: "skr-mini-e3-v1.2",
+        title: "BIGTREETECH SKR Mini E3 V1.2",
+        source: "generic-bigtreetech-skr-mini-e3-v1.2.cfg",
+        chips: &["stm32f103xe"],
+        sockets: &[
+            pins("X", ["PB13", "PB12", "!PB14"], own("PB15"), 0),
+            pins("Y", ["PB10", "PB2", "!PB11"], own("PC6"), 0),
+            pins("Z", ["PB0", "PC5", "!PB1"], own("PC10"), 0),
+            pins("E", ["PB3", "PB4", "!PD2"], own("PC11"), 0),
         ],
     },
     PrinterBoard {
@@ -130,6 +142,11 @@ impl PrinterBoard {
     /// Returns the boards that come with this microcontroller, as its firmware names it.
     pub fn with_chip(chip: &str) -> impl Iterator<Item = &'static Self> {
         Self::all().iter().filter(move |board| board.chips.contains(&chip))
+    }
+
+    /// Returns the microcontrollers that the board comes with, as its firmware names them.
+    pub fn chips(&self) -> &'static [&'static str] {
+        self.chips
     }
 
     /// Returns the names of the sockets.

@@ -168,7 +168,7 @@ impl Answers {
             }
             table.invert = self.invert.unwrap_or(table.invert);
             if let Some(socket) = self.socket.as_ref().filter(|_| driver == DriverName::Klipper) {
-                table.klipper = Some(socket.table(self.current_a));
+                table.klipper = Some(socket.table(self.current_a, self.hold_a));
             }
             // A board whose pins nobody has said yet turns no motor.
             file.drive = drive.filter(|table| driver != DriverName::Klipper || table.klipper.is_some());

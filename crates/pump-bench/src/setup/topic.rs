@@ -40,6 +40,8 @@ pub enum Topic {
     Socket,
     /// Current of the motor.
     Current,
+    /// Current of the motor at rest.
+    HoldCurrent,
     /// Pressure of the air.
     Ambient,
     /// Height of the pump above the supply.
@@ -75,6 +77,7 @@ impl Topic {
             Self::Axis => answers.axis = None,
             Self::Socket => answers.socket = None,
             Self::Current => answers.current_a = None,
+            Self::HoldCurrent => answers.hold_a = None,
             Self::Ambient => (answers.altitude_m, answers.ambient_kpa) = (None, None),
             Self::SuctionLift => answers.suction_lift_mm = None,
             Self::DischargeLift => answers.discharge_lift_mm = None,

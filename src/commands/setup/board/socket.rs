@@ -1,13 +1,17 @@
 //! The questions about a board with the Klipper firmware: the socket of the motor, and the motor's current.
 
 use pump_bench::drives::FoundBoard;
+use pump_bench::notice::with_sources;
 use pump_bench::pump_file::DriverName;
-use pump_bench::setup::{MotorSocket, PrinterBoard, Topic};
+use pump_bench::setup::{Answers, MotorSocket, PrinterBoard, Topic};
 use pump_bench::units;
 
 use super::super::asker::{Asked, Question};
 use super::super::course::{Course, tell_person};
 use crate::failure::Failure;
+
+/// Current with which the pins of a socket are looked up, in A.
+const TRIED_A: f64 = 0.5;
 
 /// True if the motor's socket has to be asked for, and the board may say which one it is.
 pub(super) fn is_open(course: &Course) -> bool {
@@ -17,14 +21,48 @@ pub(super) fn is_open(course: &Course) -> bool {
 /// Asks for the socket, and for the motor's current where the board sets it.
 pub(super) fn ask(course: &mut Course) -> Asked<()> {
     socket_of_another(course)?;
+    socket_of_other_board(course)?;
     if course.answers.socket.is_none() {
         ask_socket(course)?;
     }
     let sets_current = course.answers.socket.as_ref().is_some_and(MotorSocket::has_driver_wire);
     if sets_current && course.answers.current_a.is_none() {
         ask_current(course)?;
+        ask_hold_current(course)?;
     }
     Ok(())
+}
+
+/// Drops a socket that the board at the port cannot have: another board answered than the one that was named, or pins
+/// that it lacks. A script is refused.
+pub(super) fn socket_of_other_board(course: &mut Course) -> Asked<()> {
+    let Some(socket) = course.answers.socket.clone() else { return Ok(()) };
+    let Err(why) = fits(course.board.as_ref(), &socket) else { return Ok(()) };
+    if course.asker.is_silent() {
+        return Err(Failure::refused(format!("{why}; say --socket")).value(socket).into());
+    }
+    tell_person(&format!("  {why}"));
+    let mut answers = course.answers.clone();
+    answers.socket = None;
+    Ok(course.take(answers)?)
+}
+
+/// Refuses a socket that the board which answered cannot have.
+fn fits(board: Option<&FoundBoard>, socket: &MotorSocket) -> Result<(), String> {
+    let Some(board @ FoundBoard::Klipper { chip, .. }) = board else { return Ok(()) };
+    if let Some(named) =
+        socket.board().filter(|named| !chip.is_empty() && !named.chips().contains(&chip.as_str()))
+    {
+        return Err(format!(
+            "the {} comes with {}, and the board at this port has {chip}; name the board that it is, or the pins of \
+             its motor, as step=PB13,dir=PB12,enable=!PB14",
+            named.title,
+            named.chips().join(" or ")
+        ));
+    }
+    // Any current: the pins of the stepper driver's wire are those of the socket.
+    let table = socket.table(Some(TRIED_A), None);
+    board.check_pins(&table).map_err(|error| with_sources(&error))
 }
 
 /// Drops a socket that turns another pump: the port was said after it. A script is refused.
@@ -44,6 +82,7 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
         Some(FoundBoard::Klipper { chip, .. }) => chip.as_str(),
         _ => "",
     };
+    let found = course.board.clone();
     let fitting: Vec<_> = PrinterBoard::with_chip(chip).collect();
     let boards = if fitting.is_empty() { PrinterBoard::all().iter().collect() } else { fitting };
     for board in &boards {
@@ -69,7 +108,7 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
         let is_taken = |pin: &str| pin == socket.step_pin();
         match others.iter().find(|other| other.step_pin.as_deref().is_some_and(is_taken)) {
             Some(other) => Err(format!("{socket} is that of {}; choose another socket", other.name)),
-            None => Ok(socket),
+            None => fits(found.as_ref(), &socket).map(|()| socket),
         }
     };
     course.settle(Topic::Socket, &question, read, |answers, socket| answers.socket = Some(socket))
@@ -85,4 +124,24 @@ fn ask_current(course: &mut Course) -> Asked<()> {
     };
     let read = |answer: &str| units::current_a(answer).map_err(|error| error.to_string());
     course.settle(Topic::Current, &question, read, |answers, current_a| answers.current_a = Some(current_a))
+}
+
+fn ask_hold_current(course: &mut Course) -> Asked<()> {
+    if course.answers.hold_a.is_some() || course.asker.is_silent() {
+        return Ok(());
+    }
+    let of_run = format!("{}A", course.answers.current_a.unwrap_or_default());
+    // The current at rest of another motor fits its own current alone.
+    let run_a = course.answers.current_a;
+    let of_last =
+        |last: &Answers| last.hold_a.filter(|_| last.current_a == run_a).map(|hold_a| format!("{hold_a}A"));
+    let question = Question {
+        text: "Current of the motor at rest (RMS), as 0.3A",
+        option: "--hold-current 0.3A",
+        usual: course.suggested(of_last, Some(&of_run)),
+        help: "the motor holds with it between doses, so that the rollers stay where they are; half of the current of \
+               the turning motor holds most heads, and leaves the motor cooler",
+    };
+    let read = |answer: &str| units::current_a(answer).map_err(|error| error.to_string());
+    course.settle(Topic::HoldCurrent, &question, read, |answers, hold_a| answers.hold_a = Some(hold_a))
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use super::board_pins::BoardPins;
 use super::error::KlipperError;
 use super::link::{Link, Place};
 use crate::drives::wire::BoardPort;
@@ -22,6 +23,8 @@ pub(in crate::drives) struct Identity {
     pub(in crate::drives) chip: String,
     /// Version of the firmware.
     pub(in crate::drives) version: String,
+    /// Pins of the board.
+    pub(in crate::drives) pins: BoardPins,
 }
 
 /// Asks the port for a board at `baud`: a second for a first answer, and the time that the dictionary takes. Returns
@@ -37,5 +40,6 @@ pub(in crate::drives) fn ask(port: &Path, baud: u32, stop: &StopRequest) -> Resu
         return Err(KlipperError::OtherFirmware { port, app }.into());
     }
     let chip = dictionary.constant_text("MCU").unwrap_or_default();
-    Ok(Identity { chip, version: dictionary.version().to_owned() })
+    let version = dictionary.version().to_owned();
+    Ok(Identity { chip, version, pins: BoardPins::new(dictionary) })
 }

@@ -17,6 +17,8 @@
 mod ask;
 mod axis;
 mod board;
+#[cfg(all(feature = "grbl", feature = "node"))]
+mod board_pins;
 mod clock;
 mod dictionary;
 mod error;
@@ -31,6 +33,8 @@ mod tmc;
 pub(super) use ask::ask;
 pub use axis::Klipper;
 pub(super) use axis::open;
+#[cfg(all(feature = "grbl", feature = "node"))]
+pub use board_pins::BoardPins;
 pub use clock::ClockError;
 pub use dictionary::DictionaryError;
 pub use error::KlipperError;

@@ -68,9 +68,9 @@ pub struct TmcTable {
     pub hold_a: Option<f64>,
 }
 
-/// Returns the sense resistor of most boards, in ohm (Klipper3d/klipper, `docs/Config_Reference.md`, `[tmc2209]`).
+/// Returns the sense resistor of most boards, in ohm.
 fn usual_sense_ohm() -> f64 {
-    0.11
+    TmcTable::USUAL_SENSE_OHM
 }
 
 impl KlipperTable {
@@ -160,6 +160,9 @@ impl KlipperTable {
 }
 
 impl TmcTable {
+    /// Sense resistor of most boards, in ohm (Klipper3d/klipper, `docs/Config_Reference.md`, `[tmc2209]`).
+    pub const USUAL_SENSE_OHM: f64 = 0.11;
+
     /// Returns the table of a driver at address 0 of the wire of this pin, for a motor of this current in A (RMS).
     pub fn new(uart: KlipperPin, run_a: f64) -> Self {
         Self { uart, tx: None, address: 0, sense_ohm: usual_sense_ohm(), run_a, hold_a: None }

@@ -23,13 +23,13 @@ const CHIP_MOST_A: f64 = 2.0;
 const SENSE_OHM: (f64, f64) = (0.075, 1.0);
 
 /// Largest address (chapter 4: pins MS1 and MS2).
-pub(crate) const ADDRESS_MOST: u8 = 3;
+const ADDRESS_MOST: u8 = 3;
 
 /// Most microsteps of a full step (chapter 5.5.1, MRES).
 pub(crate) const MICROSTEPS_MOST: u32 = 256;
 
 /// Words for the microsteps that the chip makes.
-const MICROSTEPS: &str = "1, 2, 4, 8, 16, 32, 64, 128 or 256";
+pub(crate) const MICROSTEPS: &str = "1, 2, 4, 8, 16, 32, 64, 128 or 256";
 
 /// Part of a step of the scale by which a current may miss it: currents are written with few digits.
 pub(crate) const SLACK: f64 = 1e-6;
