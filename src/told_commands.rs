@@ -33,8 +33,6 @@ struct Told {
     typed: Vec<(&'static str, String)>,
     /// Name of the pump; none where a command means several.
     pump: Option<String>,
-    /// Pump that a command without `--pump` means.
-    usual: Option<String>,
     root: Definitions,
 }
 
@@ -46,9 +44,8 @@ impl Told {
     fn of_pump(&self, pump: &str) -> Self {
         let mut typed = self.typed.clone();
         typed.retain(|(option, _)| *option != "--pump");
-        if self.usual.as_deref() != Some(pump) {
-            typed.insert(0, ("--pump", pump.to_owned()));
-        }
+        // Beside commands of other pumps, that of the usual one is read better with its name.
+        typed.insert(0, ("--pump", pump.to_owned()));
         Self { typed, pump: Some(pump.to_owned()), ..self.clone() }
     }
 }
@@ -99,7 +96,7 @@ pub(crate) fn note(matches: &ArgMatches, root: fn() -> Command) {
     let pump = named.or_else(|| usual.clone()).filter(|_| !OF_SEVERAL.iter().any(is_typed));
     typed.retain(|(option, value)| *option != "--pump" || usual.as_ref() != Some(value));
     let root = Arc::new(LazyLock::new(root));
-    let _ = TOLD.set(Told { typed, pump, usual, root });
+    let _ = TOLD.set(Told { typed, pump, root });
 }
 
 /// Words with the command that goes on with the setup of a pump, if that was left before its end.
@@ -215,8 +212,7 @@ mod tests {
                 Command::new("log"),
             ])
         };
-        let told =
-            Told { typed: typed.to_vec(), pump: None, usual: None, root: Arc::new(LazyLock::new(root)) };
+        let told = Told { typed: typed.to_vec(), pump: None, root: Arc::new(LazyLock::new(root)) };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(told("`dose resume` makes"), "`dose resume --driver grbl --port /dev/pts/4` makes");
         assert_eq!(told("`dose log` lists"), "`dose log` lists");
@@ -227,8 +223,7 @@ mod tests {
     fn commands_mean_the_pump_and_the_record_that_were_typed() {
         let typed = [("--pump", "my acid.toml".to_owned()), ("--state-dir", "/srv/state".to_owned())];
         let pump = Some("my acid.toml".to_owned());
-        let told =
-            Told { typed: typed.to_vec(), pump, usual: None, root: Arc::new(LazyLock::new(definitions)) };
+        let told = Told { typed: typed.to_vec(), pump, root: Arc::new(LazyLock::new(definitions)) };
         let told = |text: &str| completed_with(text, &told);
         assert_eq!(
             told("`dose resume NAME --reason <TEXT>`"),
@@ -252,19 +247,14 @@ mod tests {
     #[test]
     fn commands_of_one_of_several_pumps_mean_that_pump_and_are_completed_once() {
         let typed = vec![("--state-dir", "/srv/state".to_owned())];
-        let told = Told {
-            typed,
-            pump: None,
-            usual: Some("acid".to_owned()),
-            root: Arc::new(LazyLock::new(definitions)),
-        };
+        let told = Told { typed, pump: None, root: Arc::new(LazyLock::new(definitions)) };
         let of = |pump: &str, text: &str| completed_with(text, &told.of_pump(pump));
         let base = "`dose resume base --state-dir /srv/state`";
         assert_eq!(completed_with(&of("base", "`dose resume NAME`"), &told.of_pump("base")), base);
         let base = "`dose resume --pump racks/base.toml --state-dir /srv/state`";
         assert_eq!(of("racks/base.toml", "`dose resume`"), base);
         assert_eq!(completed_with(base, &told), base);
-        assert_eq!(of("acid", "`dose resume`"), "`dose resume --state-dir /srv/state`");
+        assert_eq!(of("acid", "`dose resume`"), "`dose resume --pump acid --state-dir /srv/state`");
         assert_eq!(of("acid", "`dose pumps NAME`"), "`dose pumps acid`");
     }
 
@@ -272,7 +262,7 @@ mod tests {
     #[test]
     fn a_text_that_tells_no_command_makes_no_definitions() {
         let root = Arc::new(LazyLock::new((|| unreachable!("nobody needs them")) as fn() -> Command));
-        let told = Told { typed: Vec::new(), pump: Some("acid".to_owned()), usual: None, root };
+        let told = Told { typed: Vec::new(), pump: Some("acid".to_owned()), root };
         let told = told.of_pump("base");
         assert_eq!(completed_with("the pump `base` stands", &told), "the pump `base` stands");
     }

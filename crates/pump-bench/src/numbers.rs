@@ -44,8 +44,15 @@ pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
     if most_ml - least_ml < 1e-9 {
         format!("{least_ml:.4} mL")
     } else {
-        format!("between {least_ml:.4} and {most_ml:.4} mL")
+        let (least, most) = told_apart(least_ml, most_ml, 4);
+        format!("between {least} and {most} mL")
     }
+}
+
+/// Formats two bounds with `decimals`, or with as many more as tell them apart, 9 at most.
+pub(crate) fn told_apart(least: f64, most: f64, decimals: usize) -> (String, String) {
+    let with = |decimals: usize| (format!("{least:.decimals$}"), format!("{most:.decimals$}"));
+    (decimals..9).map(with).find(|(least, most)| least != most).unwrap_or_else(|| with(9))
 }
 
 /// Words a carry in mL: in µL, as every carry is.
@@ -77,6 +84,14 @@ mod tests {
         {
             assert_eq!(duration(time_s), told);
         }
+    }
+
+    #[test]
+    fn bounds_have_as_many_digits_as_tell_them_apart() {
+        assert_eq!(between(1.412, 1.418), "between 1.4120 and 1.4180 mL");
+        assert_eq!(between(1.412_31, 1.412_34), "between 1.41231 and 1.41234 mL");
+        assert_eq!(between(1.41, 1.41), "1.4100 mL");
+        assert_eq!(told_apart(1.4081, 1.4094, 2), ("1.408".to_owned(), "1.409".to_owned()));
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod end;
 mod profile;
 mod rack;
 mod rack_lines;
+mod rack_warnings;
 
 use std::path::PathBuf;
 

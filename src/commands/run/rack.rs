@@ -11,6 +11,7 @@ use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackProgress, RackRep
 use pump_bench::safety::UnfinishedPolicy;
 
 use super::rack_lines::RackLines;
+use super::rack_warnings::Gathered;
 use crate::advice;
 use crate::commands::delivery::{before_dose, unprinted};
 use crate::failure::Failure;
@@ -82,6 +83,7 @@ impl RackArgs {
         let lines = supervised::tells().then(|| RackLines::begin(&rack));
         let shown = Shown::new(&rack, &places, json, lines);
         let report = rack.run(|progress| shown.show(&progress));
+        shown.tell_warnings();
         shown.bar.finish_and_clear();
         let report = report.map_err(|error| refused(error).after_earlier_motion(moved))?;
         let (has_moved, total) = (report.has_moved(), report.total);
@@ -96,13 +98,23 @@ impl RackArgs {
     }
 }
 
-/// The pumps of a rack as a user types them, by their names in the rack.
-struct Places(BTreeMap<String, String>);
+/// The pumps of a rack as a user types them, with their names in the rack, in its order.
+struct Places(Vec<(String, String)>);
 
 impl Places {
+    /// The pump of this name as a user types it.
+    fn of(&self, pump: &str) -> Option<&str> {
+        self.0.iter().find(|(name, _)| name == pump).map(|(_, place)| place.as_str())
+    }
+
+    /// The names in the rack, each with the pump as a user types it.
+    fn all(&self) -> Vec<(&str, &str)> {
+        self.0.iter().map(|(name, place)| (name.as_str(), place.as_str())).collect()
+    }
+
     /// Does something whose words are about this pump of the rack.
     fn meaning<T>(&self, pump: &str, does: impl FnOnce() -> T) -> T {
-        meaning(self.0.get(pump).map_or(pump, String::as_str), does)
+        meaning(self.of(pump).unwrap_or(pump), does)
     }
 
     /// The failure of a pump of the rack.
@@ -211,8 +223,10 @@ struct Shown<'a> {
 struct Told {
     /// Pumps whose motors move.
     announced: BTreeSet<String>,
-    /// Warnings that were told before a real motor moved, as `pump: text`.
-    warned: BTreeSet<String>,
+    /// Warnings that were told before a real motor moved, each with its pump.
+    warned: BTreeSet<(String, String)>,
+    /// Warnings of pumps that are about to move, which are told at once.
+    gathered: Gathered,
     /// Volume of each pump and that of its whole step, in mL, and the number of the step.
     volumes: BTreeMap<String, (f64, f64, usize)>,
     /// Lines to a supervising program, if there is one.
@@ -236,11 +250,15 @@ impl<'a> Shown<'a> {
                 let _ = announce(&member.bench, self.json);
             }
             for warning in progress.warnings {
-                let text = self.places.warning(progress.pump, warning);
-                if told.warned.insert(text.clone()) {
-                    warn(&[text]);
+                let text = warning.worded(advice::words);
+                if told.warned.insert((progress.pump.to_owned(), text.clone())) {
+                    told.gathered.add(progress.pump, text);
                 }
             }
+        }
+        // The pumps of a step come to this point together, in threads of their own, before the first of them moves.
+        if progress.made > 0 || told.gathered.is_due() {
+            warn(&told.gathered.take(&self.places.all()));
         }
         told.lines.iter_mut().for_each(|lines| lines.show(progress));
         if self.bar.is_hidden() {
@@ -254,7 +272,13 @@ impl<'a> Shown<'a> {
         self.bar.set_message(text);
     }
 
-    fn warned(&self) -> BTreeSet<String> {
+    /// Tells the warnings that wait for those of further pumps.
+    fn tell_warnings(&self) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        warn(&told.gathered.take(&self.places.all()));
+    }
+
+    fn warned(&self) -> BTreeSet<(String, String)> {
         self.told.lock().unwrap_or_else(PoisonError::into_inner).warned.clone()
     }
 }
@@ -263,21 +287,23 @@ impl<'a> Shown<'a> {
 fn said(
     report: RackReport,
     json: bool,
-    warned: &BTreeSet<String>,
+    warned: &BTreeSet<(String, String)>,
     places: &Places,
 ) -> Result<RackReport, Failure> {
     let mut report = report.worded(advice::words);
+    let mut gathered = Gathered::default();
     for row in &mut report.pumps {
+        for warning in &row.warnings {
+            if !warned.contains(&(row.name.clone(), warning.text().to_owned())) {
+                gathered.add(&row.name, warning.text().to_owned());
+            }
+        }
         let told = |warning: &Notice| Notice::from(completed(warning.text()).into_owned());
         row.warnings = places.meaning(&row.name, || row.warnings.iter().map(told).collect());
     }
-    let lines = report.warning_lines();
-    let untold = lines.lines().filter(|line| !warned.contains(line.trim_start_matches("warning: ")));
-    let untold: Vec<&str> = untold.collect();
+    let untold = gathered.take(&places.all());
     if json {
-        for line in &untold {
-            warn(&[line.trim_start_matches("warning: ")]);
-        }
+        warn(&untold);
         print_json(&(report.json() + "\n"))?;
         return Ok(report);
     }
@@ -286,7 +312,7 @@ fn said(
         RackEnd::Planned if !report.simulated => "DRY RUN: no motor moves\n",
         _ => headline,
     };
-    let warnings: String = untold.iter().map(|line| format!("{line}\n")).collect();
+    let warnings: String = untold.iter().map(|line| format!("warning: {line}\n")).collect();
     tell(&format!("{headline}{}{warnings}", report.text()))?;
     Ok(report)
 }

@@ -149,11 +149,12 @@ impl Rack {
         let is_unexplained = matches!(stop.cause(), Some(Stop::Fault(_)))
             && played.iter().all(|played| played.error.is_none());
         for (pump, (member, played)) in self.members().iter().zip(played).enumerate() {
-            let Played { doses, warnings, error, failed_expanded_ml, failed_end_s, followed } = played;
+            let late = played.late_warning();
+            let Played { doses, warnings, error, failed_expanded_ml, failed_end_s, followed, .. } = played;
             let error = error.or(followed.filter(|_| is_unexplained));
             let (steps, requested_ml) = (self.parts(pump).count(), self.requested_ml(pump));
             let mut row = RackPumpReport::of(member, steps, requested_ml, doses);
-            row.warnings.splice(0..0, warnings);
+            row.warnings.splice(0..0, warnings.into_iter().chain(late));
             let failed_part = self.requests(pump).into_iter().nth(row.doses.len());
             let over_time = failed_part.is_some_and(|part| part.profile.is_some());
             error.iter().for_each(|error| row.failed(error, failed_expanded_ml, over_time));

@@ -4,6 +4,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 
+use libm::ceil;
+
 use super::clock::{RackClock, SharedStop, Stop};
 use super::progress::RackProgress;
 use super::rack::Rack;
@@ -38,6 +40,8 @@ pub(super) type Answer = Result<Vec<Timing>, (usize, DoseError)>;
 pub(super) struct Played {
     pub(super) doses: Vec<RackDose>,
     pub(super) warnings: Vec<Notice>,
+    /// Number of each step that began late, from 1, and the time by which it did, in s.
+    late: Vec<(usize, f64)>,
     pub(super) error: Option<DoseError>,
     /// Expanded uncertainty of the plan of the motion that failed, in mL.
     pub(super) failed_expanded_ml: f64,
@@ -51,6 +55,15 @@ impl Played {
     /// The part of a pump whose thread has panicked.
     pub(super) fn panicked() -> Self {
         Self { error: Some(DoseError::Panicked), ..Self::default() }
+    }
+
+    /// Returns the warning of the steps that began late. Pumps of one board tell a like time in like words.
+    pub(super) fn late_warning(&self) -> Option<Notice> {
+        let most_s = self.late.iter().map(|(_, late_s)| *late_s).reduce(f64::max)?;
+        let steps = self.late.iter().map(|(step, _)| step.to_string()).collect::<Vec<_>>().join(", ");
+        let steps = if self.late.len() == 1 { format!("step {steps}") } else { format!("steps {steps}") };
+        let most_s = significant(ceil(10.0 * most_s) / 10.0, 4);
+        Some(format!("{steps} began up to {most_s} s late: the device or this computer was busy").into())
     }
 }
 
@@ -183,7 +196,7 @@ impl Player<'_> {
                 let Appointment { begin_s, place } = appointment;
                 place.map_or(Ok(()), |place| session.begin_with(place))?;
                 let part = Part { player: self, clock, begin_s, step, prepared: &prepared, last_s: &last_s };
-                part.run(session, on_progress, &mut played.warnings)
+                part.run(session, on_progress, &mut played.late)
             });
             match ran {
                 Ok(Some(dose)) => {
@@ -241,12 +254,12 @@ struct Part<'p> {
 }
 
 impl Part<'_> {
-    /// Runs the part at its time. Returns `None` if all were to stop before it began.
+    /// Runs the part at its time. Returns `None` if all were to stop before it began. A late step is added to `late`.
     fn run(
         &self,
         session: &mut Session<'_>,
         on_progress: &(dyn Fn(RackProgress<'_>) + Sync),
-        warnings: &mut Vec<Notice>,
+        late: &mut Vec<(usize, f64)>,
     ) -> Result<Option<RackDose>, DoseError> {
         let Self { player, clock, begin_s, prepared, .. } = *self;
         let is_simulated = player.bench.is_simulated();
@@ -278,13 +291,7 @@ impl Part<'_> {
         })?;
         self.tell(delivered.made, on_progress);
         let late_s = late_s.filter(|late_s| player.rack.pace == Pace::Real && *late_s > LATE_S);
-        if let Some(late_s) = late_s {
-            warnings.push(Notice::from(format!(
-                "step {} began {} s late: the device or this computer was busy",
-                self.step + 1,
-                significant(late_s, 2)
-            )));
-        }
+        late.extend(late_s.map(|late_s| (self.step + 1, late_s)));
         let dose = report(player.bench, prepared, Some(&delivered));
         let unfinished = delivered.unfinished;
         let begin_s = begin_s + late_s.unwrap_or(0.0);

@@ -66,6 +66,9 @@ pub struct RackPumpReport {
     pub(in crate::rack) failed_end_s: Option<f64>,
     /// Reason why the pump failed; null if it did not.
     pub error: Option<String>,
+    /// Cause of the fault, without what this pump delivered. `None` if it did not fail.
+    #[serde(skip)]
+    pub(in crate::rack) cause: Option<String>,
     /// Warnings for the user, those of the doses included.
     pub warnings: Vec<Notice>,
     /// Doses of the pump in the order of its steps.
@@ -118,6 +121,7 @@ impl RackPumpReport {
             over_time: false,
             failed_end_s: None,
             error: None,
+            cause: None,
             warnings,
             doses,
         }
@@ -128,6 +132,10 @@ impl RackPumpReport {
     /// `over_time` tells that the motion was a flow over time.
     pub(in crate::rack) fn failed(&mut self, error: &DoseError, expanded_ml: f64, over_time: bool) {
         self.error = Some(with_sources(error));
+        self.cause = Some(match error {
+            DoseError::Drive { error, .. } => with_sources(error),
+            other => with_sources(other),
+        });
         self.completed = false;
         self.unfinished = matches!(
             error,

@@ -2,7 +2,7 @@
 
 use super::pump_row::{RackPumpReport, sum};
 use super::rack_report::{RackEnd, RackReport};
-use crate::numbers::{microlitres, significant};
+use crate::numbers::{microlitres, significant, told_apart};
 
 impl RackReport {
     /// Returns the report in words: a line of the rack, a row a pump, and the total. Warnings are not in it.
@@ -38,22 +38,41 @@ impl RackReport {
 
     /// Returns the names of the pumps that failed. A stop of a whole board is a fault of each of its pumps.
     fn faults_of(&self, first: &str) -> String {
-        let further = self.further_faults().map(|(name, _)| name);
+        let further = self.further_faults().map(|row| row.name.as_str());
         let names: Vec<&str> = std::iter::once(first).chain(further).collect();
         let a = if names.len() == 1 { "a fault" } else { "faults" };
         format!("stopped by {a} of {}", names.join(", "))
     }
 
-    /// Returns the names and errors of the pumps that failed, but for the one whose fault is told as the rack's.
-    fn further_faults(&self) -> impl Iterator<Item = (&str, &str)> {
+    /// Returns the pumps that failed, but for the one whose fault is told as the rack's.
+    fn further_faults(&self) -> impl Iterator<Item = &RackPumpReport> {
         let first = self.fault.as_ref().map(|fault| fault.pump.as_str());
-        let rows = self.pumps.iter().filter(move |row| Some(row.name.as_str()) != first);
-        rows.filter_map(|row| Some((row.name.as_str(), row.error.as_deref()?)))
+        self.pumps.iter().filter(move |row| row.error.is_some() && Some(row.name.as_str()) != first)
     }
 
-    /// Returns the errors of the further pumps that failed, a line each.
+    /// Returns the causes for which further pumps failed, a line each. A stop of a whole board is one cause.
     fn further_errors(&self) -> String {
-        self.further_faults().map(|(name, error)| format!("{name} failed too: {error}\n")).collect()
+        let mut lines: Vec<(Option<&str>, Vec<&RackPumpReport>)> = Vec::new();
+        for row in self.further_faults() {
+            let cause = row.cause.as_deref();
+            match lines.iter_mut().find(|(known, _)| *known == cause) {
+                Some((_, rows)) => rows.push(row),
+                None => lines.push((cause, vec![row])),
+            }
+        }
+        let first = self.fault.as_ref().map(|fault| fault.pump.as_str());
+        let first = first.and_then(|first| self.pumps.iter().find(|row| row.name == first));
+        let line = |(cause, rows): &(Option<&str>, Vec<&RackPumpReport>)| {
+            let names = rows.iter().map(|row| row.name.as_str()).collect::<Vec<_>>().join(", ");
+            match (first.filter(|first| first.cause.as_deref() == *cause), rows.as_slice()) {
+                (Some(first), _) => format!("{names} failed too, for the reason of {}\n", first.name),
+                (None, [row]) => {
+                    format!("{names} failed too: {}\n", row.error.as_deref().unwrap_or_default())
+                }
+                _ => format!("{names} failed too: {}\n", cause.unwrap_or_default()),
+            }
+        };
+        lines.iter().map(line).collect()
     }
 
     /// Returns the warnings, a line each, with the name of their pump.
@@ -73,11 +92,8 @@ impl RackPumpReport {
         let volume = volume(self.told_ml(), unsure_ml);
         let (least_ml, most_ml) = (self.delivered_least_ml, self.delivered_most_ml);
         let range = if self.error.is_some() && most_ml - least_ml > 1e-9 {
-            format!(
-                ", between {} and {} by the steps",
-                digits(least_ml, unsure_ml),
-                digits(most_ml, unsure_ml)
-            )
+            let (least, most) = told_apart(least_ml, most_ml, decimals(unsure_ml));
+            format!(", between {least} mL and {most} mL by the steps")
         } else {
             String::new()
         };
@@ -109,11 +125,16 @@ fn volume(volume_ml: f64, expanded_ml: f64) -> String {
 
 /// Words a volume with the digits of an uncertainty.
 fn digits(volume_ml: f64, expanded_ml: f64) -> String {
-    let decimals = match expanded_ml {
+    let decimals = decimals(expanded_ml);
+    format!("{volume_ml:.decimals$} mL")
+}
+
+/// Returns the decimals of a volume that is as unsure as `expanded_ml`.
+fn decimals(expanded_ml: f64) -> usize {
+    match expanded_ml {
         expanded_ml if expanded_ml > 0.0 => (1.0 - expanded_ml.log10().floor()).clamp(0.0, 4.0) as usize,
         _ => 2,
-    };
-    format!("{volume_ml:.decimals$} mL")
+    }
 }
 
 fn counted(number: usize, noun: &str) -> String {
