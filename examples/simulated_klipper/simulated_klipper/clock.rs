@@ -20,6 +20,11 @@ impl Clock {
         self.first + (self.begun.elapsed().as_secs_f64() * self.ticks_s) as u64
     }
 
+    /// Returns the instant at which the clock stands at a tick.
+    pub(super) fn instant_of(&self, tick: u64) -> Instant {
+        self.begun + self.time(tick.saturating_sub(self.first))
+    }
+
     /// Lets the clock jump by so many ticks.
     pub(super) fn jump(&mut self, ticks: u64) {
         self.first += ticks;

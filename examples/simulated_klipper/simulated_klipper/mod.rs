@@ -17,8 +17,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{JoinHandle, sleep};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use clock::Clock;
 use line::Line;
 use options::SOCKETS;
 pub(crate) use options::{Character, IndexSensor, pin_of};
@@ -45,6 +46,8 @@ pub(crate) struct Truth {
     pub(crate) most_used: u16,
     /// Tick of its clock.
     pub(crate) now: u64,
+    /// The clock itself.
+    clock: Option<Clock>,
     /// GCONF, IHOLD_IRUN and CHOPCONF of each driver that has a line.
     pub(crate) drivers: Vec<[u32; 3]>,
     /// Datagrams of the host on the line to the drivers.
@@ -98,6 +101,12 @@ impl SimulatedKlipper {
     /// Returns the truth about the board now.
     pub(crate) fn truth(&self) -> Truth {
         lock(&self.shared).truth.clone()
+    }
+
+    /// Returns the instant at which the board's clock stands at a tick. `None` before its first look.
+    #[allow(dead_code, reason = "tests compare the steps of two boards")]
+    pub(crate) fn instant_of(&self, tick: u64) -> Option<Instant> {
+        lock(&self.shared).truth.clock.map(|clock| clock.instant_of(tick))
     }
 
     /// Does what a person's hand does at the board, in the words of [`HANDS`].

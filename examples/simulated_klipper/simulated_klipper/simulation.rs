@@ -180,7 +180,7 @@ impl Simulation {
         truth.moving = board.is_moving();
         truth.configured = board.is_configured();
         truth.most_used = board.most_used;
-        truth.now = board.now;
+        (truth.now, truth.clock) = (board.now, Some(self.clock));
         truth.shutdown = board.shutdown.map(super::dictionary::Reason::words);
         truth.drivers =
             board.drivers.iter().map(|driver| [0x00, 0x10, 0x6c].map(|n| driver.register(n))).collect();

@@ -1,9 +1,10 @@
 //! The abilities of a drive.
 
-/// Way in which motions of several axes of one board go together.
+/// Way in which motions of several axes go together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Together {
-    /// They begin at one tick. Each keeps its own times.
+    /// They begin at one tick of their board, or at one instant if each has a board of its own. Each keeps its own
+    /// times.
     Begin,
     /// They are one line: they begin together, keep the ratio of their steps, and end together. No axis moves while
     /// others do otherwise.
@@ -37,7 +38,7 @@ pub struct Abilities {
     pub tells_resets: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,
-    /// Way in which the drive makes a motion together with those of other axes of its board
+    /// Way in which the drive makes a motion together with those of other axes of its board, or of other boards
     /// ([`Drive::begin_with`](super::Drive::begin_with)). `None` if it makes each by itself.
     pub together: Option<Together>,
 }
@@ -55,7 +56,8 @@ impl Abilities {
         .with_tells_resets(true)
         .with_together(Together::Begin);
 
-    /// Abilities of a motor at a board with the Klipper firmware, which makes each step at the plan's time.
+    /// Abilities of a motor at a board with the Klipper firmware, which makes each step at the plan's time. It begins
+    /// together with motors of other such boards.
     pub(super) const KLIPPER: Self = Self::new()
         .with_index(true)
         .with_readback(true)
@@ -63,7 +65,8 @@ impl Abilities {
         .with_step_times(true)
         .with_angle_dependent_speed(true)
         .with_flow_over_time(true)
-        .with_tells_resets(true);
+        .with_tells_resets(true)
+        .with_together(Together::Begin);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.

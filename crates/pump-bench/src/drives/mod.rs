@@ -33,6 +33,8 @@ pub mod wire;
 
 pub use abilities::{Abilities, Together};
 pub use board_share::BoardShare;
+#[cfg(feature = "klipper")]
+use common_begin::Met;
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
 pub use error::{DriveError, DriveFault};
@@ -44,16 +46,16 @@ pub use grbl::reply as grbl_reply;
 #[cfg(feature = "grbl")]
 pub use grbl::{Grbl, GrblBoard, GrblError, ask_ports};
 pub(crate) use identity::Identity;
-#[cfg(feature = "klipper")]
-pub use klipper::{ClockError, DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
 #[cfg(all(feature = "grbl", feature = "node", feature = "klipper"))]
 pub use klipper::BoardPins;
+#[cfg(feature = "klipper")]
+pub use klipper::{ClockError, DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
-pub use opening::Opening;
-pub(crate) use opening::SETTINGS_RECORD;
 #[cfg(all(feature = "grbl", feature = "node", not(feature = "klipper")))]
 pub use not_built::BoardPins;
+pub use opening::Opening;
+pub(crate) use opening::SETTINGS_RECORD;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;

@@ -75,8 +75,12 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
         return Some((shared, "give each board its own port"));
     }
     if driver == DriverName::Klipper {
+        let pins = one.drive().klipper.as_ref().zip(other.drive().klipper.as_ref());
+        let clash = pins.filter(|(one, other)| one.step.name == other.step.name);
+        let pin = clash.map(|(one, _)| format!("both at the step pin {}, ", one.step.name));
         let shared = format!(
-            "are turned by one board at {port}, and a board with the Klipper firmware turns one pump at a time"
+            "are turned by one board at {port}, {}and a board with the Klipper firmware turns one pump at a time",
+            pin.unwrap_or_default()
         );
         return Some((shared, NODE_INSTEAD));
     }

@@ -3,11 +3,13 @@
 use pump_ctl::plan::PlanError;
 
 use super::DoseError;
-#[cfg(any(feature = "grbl", feature = "node"))]
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 use crate::drives::CommonBeginError;
 use crate::drives::DriveError;
 #[cfg(feature = "grbl")]
 use crate::drives::GrblError;
+#[cfg(feature = "klipper")]
+use crate::drives::KlipperError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
 
@@ -39,6 +41,12 @@ impl DoseError {
             #[cfg(feature = "grbl")]
             Self::Connection(DriveError::Device(source))
                 if matches!(source.downcast_ref(), Some(GrblError::Common(CommonBeginError::Another))) =>
+            {
+                true
+            }
+            #[cfg(feature = "klipper")]
+            Self::Connection(DriveError::Device(source))
+                if matches!(source.downcast_ref(), Some(KlipperError::Common(CommonBeginError::Another))) =>
             {
                 true
             }

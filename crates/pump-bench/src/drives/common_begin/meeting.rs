@@ -138,19 +138,19 @@ impl Seat {
 impl BeginPlace {
     /// Tells how this motion stands at `now`, by the clock of its line. Returns what it does next.
     pub(in crate::drives) fn look(&mut self, standing: Standing, now: Duration) -> Next {
-        self.0.look(standing, now)
+        self.seat.look(standing, now)
     }
 
     /// Returns true once a motion was to tell the board to begin all: they may move.
     #[cfg(feature = "node")]
     pub(in crate::drives) fn is_sent(&self) -> bool {
-        self.0.is_sent()
+        self.seat.is_sent()
     }
 
     /// Gives the place up, so that none begins. Returns false if a motion was to tell the board to begin all before.
     #[cfg(feature = "node")]
     pub(in crate::drives) fn gives_up(&mut self) -> bool {
-        self.0.gives_up()
+        self.seat.gives_up()
     }
 
     /// Notes that all have begun.

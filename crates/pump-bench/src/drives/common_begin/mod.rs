@@ -1,7 +1,10 @@
-//! Motions of several axes of one board that begin at one tick, each run by a session and a thread of its own.
+//! Motions that begin together, each run by a session and a thread of its own: those of several axes of one board at
+//! one tick, and those of several Klipper boards at one instant.
 
 #[cfg(not(any(feature = "grbl", feature = "node")))]
 mod alone;
+#[cfg(feature = "klipper")]
+mod instant;
 #[cfg(any(feature = "grbl", feature = "node"))]
 mod meeting;
 
@@ -11,6 +14,8 @@ use thiserror::Error;
 
 #[cfg(not(any(feature = "grbl", feature = "node")))]
 use alone::Seat;
+#[cfg(feature = "klipper")]
+pub(super) use instant::Met;
 #[cfg(any(feature = "grbl", feature = "node"))]
 use meeting::Seat;
 #[cfg(any(feature = "grbl", feature = "node"))]
@@ -37,11 +42,11 @@ pub enum CommonBeginError {
     Boards,
 }
 
-/// Begin that several axes of one board have in common.
+/// Begin that several axes of one board have in common, or several boards with the Klipper firmware.
 ///
 /// [`Self::places`] makes a place for each. A thread gives its place to its session by
 /// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. All motions begin at one tick of the board.
-/// If one fails or is stopped before, none begins.
+/// Klipper boards begin at one instant, each by its own clock. If a motion fails or is stopped before, none begins.
 ///
 /// ```
 /// use std::time::Duration;
@@ -56,12 +61,26 @@ pub struct CommonBegin(());
 
 /// Place of one motion in a common begin. A place that is dropped before the begin keeps the others from beginning.
 #[derive(Debug)]
-pub struct BeginPlace(Seat);
+pub struct BeginPlace {
+    /// Seat at the meeting of axes of one board.
+    #[cfg_attr(not(any(feature = "grbl", feature = "node")), allow(dead_code, reason = "no board has axes"))]
+    seat: Seat,
+    /// Seat at the meeting of boards that each turn one motor.
+    #[cfg(feature = "klipper")]
+    of_boards: instant::Seat,
+}
 
 impl CommonBegin {
     /// Makes places for `count` motions that begin together. A motion that is ready waits for the others for as long as
     /// `limit`.
     pub fn places(count: usize, limit: Duration) -> Vec<BeginPlace> {
-        Seat::all(count, limit).into_iter().map(BeginPlace).collect()
+        #[cfg(feature = "klipper")]
+        let mut of_boards = instant::Seat::all(count, limit);
+        let seats = Seat::all(count, limit).into_iter();
+        #[cfg(feature = "klipper")]
+        let places = seats.zip(of_boards.drain(..)).map(|(seat, of_boards)| BeginPlace { seat, of_boards });
+        #[cfg(not(feature = "klipper"))]
+        let places = seats.map(|seat| BeginPlace { seat });
+        places.collect()
     }
 }

@@ -10,9 +10,9 @@ use super::dictionary::DictionaryError;
 use super::protocol::MessageError;
 use super::refit::RefitError;
 use super::tmc::TmcError;
-use crate::drives::DriveError;
 use crate::drives::known_board::{BoardError, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
+use crate::drives::{CommonBeginError, DriveError};
 
 /// Error of a board with the Klipper firmware.
 #[derive(Debug, Error)]
@@ -261,6 +261,15 @@ pub enum KlipperError {
          motor stopped without a ramp; check its cable, and what held this computer up"
     )]
     HeldUp,
+    /// The motor cannot begin together with others.
+    #[error(transparent)]
+    Common(#[from] CommonBeginError),
+    /// The instant at which boards were to begin together has passed.
+    #[error(
+        "the time at which this pump was to begin together with others has passed before the board had its steps, so \
+         it has not begun; check what held this computer up"
+    )]
+    BeginMissed,
     /// A flow over time came to rest on its way, because its steps did not reach the board in time.
     #[error(
         "the flow over time came to rest on its way; this computer or the line was late, and a flow that has paused \

@@ -11,7 +11,7 @@ mod serial_ports;
 
 use std::fmt::Debug;
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 pub use ask_clock::AskClock;
 pub(super) use ask_clock::SystemAskClock;
@@ -49,6 +49,11 @@ pub trait Wire: Debug + Send {
     /// followed. A wire in virtual time has one clock for both.
     fn steady_now(&mut self) -> Duration {
         self.now()
+    }
+
+    /// Returns the begin of the steady clock, by which the times of several wires are compared. `None` in virtual time.
+    fn steady_begin(&self) -> Option<Instant> {
+        None
     }
 
     /// Lets `time` pass.

@@ -99,6 +99,10 @@ impl Wire for BoardPort {
         self.opened.elapsed()
     }
 
+    fn steady_begin(&self) -> Option<Instant> {
+        Some(self.opened)
+    }
+
     fn sleep(&mut self, time: Duration) {
         std::thread::sleep(time);
     }

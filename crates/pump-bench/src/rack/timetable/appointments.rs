@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::drives::{BeginPlace, CommonBegin};
+use crate::pump_file::DriverName;
 use crate::rack::member::Member;
 use crate::rack::rack::Rack;
 use crate::rack::sharing::is_one_board;
@@ -15,11 +16,11 @@ const LIMIT: Duration = Duration::from_secs(5);
 pub(in crate::rack) struct Appointment {
     /// Time of the rack, in s.
     pub(in crate::rack) begin_s: f64,
-    /// Place among the axes of a board that begin at this time.
+    /// Place among the axes or boards that begin at this time.
     pub(in crate::rack) place: Option<BeginPlace>,
 }
 
-/// Parts that begin together: those of one board, at one time.
+/// Parts that begin together: those of one board, or of several boards with the Klipper firmware, at one time.
 pub(super) struct Meeting {
     board: usize,
     begin_s: f64,
@@ -60,10 +61,15 @@ pub(super) fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) ->
     meetings
 }
 
-/// Returns the number of the first pump on a pump's board. `None` if the board begins no axes together.
+/// Returns the number of the first pump that begins together with a pump: on its board, or on any board with the
+/// Klipper firmware. `None` if the board begins nothing together.
 fn board(members: &[Member], member: &Member) -> Option<usize> {
     let begins_together =
         !member.bench.is_simulated() && member.bench.identity().abilities.together.is_some();
-    let first = members.iter().position(|other| is_one_board(&other.bench, &member.bench));
+    let is_klipper =
+        |member: &Member| !member.bench.is_simulated() && member.bench.drive().driver == DriverName::Klipper;
+    let first = members.iter().position(|other| {
+        is_one_board(&other.bench, &member.bench) || is_klipper(other) && is_klipper(member)
+    });
     first.filter(|_| begins_together)
 }

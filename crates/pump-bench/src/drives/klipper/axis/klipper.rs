@@ -11,7 +11,8 @@ use crate::drives::klipper::link::{Link, Place};
 use crate::drives::klipper::motion::{self, Fault, Made, Task, most_steps_s};
 use crate::drives::wire::{BoardPort, NotShared, OpenPorts, Wire};
 use crate::drives::{
-    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening,
+    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch,
+    Opening,
 };
 use crate::notice::Notice;
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -46,6 +47,8 @@ pub struct Klipper {
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
     notes: Vec<Notice>,
+    /// Place of the next motion among those that begin together.
+    place: Option<BeginPlace>,
     /// Keeps the port from a further drive of this process.
     _taken: Arc<()>,
 }
@@ -102,6 +105,7 @@ impl Klipper {
             stands: None,
             disturbed: None,
             notes: Vec::new(),
+            place: None,
             _taken: taken,
         };
         klipper.meet()?;
@@ -182,13 +186,18 @@ impl Klipper {
         gate: &mut Gate<'_>,
         seeks: bool,
     ) -> Result<Made, DriveFault> {
-        // From here on the gate hears the user.
+        // From here on the gate hears the user. A place that is not used is given up, and the others hear of it.
+        let place = self.place.take();
         self.be_deaf(true);
-        let made = self.task(plan).and_then(|task| self.announce(task).map(|()| task));
+        let made = self.task(plan).and_then(|task| {
+            self.announce(task)?;
+            self.learn_drift(place.is_some())?;
+            Ok(task)
+        });
         let made = made.map_err(|error| Fault::at(0, error)).and_then(|task| {
             let start = self.stands.unwrap_or(0);
             match &mut self.at {
-                At::Met(board) => motion::run(board, plan, task, start, seeks, gate),
+                At::Met(board) => motion::run(board, plan, task, start, (seeks, place), gate),
                 _ => Err(Fault::at(0, KlipperError::Reset)),
             }
         });
@@ -208,6 +217,14 @@ impl Klipper {
             self.part();
             fault.of_drive()
         })
+    }
+
+    /// Has the board's clock known well before a motion that begins together with those of other boards.
+    fn learn_drift(&mut self, begins_together: bool) -> Result<(), KlipperError> {
+        match &mut self.at {
+            At::Met(board) if begins_together => board.learn_drift(),
+            _ => Ok(()),
+        }
     }
 
     /// Puts on record by how many steps the motor may slip if the motion ends without a ramp.
@@ -290,6 +307,15 @@ impl Drive for Klipper {
 
     fn check_flow(&mut self, flow: &FlowMotion<'_>) -> Result<(), DriveError> {
         self.check_motion(flow.into())
+    }
+
+    fn forget_plan(&mut self) {
+        self.place = None;
+    }
+
+    fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {
+        self.place = Some(place);
+        Ok(())
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {

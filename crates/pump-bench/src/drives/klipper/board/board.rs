@@ -20,6 +20,9 @@ const READINGS: u32 = 4;
 /// Time between two of them.
 const BETWEEN: Duration = Duration::from_millis(15);
 
+/// Time over which the clock was read before a begin in common.
+const LEARNT: Duration = Duration::from_millis(1500);
+
 /// Reasons of a trigger group, as this drive names them. 0 is that of a group which never was ready.
 pub(in crate::drives::klipper) mod reason {
     /// The motion has ended, or was brought to an end with its ramp.
@@ -230,6 +233,18 @@ impl Board {
     ) -> Result<(), KlipperError> {
         self.record = record;
         self.path.as_ref().map_or(Ok(()), |path| record.write(path))
+    }
+
+    /// Reads the clock until its readings span so long that its drift moves no begin in common. A board that was met
+    /// long ago has them.
+    pub(in crate::drives::klipper) fn learn_drift(&mut self) -> Result<(), KlipperError> {
+        let began = self.talk.link.now();
+        // A clock forgets readings that tell nothing more, so its span alone may never be so long.
+        while self.clock.span() < LEARNT && self.talk.link.now().saturating_sub(began) < LEARNT {
+            self.talk.link.sleep(BETWEEN);
+            self.talk.follow_clock(&mut self.clock)?;
+        }
+        Ok(())
     }
 
     /// Refuses a board that was reset, shut down or configured by another program since it was met. Follows its clock.

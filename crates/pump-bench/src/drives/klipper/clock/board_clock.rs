@@ -127,6 +127,11 @@ impl BoardClock {
         Within { value, within }
     }
 
+    /// Returns the time over which the clock was read: its drift is known the better, the longer that is.
+    pub(in crate::drives::klipper) fn span(&self) -> Duration {
+        self.readings.front().map_or(Duration::ZERO, |first| self.at.saturating_sub(first.to))
+    }
+
     /// Returns the relative deviation of the clock's rate from its nominal one, and how far it may be wrong.
     #[cfg(test)]
     pub(in crate::drives::klipper) fn drift(&self) -> Within<f64> {

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::grbl_report;
 use super::window::Window;
@@ -132,6 +132,14 @@ impl Link {
     /// Returns the time of the wire's steady clock, by which the board's clock is read.
     pub(in crate::drives::klipper) fn steady_now(&mut self) -> Duration {
         self.wire.steady_now()
+    }
+
+    /// Returns the time of the wire's steady clock at an instant.
+    pub(in crate::drives::klipper) fn steady_at(&mut self, at: Instant) -> Duration {
+        match self.wire.steady_begin() {
+            Some(begin) => at.saturating_duration_since(begin),
+            None => self.wire.steady_now() + at.saturating_duration_since(Instant::now()),
+        }
     }
 
     /// Returns the number of blocks that wait to be sent.

@@ -1,6 +1,6 @@
 //! A motion by the board: moves from rest to rest until the plan is made, or ends before.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pump_ctl::plan::PlannedMotion;
 use pump_ctl::step::{Segment, TickRate};
@@ -19,9 +19,14 @@ use crate::drives::klipper::link::Arrival;
 use crate::drives::klipper::refit::StepCommand;
 use crate::drives::sent_lead::SentLead;
 use crate::drives::stepped::{Lead, steps_from};
+use crate::drives::{BeginPlace, Met};
 
 /// Time from the first command of a move to its begin, s. The queue is loaded meanwhile.
 const BEGIN_S: f64 = 0.15;
+
+/// Time from the moment at which the motions of several boards are ready to the instant at which all begin. Each thread
+/// looks within some milliseconds, and then loads its board.
+const COMMON_BEGIN: Duration = Duration::from_millis(200);
 
 /// Time before the end of the queue at which the way to rest is queued, if no further step may follow yet, s. Blocks
 /// that are lost are sent again within it.
@@ -50,6 +55,8 @@ pub(super) struct Motion<'a> {
     /// Count of the motor before the motion.
     pub(super) start: i64,
     seeks: bool,
+    /// Place among the motions that begin together, until all have met.
+    pub(super) place: Option<BeginPlace>,
     /// Last step that may be sent.
     limit: u64,
     /// Steps of the moves that have ended.
@@ -87,6 +94,7 @@ impl<'a> Motion<'a> {
             lead,
             start,
             seeks,
+            place: None,
             limit: 0,
             made: 0,
             feed: None,
@@ -150,9 +158,11 @@ impl<'a> Motion<'a> {
             self.board.talk.link.turn(wait)?;
             return self.hear();
         }
-        let hz = f64::from(self.board.hz);
-        let now = self.board.clock.at(self.board.talk.link.steady_now());
-        let base = now.value + (BEGIN_S * hz) as u64;
+        let Some(base) = self.base()? else {
+            self.ask_clock()?;
+            self.board.talk.link.turn(wait)?;
+            return self.hear();
+        };
         let is_forward = (self.plan.direction().sign() > 0) != self.board.is_reversed;
         let format = &self.board.talk.format;
         let (stepper, dead_man) = (oid::STEPPER.into(), oid::DEAD_MAN.into());
@@ -172,6 +182,36 @@ impl<'a> Motion<'a> {
             self.index = phase.arm(self.board, base)?;
         }
         self.feed = Some(Feed::new(self.times(), self.board.timer, base));
+        Ok(())
+    }
+
+    /// Returns the tick of the board's clock at which the next move begins. `None` while it waits for other boards.
+    fn base(&mut self) -> Result<Option<u64>, KlipperError> {
+        let hz = f64::from(self.board.hz);
+        let now = self.board.clock.at(self.board.talk.link.steady_now());
+        let Some(place) = &mut self.place else { return Ok(Some(now.value + (BEGIN_S * hz) as u64)) };
+        let at = match place.meet(Instant::now(), COMMON_BEGIN) {
+            Met::Waits => return Ok(None),
+            Met::Failed(error) => return Err(error.into()),
+            Met::At(at) => at,
+        };
+        self.place = None;
+        let base = self.board.clock.at(self.board.talk.link.steady_at(at)).value;
+        let late = now.value as f64 + now.within + LATE_S * hz;
+        if (base as f64) < late { Err(KlipperError::BeginMissed) } else { Ok(Some(base)) }
+    }
+
+    /// Asks for the clock, if it is time to.
+    fn ask_clock(&mut self) -> Result<(), KlipperError> {
+        let now = self.board.talk.link.now();
+        if now.saturating_sub(self.read_at) >= READ && self.asked.is_none() {
+            let question = self.board.talk.format.get_clock.encode(&[])?;
+            self.asked = Some(self.board.talk.link.queue_alone(&question)?);
+            self.read_at = now;
+        } else if now.saturating_sub(self.read_at) >= 5 * READ {
+            // The board sends no answer twice.
+            self.asked = None;
+        }
         Ok(())
     }
 
@@ -200,14 +240,7 @@ impl<'a> Motion<'a> {
         if now.saturating_sub(self.put_off_at) >= PUT_OFF {
             self.put_off()?;
         }
-        if now.saturating_sub(self.read_at) >= READ && self.asked.is_none() {
-            let question = self.board.talk.format.get_clock.encode(&[])?;
-            self.asked = Some(self.board.talk.link.queue_alone(&question)?);
-            self.read_at = now;
-        } else if now.saturating_sub(self.read_at) >= 5 * READ {
-            // The board sends no answer twice.
-            self.asked = None;
-        }
+        self.ask_clock()?;
         self.board.talk.link.turn(wait)?;
         self.hear()
     }

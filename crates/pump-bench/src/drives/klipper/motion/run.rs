@@ -9,11 +9,11 @@ use pump_ctl::plan::PlannedMotion;
 use super::motion::Motion;
 use super::outcome::{Ended, Fault};
 use super::task::Task;
-use crate::drives::Gate;
 use crate::drives::klipper::board::Board;
 use crate::drives::sent_lead::{Ahead, Ends, SentLead};
 use crate::drives::stepped::Lead;
 use crate::drives::wire::AskClock;
+use crate::drives::{BeginPlace, Gate};
 
 /// Times for which there is leave ahead of a motor, and for which the board has steps. What is in the board's queue
 /// cannot be taken back, so it is short. The thread that asks for leave may be held up for 1 s.
@@ -26,13 +26,13 @@ const LOOK: Duration = Duration::from_millis(5);
 const QUIET: Duration = Duration::from_secs(1);
 
 /// Makes the steps of `plan` in a thread of its own. This thread asks the gate for leave meanwhile, and may be held up.
-/// The motor stands at the count `start`.
+/// The motor stands at the count `start`. A motion with a place begins together with those of the other places.
 pub(in crate::drives::klipper) fn run(
     board: &mut Board,
     plan: PlannedMotion<'_>,
     task: Task,
     start: i64,
-    seeks: bool,
+    (seeks, place): (bool, Option<BeginPlace>),
     gate: &mut Gate<'_>,
 ) -> Result<Ended, Fault> {
     let (leads, free) = ([SentLead::new(plan, AHEAD, task.brake_steps)], Lead::free());
@@ -41,6 +41,7 @@ pub(in crate::drives::klipper) fn run(
     let clock = board.talk.link.ask_clock();
     let clock = clock.as_ref();
     let mut motion = Motion::new(board, plan, task, (lead, &free), start, seeks);
+    motion.place = place;
     thread::scope(|scope| {
         let _ends = Ends(&leads, clock);
         // The thread begins with the leave that there is.
