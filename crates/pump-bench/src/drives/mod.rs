@@ -50,6 +50,8 @@ pub(crate) use identity::Identity;
 pub use klipper::BoardPins;
 #[cfg(feature = "klipper")]
 pub use klipper::{ClockError, DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
+pub use known_board::PlaceTaken;
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 #[cfg(all(feature = "grbl", feature = "node", not(feature = "klipper")))]

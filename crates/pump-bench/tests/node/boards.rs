@@ -116,7 +116,7 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted
     drop(open("base", Axis::Y, false).unwrap());
     let refused = open("other", Axis::X, false).unwrap_err();
     let said = node_error(&refused).to_string();
-    assert!(said.contains("turns pump `acid` by the record; give pump `other` an axis of its own"), "{said}");
+    assert!(said.contains("turns pump `acid` by the record; give pump `other` one of its own"), "{said}");
     assert_eq!(refused.remedies(), [Remedy::WriteSettingsAnew]);
     assert_eq!(refused.facts().value.as_deref(), Some("axis X"));
     let notes = open("other", Axis::X, true).unwrap().notes();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::drives::known_board::{BoardError, pump_in_words};
+use crate::drives::known_board::{BoardError, PlaceTaken, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 
@@ -211,25 +211,9 @@ pub enum GrblError {
         /// Board on record, as the message words it.
         recorded: String,
     },
-    /// The axis turns another pump by the record.
-    #[error(
-        "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
-         if these are two boards whose ports share a name, give each a text with `$I=`; if it has taken the place of \
-         `{other}`, or both files describe one pump, the record is to say so",
-        .port.display(), pump_in_words(pump.as_deref())
-    )]
-    PlaceTaken {
-        /// Path of the port.
-        port: PathBuf,
-        /// Axis of the board, as the message words it.
-        place: String,
-        /// Board, as the message words it.
-        board: String,
-        /// Id of the pump. `None` if the drive was opened for no pump of a bench.
-        pump: Option<String>,
-        /// Id of the pump on record.
-        other: String,
-    },
+    /// The place on the board turns another pump by the record.
+    #[error("{0}; if these are two boards whose ports share a name, give each a text with `$I=`")]
+    PlaceTaken(Box<PlaceTaken>),
     /// The record of the pump's board cannot be used.
     #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
     BoardRecord {
@@ -407,7 +391,7 @@ impl GrblError {
                 | Self::SettingsChanged { .. }
                 | Self::SettingsRecord { .. }
                 | Self::OtherBoard { .. }
-                | Self::PlaceTaken { .. }
+                | Self::PlaceTaken(_)
                 | Self::BoardRecord { .. }
                 | Self::NoAxis { .. }
                 | Self::Rate { .. }
@@ -426,9 +410,7 @@ impl From<BoardError> for GrblError {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
             }
-            BoardError::Taken { port, place, board, pump, other } => {
-                Self::PlaceTaken { port, place, board, pump, other }
-            }
+            BoardError::Taken(taken) => Self::PlaceTaken(taken),
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }

@@ -10,7 +10,7 @@ use super::dictionary::DictionaryError;
 use super::protocol::MessageError;
 use super::refit::RefitError;
 use super::tmc::TmcError;
-use crate::drives::known_board::{BoardError, pump_in_words};
+use crate::drives::known_board::{BoardError, PlaceTaken, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 
@@ -144,24 +144,9 @@ pub enum KlipperError {
         /// Path of the port.
         port: PathBuf,
     },
-    /// A pin turns another pump by the record.
-    #[error(
-        "the {place} of the board at {} ({board}) belongs to pump `{other}` by the record; give {} a socket of its own; if it \
-         has taken the place of `{other}`, or both files describe one pump, the record is to say so",
-        .port.display(), pump_in_words(.pump.as_deref())
-    )]
-    PlaceTaken {
-        /// Path of the port.
-        port: PathBuf,
-        /// Pin of the board or stepper driver at a pin, as the message words it.
-        place: String,
-        /// Board, as the message words it.
-        board: String,
-        /// Id of the pump. `None` if the drive was opened for no pump of a bench.
-        pump: Option<String>,
-        /// Id of the pump on record.
-        other: String,
-    },
+    /// The place on the board turns another pump by the record.
+    #[error(transparent)]
+    PlaceTaken(Box<PlaceTaken>),
     /// Another firmware than Klipper's is on the board.
     #[error("the board at {} runs the firmware {app:?}, and this driver needs Klipper's; load that", .port.display())]
     OtherFirmware {
@@ -326,7 +311,7 @@ impl KlipperError {
                 | Self::Shared { .. }
                 | Self::OtherFirmware { .. }
                 | Self::OtherBoard { .. }
-                | Self::PlaceTaken { .. }
+                | Self::PlaceTaken(_)
                 | Self::BoardRecord { .. }
                 | Self::SessionRecord { .. }
                 | Self::Configured { .. }
@@ -336,6 +321,11 @@ impl KlipperError {
                 | Self::Line { .. }
                 | Self::Driver(TmcError::Setting { .. })
         )
+    }
+
+    /// Returns true if the board's clock or this computer's has jumped.
+    pub(super) fn is_of_clock(&self) -> bool {
+        matches!(self, Self::Clock(ClockError::Jump { .. }))
     }
 
     /// Returns true if the rotor's angle is unknown after this error.
@@ -355,9 +345,7 @@ impl From<BoardError> for KlipperError {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
             }
-            BoardError::Taken { port, place, board, pump, other } => {
-                Self::PlaceTaken { port, place, board, pump, other }
-            }
+            BoardError::Taken(taken) => Self::PlaceTaken(taken),
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }

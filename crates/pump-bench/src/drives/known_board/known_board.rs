@@ -107,18 +107,7 @@ pub(in crate::drives) enum BoardError {
         recorded: String,
     },
     /// The place on the board turns another pump by the record.
-    Taken {
-        /// Path of the port.
-        port: PathBuf,
-        /// Words for the axis, the pin, or the stepper driver at a pin.
-        place: String,
-        /// Words for the board.
-        board: String,
-        /// Id of the pump, as [`Opening::pump`].
-        pump: Option<String>,
-        /// Id of the pump on record.
-        other: String,
-    },
+    Taken(Box<PlaceTaken>),
     /// The record cannot be used.
     Record {
         /// Operation that failed, as the message words it.
@@ -128,6 +117,27 @@ pub(in crate::drives) enum BoardError {
         /// Cause of the failure.
         reason: String,
     },
+}
+
+/// Place on a board that turns another pump by the record.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+#[error(
+    "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} one of its own; if it has taken \
+     the place of `{other}`, or both files describe one pump, the record is to say so",
+    .port.display(), pump_in_words(.pump.as_deref())
+)]
+pub struct PlaceTaken {
+    /// Axis or pin of the board, or stepper driver at a pin, as the message words it.
+    pub place: String,
+    /// Path of the port.
+    pub port: PathBuf,
+    /// Board, as the message words it.
+    pub board: String,
+    /// Id of the pump. `None` if the drive was opened for no pump of a bench.
+    pub pump: Option<String>,
+    /// Id of the pump on record.
+    pub other: String,
 }
 
 /// Names the pump of a record.
@@ -189,9 +199,13 @@ impl KnownBoard {
         // A trial with a built-in pump keeps no place from a pump of the user's own.
         let keeps_place = |other: &&RecordedPump| is_built_in_of(opening) || !is_built_in(&other.pump);
         if let (Some(other), false) = (others.iter().find(keeps_place), opening.accept_settings) {
-            let (port, board) = (port.unwrap_or(Path::new("")).to_owned(), self.to_string());
-            let (pump, place) = (opening.pump.clone(), self.place_of(&other.board));
-            return Err(BoardError::Taken { port, place, board, pump, other: other.pump.clone() });
+            return Err(BoardError::Taken(Box::new(PlaceTaken {
+                place: self.place_of(&other.board),
+                port: port.unwrap_or(Path::new("")).to_owned(),
+                board: self.to_string(),
+                pump: opening.pump.clone(),
+                other: other.pump.clone(),
+            })));
         }
         others.iter().try_for_each(RecordedPump::displace)?;
         if recorded.as_ref() != Some(self) && !opening.records_later {

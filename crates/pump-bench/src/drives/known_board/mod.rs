@@ -7,4 +7,5 @@ mod known_board;
 pub(super) use axis_record::RecordedPump;
 #[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use known_board::MadePlace;
+pub use known_board::PlaceTaken;
 pub(super) use known_board::{BoardError, KnownBoard, pump_in_words};

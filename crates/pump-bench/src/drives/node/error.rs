@@ -9,7 +9,7 @@ use pump_link::message::Refusal;
 use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
-use crate::drives::known_board::{BoardError, pump_in_words};
+use crate::drives::known_board::{BoardError, PlaceTaken, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
 use crate::pump_file::Axis;
@@ -83,24 +83,9 @@ pub enum NodeError {
         /// Board on record, as the message words it.
         recorded: String,
     },
-    /// The axis turns another pump by the record.
-    #[error(
-        "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} an axis of its own; \
-         if it has taken the place of `{other}`, or both files describe one pump, the record is to say so",
-        .port.display(), pump_in_words(pump.as_deref())
-    )]
-    PlaceTaken {
-        /// Path of the port.
-        port: PathBuf,
-        /// Axis of the board, as the message words it.
-        place: String,
-        /// Board, as the message words it.
-        board: String,
-        /// Id of the pump. `None` if the drive was opened for no pump of a bench.
-        pump: Option<String>,
-        /// Id of the pump on record.
-        other: String,
-    },
+    /// The place on the board turns another pump by the record.
+    #[error(transparent)]
+    PlaceTaken(Box<PlaceTaken>),
     /// The record of the pump's board cannot be used.
     #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
     BoardRecord {
@@ -366,7 +351,7 @@ impl NodeError {
             Self::NoPort
                 | Self::Open { .. }
                 | Self::OtherBoard { .. }
-                | Self::PlaceTaken { .. }
+                | Self::PlaceTaken(_)
                 | Self::BoardRecord { .. }
                 | Self::SessionRecord { .. }
                 | Self::OneNumber { .. }
@@ -406,9 +391,7 @@ impl From<BoardError> for NodeError {
             BoardError::Other { port, pump, found, recorded } => {
                 Self::OtherBoard { port, pump, found, recorded }
             }
-            BoardError::Taken { port, place, board, pump, other } => {
-                Self::PlaceTaken { port, place, board, pump, other }
-            }
+            BoardError::Taken(taken) => Self::PlaceTaken(taken),
             BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }

@@ -64,7 +64,7 @@ fn of_node(error: &NodeError) -> Option<ErrorFacts> {
             drive.value(port.display())
         }
         NodeError::OtherBoard { found, recorded, .. } => drive.value(found).allowed(recorded),
-        NodeError::PlaceTaken { place, .. } => drive.value(place),
+        NodeError::PlaceTaken(taken) => drive.value(&taken.place),
         NodeError::NoAxis { axis, axes } => {
             drive.value(format!("axis {axis}")).allowed(format!("the first {axes} of the axes X, Y, Z and A"))
         }
@@ -98,7 +98,7 @@ fn of_klipper(error: &KlipperError) -> Option<ErrorFacts> {
         | KlipperError::Silent { port, .. }
         | KlipperError::Foreign { port, .. }
         | KlipperError::Shared { port } => drive.value(port.display()),
-        KlipperError::PlaceTaken { place, .. } => drive.value(place),
+        KlipperError::PlaceTaken(taken) => drive.value(&taken.place),
         KlipperError::OtherFirmware { app, .. } => drive.value(app).allowed("Klipper"),
         KlipperError::OtherBoard { found, recorded, .. } => drive.value(found).allowed(recorded),
         KlipperError::Configured { found, wanted } => {
@@ -125,7 +125,7 @@ fn of_grbl(error: &GrblError) -> Option<ErrorFacts> {
     Some(match error {
         GrblError::Open { port, .. } | GrblError::NoGrbl { port, .. } => drive.value(port.display()),
         GrblError::OtherBoard { found, recorded, .. } => drive.value(found).allowed(recorded),
-        GrblError::PlaceTaken { place, .. } => drive.value(place),
+        GrblError::PlaceTaken(taken) => drive.value(&taken.place),
         GrblError::Count { counted, expected } => {
             drive.value(format!("{counted} steps")).allowed(format!("{expected} steps"))
         }

@@ -71,7 +71,7 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
         NodeError::Version { theirs, .. } if *theirs < VERSION => Some(Remedy::UpdateFirmware),
         NodeError::Version { .. } => Some(Remedy::UpdateProgram),
         NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        NodeError::PlaceTaken { .. } | NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => {
+        NodeError::PlaceTaken(_) | NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => {
             Some(Remedy::WriteSettingsAnew)
         }
         NodeError::Gone(_) => Some(Remedy::CheckCable),
@@ -89,7 +89,7 @@ fn of_klipper(error: &KlipperError) -> Option<Remedy> {
         KlipperError::Open { fault, .. } => of_port(fault),
         KlipperError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
         KlipperError::Configured { .. } => Some(Remedy::AcceptSettings),
-        KlipperError::PlaceTaken { .. }
+        KlipperError::PlaceTaken(_)
         | KlipperError::SessionRecord { .. }
         | KlipperError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         KlipperError::Gone(_) => Some(Remedy::CheckCable),
@@ -111,7 +111,7 @@ fn of_grbl(error: &GrblError) -> Option<Remedy> {
         GrblError::SoftLimits => Some(Remedy::Configure),
         GrblError::SettingsChanged { .. } => Some(Remedy::AcceptSettings),
         GrblError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        GrblError::PlaceTaken { .. } | GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => {
+        GrblError::PlaceTaken(_) | GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => {
             Some(Remedy::WriteSettingsAnew)
         }
         GrblError::Gone(_) => Some(Remedy::CheckCable),

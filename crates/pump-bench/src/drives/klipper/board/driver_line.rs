@@ -42,12 +42,7 @@ pub(super) fn add(
 pub(super) fn set(talk: &mut Talk, driver: &(u8, TmcSettings)) -> Result<Vec<String>, KlipperError> {
     let (_, settings) = driver;
     let status = Tmc::configure(talk, settings)?;
-    let set = format!(
-        "the stepper driver was set: {:.3} A while the motor turns, {:.3} A at rest",
-        settings.run_a(),
-        settings.hold_a()
-    );
-    Ok(std::iter::once(set).chain(warning(status)).collect())
+    Ok(warning(status).into_iter().collect())
 }
 
 /// Refuses the driver at an address if it was reset, or has switched its motor off. Returns its warning, if it has one.

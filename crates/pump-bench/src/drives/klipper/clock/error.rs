@@ -8,8 +8,9 @@ use thiserror::Error;
 pub enum ClockError {
     /// The clock of the board or of the computer jumped.
     #[error(
-        "the clock of the board or of this computer has jumped: the board's is {by_ms:.3} ms {} than known to within \
-         {within_ms:.3} ms; nothing moves by it until it is read anew", if *by_ms < 0.0 { "earlier" } else { "later" }
+        "the clock of the board or of this computer has jumped: the board's is at least {:.3} ms {} than it could be, \
+         and its place was known to {within_ms:.3} ms; nothing moves by it until it is read anew",
+        by_ms.abs(), if *by_ms < 0.0 { "earlier" } else { "later" }
     )]
     Jump {
         /// Least distance of the clock from where it could be, in ms. Positive if the clock is later.

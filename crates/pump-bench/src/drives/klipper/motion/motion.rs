@@ -41,6 +41,10 @@ const READ: Duration = Duration::from_millis(200);
 /// Time between two delays of the dead-man time.
 const PUT_OFF: Duration = Duration::from_millis(50);
 
+/// Longest time for which a search hears of its sensor after its last step. A board looks within 0.2 ms, and is then
+/// asked for the time.
+const LAST_LOOK: Duration = Duration::from_millis(60);
+
 /// Most blocks that wait for the line. More would hold back what is sent after them.
 const WAITING_MOST: usize = 6;
 
@@ -381,8 +385,24 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
+    /// Hears of the sensor of a motor that stands: a turn that begins on the mark ends where it begins.
+    fn look_last(&mut self) -> Result<(), KlipperError> {
+        let until = self.board.talk.link.now() + LAST_LOOK;
+        while self.index_at.is_none()
+            && matches!(self.index, Index::Finds | Index::Asked { finds: true })
+            && self.board.talk.link.now() < until
+        {
+            self.board.talk.link.turn(LAST_LOOK / 20)?;
+            self.hear()?;
+        }
+        Ok(())
+    }
+
     /// Ends a move from rest to rest, and compares the board's count with the steps that were sent.
     fn end_move(&mut self) -> Result<(), KlipperError> {
+        if self.seeks && self.index_at.is_none() {
+            self.look_last()?;
+        }
         let sent = self.made + self.feed.take().map_or(0, |feed| feed.pushed);
         let was_halted = matches!(self.failed, Some(KlipperError::HeldUp | KlipperError::DeadMan { .. }));
         let reason = if was_halted { reason::MET } else { reason::ENDED };
@@ -393,6 +413,11 @@ impl<'a> Motion<'a> {
         let counted = self.counted()?;
         if ended == reason::EXPIRED && self.failed.is_none() {
             self.failed = Some(KlipperError::DeadMan { dead_man_ms: self.board.dead_man.as_millis() });
+        }
+        if matches!(self.failed, Some(KlipperError::DeadMan { .. })) {
+            // A clock that has jumped ends the dead-man time too, and this computer was not silent.
+            let followed = self.board.talk.follow_clock(&mut self.board.clock);
+            self.failed = followed.err().filter(KlipperError::is_of_clock).or(self.failed.take());
         }
         let is_cut = ended == reason::EXPIRED;
         if counted != sent && !is_cut {

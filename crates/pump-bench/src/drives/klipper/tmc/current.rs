@@ -1,6 +1,6 @@
 //! Motor current in steps of the chip's scale (datasheet, chapter 9).
 
-use crate::pump_file::tmc_range::{self, SCALE_MOST, SLACK, is_sensitive};
+use crate::pump_file::tmc_range::{self, is_sensitive};
 
 /// Currents of a motor as the chip's scale has them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,11 +18,7 @@ impl Scale {
     /// file may have.
     pub(super) fn of(run_a: f64, hold_a: f64, sense_ohm: f64) -> Self {
         let is_sensitive = is_sensitive(run_a, sense_ohm);
-        let scale = |current_a: f64| {
-            let steps = current_a / tmc_range::current_a(0, is_sensitive, sense_ohm) + SLACK;
-            // Less than a step of the scale is its smallest.
-            (steps.floor() - 1.0).clamp(0.0, f64::from(SCALE_MOST)) as u8
-        };
+        let scale = |wanted_a: f64| tmc_range::scale(wanted_a, is_sensitive, sense_ohm);
         Self { is_sensitive, run: scale(run_a), hold: scale(hold_a) }
     }
 }

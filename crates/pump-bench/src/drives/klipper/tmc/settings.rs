@@ -7,7 +7,7 @@ use super::register::{
     TPOWERDOWN, TPWMTHRS, VACTUAL, chopconf, gconf, gstat,
 };
 use crate::pump_file::WrongValue;
-use crate::pump_file::tmc_range::{self, MICROSTEPS_MOST, current_a};
+use crate::pump_file::tmc_range::{self, MICROSTEPS_MOST};
 
 /// Delay of an answer: 3 times 8 bits. Several drivers on a wire need 2 at least, so that none takes the answer of
 /// another for a request (chapter 5.1, SLAVECONF). The board waits for 64 bits (Klipper3d/klipper, `src/tmcuart.c`).
@@ -43,7 +43,6 @@ impl From<WrongValue> for TmcError {
 pub(in crate::drives::klipper) struct TmcSettings {
     address: u8,
     scale: Scale,
-    sense_ohm: f64,
     microsteps: u16,
     chopper: Chopper,
 }
@@ -64,22 +63,12 @@ impl TmcSettings {
     ) -> Result<Self, TmcError> {
         tmc_range::check(address, sense_ohm, (run_a, hold_a))?;
         tmc_range::microsteps(microsteps.into(), 1)?;
-        Ok(Self { address, scale: Scale::of(run_a, hold_a, sense_ohm), sense_ohm, microsteps, chopper })
+        Ok(Self { address, scale: Scale::of(run_a, hold_a, sense_ohm), microsteps, chopper })
     }
 
     /// Returns the address of the driver.
     pub(super) fn address(&self) -> u8 {
         self.address
-    }
-
-    /// Returns the current in motion that the driver makes, in A (RMS).
-    pub(in crate::drives::klipper) fn run_a(&self) -> f64 {
-        current_a(self.scale.run, self.scale.is_sensitive, self.sense_ohm)
-    }
-
-    /// Returns the current at rest that the driver makes, in A (RMS).
-    pub(in crate::drives::klipper) fn hold_a(&self) -> f64 {
-        current_a(self.scale.hold, self.scale.is_sensitive, self.sense_ohm)
     }
 
     /// Returns the writes of registers in their order. The motor gets no current before the last of them, if its enable
