@@ -1,6 +1,7 @@
 'use strict';
 /* Curves on canvases. The future lies under a veil, whose edge is now. */
 
+/** Room beside a plot, px. On the left there is more where the numbers of the axis need it. */
 const EDGE = { left: 46, right: 8, top: 6, bottom: 20 };
 
 /** Steps of an axis: 1, 2 or 5 times a power of ten, `count` at most. */
@@ -48,8 +49,8 @@ class Chart {
       return key;
     });
     const caption = make('figcaption', '', make('h2', '', `${title}, ${unit}`), ...keyed);
-    const plot = make('div', 'plot', this.canvas, make('div', 'window', this.veil));
-    $('charts').append(make('figure', 'panel chart', caption, plot));
+    this.plot = make('div', 'plot', this.canvas, make('div', 'window', this.veil));
+    $('charts').append(make('figure', 'panel chart', caption, this.plot));
     // A chart out of sight is drawn once it comes into sight, or nothing changes for a while.
     this.isSeen = false;
     this.isDue = true;
@@ -80,30 +81,33 @@ class Chart {
     const room = 0.06 * (most - least) || 1;
     [least, most] = [least - room, most + room];
     const [from, to] = [x[0], x[x.length - 1]];
-    const [w, h] = [width - EDGE.left - EDGE.right, height - EDGE.top - EDGE.bottom];
-    const [sx, sy] = [w / (to - from), h / (most - least)];
-    const px = (value) => EDGE.left + (value - from) * sx;
-    const py = (value) => EDGE.top + (most - value) * sy;
     pen.font = '12px system-ui, sans-serif';
+    const across = ticks(least, most, 5);
+    const left = Math.ceil(Math.max(EDGE.left, ...across.map((tick) => pen.measureText(grouped(tick)).width + 10)));
+    this.plot.style.setProperty('--left', `${left}px`);
+    const [w, h] = [width - left - EDGE.right, height - EDGE.top - EDGE.bottom];
+    const [sx, sy] = [w / (to - from), h / (most - least)];
+    const px = (value) => left + (value - from) * sx;
+    const py = (value) => EDGE.top + (most - value) * sy;
     pen.fillStyle = colours.soft;
     pen.strokeStyle = colours.line;
     pen.lineWidth = 1;
     pen.textAlign = 'right';
     pen.textBaseline = 'middle';
-    for (const tick of ticks(least, most, 5)) {
+    for (const tick of across) {
       const y = Math.round(py(Number(tick))) + 0.5;
       pen.beginPath();
-      pen.moveTo(EDGE.left, y);
+      pen.moveTo(left, y);
       pen.lineTo(width - EDGE.right, y);
       pen.stroke();
-      pen.fillText(tick, EDGE.left - 6, Math.min(y, height - EDGE.bottom - 4));
+      pen.fillText(grouped(tick), left - 6, Math.min(y, height - EDGE.bottom - 4));
     }
     pen.textAlign = 'center';
     pen.textBaseline = 'bottom';
     const along = ticks(from, to, Math.max(2, Math.floor(w / 80)));
     along.forEach((tick, n) => {
       const isLast = n === along.length - 1;
-      const text = isLast ? `${tick} ${this.alongUnit}` : tick;
+      const text = isLast ? `${grouped(tick)} ${this.alongUnit}` : grouped(tick);
       const half = pen.measureText(text).width / 2;
       pen.fillText(text, Math.min(px(Number(tick)), width - half - 1), height);
     });

@@ -22,7 +22,13 @@ const fixed = (value, digits) => {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? text.replace('-', '') : text;
 };
-const grouped = (value) => String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, ',');
+/** Groups the digits before the point of a number by three, from 10,000 on. */
+const grouped = (text) => text.replace(/^-?\d{5,}/, (whole) => whole.replace(/\B(?=(\d{3})+$)/g, ','));
+/** A number with `digits` behind the point: fewer from 1000 on, so that it keeps to its box. */
+const figure = (value, digits) => {
+  const more = Math.max(0, Math.floor(Math.log10(Math.abs(value) + 1e-9)) - 2);
+  return grouped(fixed(value, Math.max(0, digits - more)));
+};
 const degrees = (rad) => rad * 180 / Math.PI;
 
 /* Settings: in the form, and in the link. */
@@ -99,6 +105,7 @@ function refuse(text) {
   $('refusal').hidden = !text;
   document.body.classList.toggle('stale', Boolean(text));
   if (!text) return;
+  halt();
   clearTimeout(telling);
   telling = setTimeout(drawRest, 400);
   for (const id of ['ours', 'theirs']) word(id, '–');
@@ -196,9 +203,9 @@ function take({ facts, trace, errors, refusal }, of) {
   $('caution').hidden = true;
   head.build(facts);
   draw();
-  if (standsIn) refuse($('refusal').textContent);
-  else tell();
+  if (!standsIn) tell();
   rewind();
+  if (standsIn) refuse($('refusal').textContent);
 }
 
 /* Words. */
@@ -213,17 +220,18 @@ function tell() {
   };
   const ours = facts.planned - set.volume;
   const theirs = facts.constant - set.volume;
-  const steps = (count) => `${grouped(count)} ${count === 1 ? 'step' : 'steps'}`;
-  word('ours', `${fixed(facts.planned, 4)} mL`);
+  const steps = (count) => `${grouped(fixed(count, 0))} ${count === 1 ? 'step' : 'steps'}`;
+  word('ours', `${figure(facts.planned, 4)} mL`);
   word('ours-error', `${percent(ours)}\n${steps(facts.steps)}`);
-  word('theirs', `${fixed(facts.constant, 4)} mL`);
+  word('theirs', `${figure(facts.constant, 4)} mL`);
   word('theirs-error', `${percent(theirs)}\n${steps(facts.constantSteps)}`);
   clearTimeout(telling);
   // A slider that moves is not told at each place.
   telling = setTimeout(() => {
     const isPublished = ['r', 'c', 'l'].every((name) => set[name] === USUAL[name]);
     $('command-line').hidden = !(HEADS[set.head] && isPublished);
-    $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${Number((set.angle % 360).toFixed(6))}deg+-0deg` +
+    const angle = Number((set.angle % 360).toFixed(6));
+    $('command').textContent = `dose ${set.volume}mL --rate ${set.rate}mL/s --start-angle ${angle}deg+-0deg` +
       `${set.smooth ? ' --smooth' : ''} --pump ${HEADS[set.head]} --dry-run`;
     // The cautions of a smooth flow take longer than the dose, so they are asked for once the settings stand.
     if (set.smooth && !isBusy) question(set, true);
@@ -240,7 +248,7 @@ function say(cautions) {
   const ripple = (percent) => `${fixed(percent, percent < 10 ? 1 : 0)} %`;
   const known = cautions ? `; given how well this pump is known, expect ${ripple(cautions.median)} (median), and at ` +
     `most ${ripple(cautions.most)} in 95 % of such pumps` : '';
-  word('said', `${fixed(facts.motion, 2)} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
+  word('said', `${grouped(fixed(facts.motion, 2))} s; inlet ${fixed(facts.inletLeast, 1)} to ` +
     `${fixed(facts.inletMost, 1)} kPa, outlet ${fixed(facts.outletLeast, 1)} to ${fixed(facts.outletMost, 1)} kPa; ` +
     `while cruising, the flow that leaves varies by ${ripple(facts.ripple)} of its mean` +
     `${set.smooth ? ` (${ripple(facts.rippleConstant)} at constant speed)${known}` : ''}.`);
@@ -298,7 +306,7 @@ const charts = [
     ...overTime, title: 'Delivered', unit: 'mL',
     keys: [
       { name: 'by one constant, in the end', colour: 'theirs', isDashed: true },
-      { name: 'asked', colour: 'ours', isDashed: true }, { name: 'in the vessel', colour: 'outlet' },
+      { name: 'requested', colour: 'ours', isDashed: true }, { name: 'in the vessel', colour: 'outlet' },
     ],
     data: ({ settings: set, facts, trace }) => ({
       x: trace.time,
@@ -359,6 +367,12 @@ function rewind() {
   }
 }
 
+/** Moves nothing from now on. */
+function halt() {
+  clearTimeout(starting);
+  if (isRunning) seek(now());
+}
+
 /** Makes the motions of the dose. A slider that moves has no time for them. */
 function move() {
   if (motions.length) return;
@@ -409,9 +423,9 @@ function write() {
   }
   const part = (at - time[row]) / (time[above] - time[row]);
   const of = (column) => column[row] + part * (column[above] - column[row]);
-  word('now-volume', fixed(of(trace.vessel), 2));
-  word('now-time', fixed(at, 2));
-  word('now-angle', fixed(degrees(of(trace.angle)), 1));
+  word('now-volume', figure(of(trace.vessel), 2));
+  word('now-time', figure(at, 2));
+  word('now-angle', figure(degrees(of(trace.angle)), 1));
   word('now-flow', fixed(of(trace.leaves), 2));
   $('time').value = at;
 }

@@ -216,6 +216,35 @@ def test_a_link_that_cannot_be_read_says_so_and_doses_as_usual(demo):
     expect(page.locator("body")).to_have_class("stale")
     expect(page.locator("#refusal")).to_contain_text("The pale curves are those of another dose.")
     expect(page.locator("#ours")).to_have_text("\u2013")
+    assert page.evaluate("document.getAnimations().filter((motion) => motion.playState === 'running').length") == 0
+    # The pause before a dose plays passes.
+    page.wait_for_timeout(1500)
+    assert page.evaluate("motions.length") == 0, "a dose that is not shown does not play"
+
+
+def test_a_dose_that_plays_stops_where_the_next_is_refused(demo):
+    page = demo()
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    page.get_by_label("Rate, mL/s", exact=True).fill("90")
+    expect(page.locator("#refusal")).to_be_visible()
+    assert page.evaluate("motions.map((motion) => motion.playState)") == ["paused"] * 4
+
+
+@pytest.mark.parametrize("width", [360, 1280])
+def test_the_largest_dose_keeps_to_its_boxes(demo, width):
+    page = demo("#volume=100000", size={"width": width, "height": 900})
+    expect(page.locator("#ours")).to_have_text("100,000.00 mL")
+    page.evaluate("seek(total())")
+    expect(page.locator("#now-volume")).to_have_text("100,000")
+    cut = """() => [...document.querySelectorAll('.view p, .view dd, .result, form input[type=number]')]
+        .filter((box) => box.clientWidth && box.scrollWidth > box.clientWidth + 1).map((box) => box.id)"""
+    assert [page.evaluate(cut), is_too_wide(page)] == [[], False]
+    # The numbers of the axis have room: the plot begins right of the widest one.
+    page.locator(".chart").last.scroll_into_view_if_needed()
+    expect(page.locator(".plot").last).to_have_attribute("style", re.compile(r"--left: [56]\dpx"))
+    page.get_by_label("Volume, mL", exact=True).fill("1000000000")
+    expect(page.locator("#refusal")).to_contain_text("volume in mL is 1000000000")
+    assert page.evaluate(cut) == []
 
 
 def test_a_refused_dose_leaves_no_figures_of_the_one_before(demo):
