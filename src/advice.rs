@@ -103,8 +103,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              alone, and pulsates"
         }
         Remedy::SayExactAngle => {
-            "`dose home --set <ANGLE> --tolerance 0deg` says the angle; with a sensor, which index_angle_deg in \
-             [drive] names, `dose home --sensor` finds it"
+            "`dose home --set <ANGLE> --tolerance 0deg` says the angle; `dose home --sensor` finds it to a step only \
+             with index_width_deg = 0 in [drive], beside index_angle_deg, for a sensor that answers within a step"
         }
         Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
         Remedy::HomeBySensorOrMark => "run `dose home`",
@@ -161,10 +161,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
         Remedy::LeaveSmoothOut => {
             "leave --smooth out, or smooth = true of a rack's step; or drive the motor by a board with driver = \
-             \"node\" in [drive]"
+             \"node\" or \"klipper\" in [drive]"
         }
         Remedy::FlowByNode => {
-            "run at a --rate, or drive the motor by a board with driver = \"node\" in [drive]"
+            "run at a --rate, or drive the motor by a board with driver = \"node\" or \"klipper\" in [drive]"
         }
         Remedy::LeaveRampsOut => {
             "leave --ramps out; `dose home --configure` sets the board's acceleration to the best for the \

@@ -96,8 +96,8 @@ fn the_pins_and_the_stepper_driver_of_a_klipper_board_are_listed() {
     }
     let (code, said) = check(&user, &format!("{KLIPPER}{PINS}{TMC}hold_a = 0.3\n"));
     assert_eq!(code, 0, "{said}");
-    let stepper = "TMC2209 at PC11, written by PC10, address 0; 0.5 A (RMS) while the motor turns, 0.3 A at rest, with \
-                   0.11 Ohm; ";
+    let stepper = "TMC2209 at PC11, written by PC10, address 0; 0.490 A (RMS) of run_a = 0.5 A while the motor turns, \
+                   0.275 A at rest, by the chip's scale with 0.11 Ohm; ";
     assert!(said.contains(stepper) && said.contains("which the board sets"), "{said}");
     let given = said.lines().find(|line| line.trim_start().starts_with("given")).unwrap();
     assert!(given.contains("current at rest"), "{given}");

@@ -6,7 +6,7 @@ use pump_bench::built_in;
 use pump_bench::drives::{Drive, Leave};
 use pump_ctl::plan::Plan;
 
-use crate::rig::{Rig, dose, run, socket};
+use crate::rig::{Rig, dose, run, socket, turn};
 use crate::simulated_klipper::{Character, IndexSensor, pin_of};
 
 /// Largest distance of a step from the plan, in us.
@@ -147,4 +147,24 @@ fn an_index_sensor_is_found_by_the_boards_trigger() {
     // The mark comes half a way after the start.
     assert!(at.abs_diff(6_400) <= 2, "{found:?}");
     assert_eq!(rig.board.truth().steps[0], found.made as i64);
+}
+
+#[test]
+fn a_search_that_begins_on_the_mark_leaves_it_and_finds_it_a_turn_later() {
+    let pin = pin_of("PC0").unwrap();
+    // The mark comes half a way after the start, and is a hundredth of the way wide: 32 steps.
+    for into in [0, 1, 16, 31] {
+        let index = Some(IndexSensor { pin, socket: 0, steps: 3200 });
+        let rig = Rig::new(Character { index, ..Character::default() });
+        let pins = socket("X").with_index("PC0".parse().unwrap());
+        let mut drive = rig.open_by(&rig.table().with_index_angle_deg(10.0).with_klipper(pins)).unwrap();
+        run(&mut drive, &turn(1600 + into)).unwrap();
+        let plan = turn(3200);
+        drive.check(&plan).unwrap();
+        let found = drive.seek(&plan, &mut |_, _| Leave::Go).unwrap();
+        let beyond =
+            found.beyond.unwrap_or_else(|| panic!("the mark was not found from {into} on: {found:?}"));
+        let at = found.made as i64 - beyond as i64 + into;
+        assert!((at - 3200).abs() <= 2, "{into}: {found:?}");
+    }
 }

@@ -124,3 +124,19 @@ fn a_driver_that_has_failed_at_rest_moves_nothing_until_it_is_mended() {
     assert_eq!(drive.count(), Some(plan.steps()));
     run(&mut drive, &plan).unwrap();
 }
+
+#[test]
+fn a_supply_that_is_cut_at_rest_is_told_by_the_driver_and_the_motor_is_set_anew() {
+    let rig = Rig::of(Character::default(), with_driver("X", 0));
+    let mut drive = rig.open();
+    run(&mut drive, &dose(1.0, 2.0, false)).unwrap();
+    rig.board.touch("cut").unwrap();
+    let words = said(&drive.check(&dose(1.0, 2.0, false)).unwrap_err());
+    assert!(words.contains("no TMC2209 answers at address 0"), "{words}");
+    rig.board.touch("restore").unwrap();
+    drop(drive);
+    let mut drive = rig.open();
+    assert_eq!(drive.disturbed(), Some(Disturbance::CurrentLost));
+    run(&mut drive, &dose(1.0, 2.0, false)).unwrap();
+    assert_eq!(rig.board.truth().stray, 0);
+}

@@ -109,6 +109,16 @@ fn a_clock_that_jumps_in_motion_ends_it_with_an_exact_count() {
 }
 
 #[test]
+fn a_clock_that_jumps_by_more_than_the_dead_man_time_is_told_as_a_jump() {
+    let rig = Rig::new(Character::default());
+    let (fault, _) = fault(&rig, || rig.board.touch("jump 72000000").unwrap());
+    let made = rig.board.truth().steps[0];
+    assert!((fault.made_least..=fault.made_most).contains(&made), "{made}: {}", said(&fault));
+    assert!(said(&fault).contains("has jumped"), "{}", said(&fault));
+    assert!(!said(&fault).contains("heard nothing of this program"), "{}", said(&fault));
+}
+
+#[test]
 fn a_board_that_was_reset_or_whose_clock_has_jumped_at_rest_moves_nothing() {
     let rig = Rig::new(Character::default());
     let plan = dose(1.0, 2.0, false);

@@ -181,6 +181,13 @@ pub(crate) fn dose(volume_ml: f64, ml_s: f64, smooth: bool) -> Plan {
     Doser::new(&pump, file.limits()).unwrap().plan(Phase::known(0.3), &request).unwrap()
 }
 
+/// Plans so many steps of the published pump.
+pub(crate) fn turn(steps: i64) -> Plan {
+    let file = built_in("three-roller").unwrap();
+    let pump = file.model().unwrap();
+    Doser::new(&pump, file.limits()).unwrap().turn(Phase::known(0.3), steps, 1.0).unwrap()
+}
+
 /// Runs a plan with leave for all.
 pub(crate) fn run(drive: &mut Klipper, plan: &Plan) -> Result<u64, DriveFault> {
     drive.check(plan).unwrap();

@@ -26,8 +26,8 @@ pub(crate) use options::{Character, IndexSensor, pin_of};
 use simulation::Simulation;
 
 /// Words for what a person's hand does at the board.
-pub(crate) const HANDS: &str = "the words are: reset, pull, plug, jump <ticks>, fault <socket> <flag>, mend <socket> \
-                                <flag>; each on a line of its own";
+pub(crate) const HANDS: &str = "the words are: reset, pull, plug, cut, restore, jump <ticks>, fault <socket> <flag>, mend \
+                                <socket> <flag>; each on a line of its own";
 
 /// Truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]
@@ -62,8 +62,14 @@ enum Hand {
     Reset,
     Pull,
     Plug,
+    /// The motors' supply is cut, or there again.
+    Supply(bool),
     Jump(u64),
-    Fault { socket: usize, fault: String, is_there: bool },
+    Fault {
+        socket: usize,
+        fault: String,
+        is_there: bool,
+    },
 }
 
 /// State that the simulation shares with its owner.
@@ -147,6 +153,8 @@ fn hand(words: &str) -> Result<Option<Hand>, String> {
         ["reset"] => Hand::Reset,
         ["pull"] => Hand::Pull,
         ["plug"] => Hand::Plug,
+        ["cut"] => Hand::Supply(false),
+        ["restore"] => Hand::Supply(true),
         ["jump", ticks] => Hand::Jump(ticks.parse().map_err(|_| format!("`{ticks}` is no number of ticks"))?),
         [word @ ("fault" | "mend"), socket, fault] => {
             let is_there = *word == "fault";

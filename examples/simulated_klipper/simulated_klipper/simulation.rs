@@ -163,6 +163,7 @@ impl Simulation {
                 self.outward.clear();
             }
             Hand::Plug => self.is_pulled = false,
+            Hand::Supply(is_there) => self.board.supply(*is_there),
             Hand::Jump(ticks) => self.clock.jump(*ticks),
             Hand::Fault { socket, fault, is_there } => {
                 let driver =

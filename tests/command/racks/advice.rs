@@ -122,7 +122,7 @@ fn a_smooth_step_or_dose_on_a_board_with_ramps_of_its_own_names_the_way_without_
     let dose = user.is_refused(&["1mL", "--pump", "pumps/base.toml", "--smooth", "--dry-run"]);
     for refused in [step, dose] {
         let advice = "leave --smooth out, or smooth = true of a rack's step; or drive the motor by a board with driver \
-                      = \"node\" in [drive]";
+                      = \"node\" or \"klipper\" in [drive]";
         assert!(refused.contains(advice) && !refused.contains("resume"), "{refused}");
     }
 }

@@ -45,7 +45,8 @@ impl Status {
 
     fn disturbed(&self) -> Option<String> {
         (self.disturbances == 1 && self.angle_known).then(|| {
-            "the rotor was let go, or its device reset, since its angle was found: another time, and it is unknown"
+            "the motor was without current once, or its device was reset, since the rollers' angle was found; a second \
+             time makes the angle unknown"
                 .to_owned()
         })
     }

@@ -73,7 +73,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              keeps the mean flow alone, and pulsates"
         }
         Remedy::SayExactAngle => {
-            "Bench.home_sensor() finds the angle, and Bench.home_set() with a tolerance of 0deg says it"
+            "Bench.home_set() with a tolerance of 0deg says the angle; Bench.home_sensor() finds it to a step only with \
+             index_width_deg = 0 in [drive], for a sensor that answers within a step"
         }
         Remedy::SetAngle => "say where they stand with bench.home_set(angle_rad)",
         Remedy::HomeBySensorOrMark => "call bench.home_sensor() or bench.home_mark()",
@@ -140,8 +141,12 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SlowDown => "rate sets the rate",
         Remedy::EndAtLowFlow => "finish=\"low-flow\" ends it there",
         Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
-        Remedy::LeaveSmoothOut => "leave smooth out, or drive the motor by a board with the driver `node`",
-        Remedy::FlowByNode => "run at a rate, or drive the motor by a board with the driver `node`",
+        Remedy::LeaveSmoothOut => {
+            "leave smooth out, or drive the motor by a board with the driver `node` or `klipper`"
+        }
+        Remedy::FlowByNode => {
+            "run at a rate, or drive the motor by a board with the driver `node` or `klipper`"
+        }
         Remedy::LeaveRampsOut => {
             "leave ramps out; Bench.open() with configure=True sets the board's acceleration to the best for \
              the pump's default rate"

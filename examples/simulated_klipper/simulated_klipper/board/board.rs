@@ -42,6 +42,8 @@ pub(in super::super) struct Board {
     /// Levels of the outputs.
     pub(super) outputs: BTreeMap<u32, bool>,
     pub(in super::super) drivers: Vec<Driver>,
+    /// True while the motors have their supply, without which their drivers say nothing.
+    pub(super) has_supply: bool,
     /// Datagrams on the line to them.
     pub(in super::super) asked: u64,
     /// Steps of the motor at each socket, those in reverse taken off.
@@ -77,6 +79,7 @@ impl Board {
             last_reason: Reason::Requested,
             outputs: BTreeMap::new(),
             drivers,
+            has_supply: true,
             asked: 0,
             steps: [0; 4],
             stray: 0,
@@ -93,8 +96,8 @@ impl Board {
 
     /// Returns the board after a reset of its processor at tick `now`. Drivers keep their power, motors their place.
     pub(in super::super) fn reset(self, now: u64) -> Self {
-        let Self { character, drivers, asked, steps, stray, most_used, made, .. } = self;
-        Self { drivers, asked, steps, stray, most_used, made, ..Self::new(character, now) }
+        let Self { character, drivers, has_supply, asked, steps, stray, most_used, made, .. } = self;
+        Self { drivers, has_supply, asked, steps, stray, most_used, made, ..Self::new(character, now) }
     }
 
     /// Sends a response.
@@ -175,9 +178,18 @@ impl Board {
         self.slots > 0
     }
 
+    /// Cuts the motors' supply, or gives it back. A driver then has the registers of its power-up; the board runs on.
+    pub(in super::super) fn supply(&mut self, is_there: bool) {
+        if !is_there {
+            self.drivers.iter_mut().for_each(Driver::power_up);
+        }
+        self.has_supply = is_there;
+    }
+
     /// Returns true if the driver of a motor has current for it. An enable pin that is no output yet has a resistor.
     pub(super) fn has_current(&self, socket: usize) -> bool {
-        SOCKETS.get(socket).is_some_and(|socket| self.outputs.get(&socket.enable) == Some(&false))
+        self.has_supply
+            && SOCKETS.get(socket).is_some_and(|socket| self.outputs.get(&socket.enable) == Some(&false))
     }
 
     /// Returns the level of an input.

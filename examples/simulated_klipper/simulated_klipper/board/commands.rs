@@ -181,7 +181,7 @@ impl Board {
         let (now, hz) = (self.now, self.character.hz);
         let Some(Some(Part::Uart(uart))) = self.parts.get_mut(oid as usize) else { return Err(Reason::Oid) };
         self.asked += 1;
-        let drivers = &mut self.drivers;
+        let drivers: &mut [_] = if self.has_supply { &mut self.drivers } else { &mut [] };
         uart.send(bits, size, (now, hz), |datagram| {
             drivers.iter_mut().find_map(|driver| driver.answer(datagram, is_moving))
         });

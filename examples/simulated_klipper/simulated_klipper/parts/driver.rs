@@ -70,6 +70,11 @@ impl Driver {
         Self { address, registers: READABLE.into_iter().collect(), faults: 0 }
     }
 
+    /// Forgets what was written, as a driver does whose supply is cut.
+    pub(in super::super) fn power_up(&mut self) {
+        self.registers = READABLE.into_iter().collect();
+    }
+
     /// Returns what a register holds, whether it can be read or not.
     pub(in super::super) fn register(&self, number: u8) -> u32 {
         self.registers.get(&number).copied().unwrap_or(0)

@@ -14,7 +14,7 @@ const FULL_SCALE_V: [f64; 2] = [0.325, 0.180];
 const INNER_OHM: f64 = 0.02;
 
 /// Largest scale.
-pub(crate) const SCALE_MOST: u8 = 31;
+const SCALE_MOST: u8 = 31;
 
 /// Largest current of the chip, in A (RMS) (features: 2.0 A).
 const CHIP_MOST_A: f64 = 2.0;
@@ -32,7 +32,7 @@ pub(crate) const MICROSTEPS_MOST: u32 = 256;
 pub(crate) const MICROSTEPS: &str = "1, 2, 4, 8, 16, 32, 64, 128 or 256";
 
 /// Part of a step of the scale by which a current may miss it: currents are written with few digits.
-pub(crate) const SLACK: f64 = 1e-6;
+const SLACK: f64 = 1e-6;
 
 /// Returns the current of a scale in A (RMS). The sensitive measurement has the finer steps.
 pub(crate) fn current_a(scale: u8, is_sensitive: bool, sense_ohm: f64) -> f64 {
@@ -43,6 +43,20 @@ pub(crate) fn current_a(scale: u8, is_sensitive: bool, sense_ohm: f64) -> f64 {
 /// Returns true if the sensitive measurement makes a current of a motor that turns.
 pub(crate) fn is_sensitive(run_a: f64, sense_ohm: f64) -> bool {
     run_a <= current_a(SCALE_MOST, true, sense_ohm) * (1.0 + SLACK)
+}
+
+/// Returns the largest scale whose current in A (RMS) is not above one that the chip makes.
+pub(crate) fn scale(wanted_a: f64, is_sensitive: bool, sense_ohm: f64) -> u8 {
+    let steps = wanted_a / current_a(0, is_sensitive, sense_ohm) + SLACK;
+    // Less than a step of the scale is its smallest.
+    (steps.floor() - 1.0).clamp(0.0, f64::from(SCALE_MOST)) as u8
+}
+
+/// Returns the currents in motion and at rest that the chip makes of those that are asked for, in A (RMS).
+pub(crate) fn made_a((run_a, hold_a): (f64, f64), sense_ohm: f64) -> (f64, f64) {
+    let is_sensitive = is_sensitive(run_a, sense_ohm);
+    let made = |wanted_a| current_a(scale(wanted_a, is_sensitive, sense_ohm), is_sensitive, sense_ohm);
+    (made(run_a), made(hold_a))
 }
 
 /// Returns the smallest and the largest current of a motor in A (RMS).

@@ -1,7 +1,7 @@
 //! The pins of a step driver at a node or at a Klipper board, and which of their values the pump file gives.
 
 use crate::numbers::significant;
-use crate::pump_file::{DriverFault, DriverName, KlipperTable, Pins, PumpFile, TmcTable};
+use crate::pump_file::{DriverFault, DriverName, KlipperTable, Pins, PumpFile, TmcTable, tmc_range};
 
 /// Returns the times and the polarity of the pins, for a pump at a node or at a Klipper board.
 pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
@@ -84,14 +84,16 @@ pub(super) fn driver_text(file: &PumpFile) -> Option<String> {
     let Some(tmc) = &table.tmc else {
         return Some("stays as its jumpers and its trimmer set it".to_owned());
     };
-    let TmcTable { uart, address, sense_ohm, run_a, .. } = tmc;
+    let TmcTable { uart, address, sense_ohm, .. } = tmc;
     let written = tmc.tx.as_ref().map_or(String::new(), |tx| format!(", written by {tx}"));
-    let microsteps = file.motor.steps_per_rev / file.motor.full_steps_per_rev.max(1);
+    let (run_a, hold_a) = tmc_range::made_a((tmc.run_a, tmc.hold_a()), *sense_ohm);
+    let (full_steps, steps) = (file.motor.full_steps_per_rev.max(1), file.motor.steps_per_rev);
     Some(format!(
-        "TMC2209 at {uart}{written}, address {address}; {run_a} A (RMS) while the motor turns, {} A at rest, with \
-         {sense_ohm} Ohm; {microsteps} microsteps of {} full steps, which the board sets",
-        tmc.hold_a(),
-        file.motor.full_steps_per_rev
+        "TMC2209 at {uart}{written}, address {address}; {run_a:.3} A (RMS) of run_a = {} A while the motor turns, \
+         {hold_a:.3} A at rest, by the chip's scale with {sense_ohm} Ohm; {} microsteps of {full_steps} full steps, \
+         which the board sets",
+        tmc.run_a,
+        steps / full_steps
     ))
 }
 

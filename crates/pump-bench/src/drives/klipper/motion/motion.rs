@@ -443,7 +443,11 @@ impl<'a> Motion<'a> {
             || self.failed.is_some()
             || matches!(error, KlipperError::Reset | KlipperError::Shutdown { .. });
         if self.feed.is_some() && is_lost {
-            let error = self.failed.take().unwrap_or(error);
+            let error = match self.failed.take() {
+                // The dead-man time was ended by the clock, and not by a silence.
+                Some(KlipperError::DeadMan { .. }) if error.is_of_clock() => error,
+                failed => failed.unwrap_or(error),
+            };
             return Some(self.lost(error));
         }
         if self.feed.is_none() && is_lost {
