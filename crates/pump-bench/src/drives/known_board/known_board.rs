@@ -34,7 +34,7 @@ pub(in crate::drives) struct KnownBoard {
     /// Axis that turns the pump of the record. `None` in a record of an early version, and after another pump has taken
     /// the place.
     pub(in crate::drives) axis: Option<Axis>,
-    /// Device of the port of a board without axes, by which it is told from others of its kind whose ports keep no name.
+    /// Device of the port of a board without axes. It tells boards of one kind apart whose ports keep no name.
     pub(in crate::drives) device: Option<String>,
     /// Pins, and stepper drivers at pins, that turn the pump of the record and no other, where the board has no axes.
     pub(in crate::drives) pins: Vec<String>,
@@ -123,8 +123,8 @@ pub(in crate::drives) enum BoardError {
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 #[error(
-    "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} one of its own; if it has taken \
-     the place of `{other}`, or both files describe one pump, the record is to say so",
+    "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} one of its own; if it has \
+     taken the place of `{other}`, or both files describe one pump, the record is to say so",
     .port.display(), pump_in_words(.pump.as_deref())
 )]
 pub struct PlaceTaken {
