@@ -282,8 +282,11 @@ impl From<DoseError> for Failure {
             DoseError::Unconfirmed { pump, .. } => setup_that_was_left(pump),
             _ => None,
         };
+        let is_unconfirmed = matches!(&error, DoseError::Drive { .. }) && interrupt::signal().is_some();
         let failure = Self { delivered_ml, ..Self::of(error) };
         match left {
+            // A stop that no board has confirmed is a fault: the steps that were made are not known.
+            None if is_unconfirmed => failure.with("; the stop that you asked for was not confirmed"),
             Some(left) => failure.with(&format!("; {left}")),
             None => failure,
         }

@@ -7,6 +7,7 @@ use pump_bench::config::{Config, PumpPlace, config_path};
 use pump_bench::pump_file::PumpFile;
 
 use crate::failure::Failure;
+use crate::told_commands::setup_that_was_left;
 
 /// The configuration file.
 #[derive(Debug, Args)]
@@ -96,10 +97,14 @@ impl PumpOption {
         })
     }
 
-    /// Reads the pump that is named.
+    /// Reads the pump that is named. A pump whose setup was left has no file yet.
     pub(crate) fn file(&self) -> Result<PumpFile, Failure> {
         let config = self.config()?;
-        config.pump(self.name(&config)).map_err(Failure::of)
+        let name = self.name(&config);
+        config.pump(name).map_err(|error| match setup_that_was_left(name) {
+            Some(left) => Failure::of(error).with(&format!("; {left}")),
+            None => Failure::of(error),
+        })
     }
 
     /// The name of the pump as it was typed.

@@ -41,6 +41,10 @@ fn answers_survive_that_the_person_leaves_at_every_question() {
         assert!(ended.err.contains("; say --") || ended.err.contains("say a name"), "{}", ended.err);
         assert!(ended.err.contains("`dose setup acid` goes on"), "{}", ended.err);
         assert!(!ended.err.contains("panicked"), "{}", ended.err);
+        // The pump has no file yet, or one that nobody has tried.
+        let status = desk.types(&["status", "--pump", "acid"]);
+        let left = "`dose setup acid` goes on with its setup, which was left";
+        assert!([status.out, status.err].concat().contains(left), "call {call}");
         // Questions that decide the pump file are asked once.
         let first = ended.asked[0].clone();
         assert!(!answered.contains(&first) || is_repeated(&first), "{first} again: {answered:?}");

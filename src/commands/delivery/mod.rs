@@ -36,6 +36,9 @@ const MAX_ROWS: f64 = 1e8;
 /// The delivery, and the signal that came, if one did.
 pub(super) type DeliveryEnd = (Delivered, Option<i32>);
 
+/// The message after a signal to a dose that has not begun to move.
+const NOT_BEGUN: &str = "stopped by the user before the first step; no dose is unfinished";
+
 /// Form of a report.
 pub(super) struct Said<'a> {
     /// True if a program reads it.
@@ -204,7 +207,11 @@ pub(super) fn ended(
             Err(unprinted(&failure, volume_ml, range_ml))
         }
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
-            let words = if delivered.unfinished { STOPPED } else { RUN_STOPPED };
+            let words = match (delivered.unfinished, delivered.made) {
+                (true, _) => STOPPED,
+                (false, 0) => NOT_BEGUN,
+                (false, _) => RUN_STOPPED,
+            };
             let stopped = Failure::stopped(signal.unwrap_or(0), delivered.made > 0, words);
             Err(stopped.delivered(range_ml))
         }

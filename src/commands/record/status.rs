@@ -15,7 +15,7 @@ use crate::options::limits::TubeLimit;
 use crate::options::motor::PortOption;
 use crate::options::report::FormatOption;
 use crate::terminal::{print_json, tell};
-use crate::told_commands::{completed, meaning};
+use crate::told_commands::{completed, meaning, setup_that_was_left};
 
 #[derive(Debug, Args)]
 pub(crate) struct StatusArgs {
@@ -52,7 +52,8 @@ impl StatusArgs {
         if self.format.json() {
             print_json(&(status.json() + "\n"))
         } else {
-            tell(&status.text(advice::words))
+            let left = setup_that_was_left(&status.pump).map_or(String::new(), |left| left + "\n");
+            tell(&format!("{}{left}", status.text(advice::words)))
         }
     }
 

@@ -53,7 +53,8 @@ impl<'a> Session<'a> {
         // A run until it is stopped is complete once somebody stopped it.
         let is_complete = halt.is_none() && motion.terms.until_stopped;
         // A flow over time cannot go on later, so a stop is its end.
-        let is_ended = is_complete || (halt.is_none() && motion.terms.profile);
+        let is_ended =
+            is_complete || (halt.is_none() && (motion.terms.profile || self.is_unbegun(motion, made)));
         let after =
             after_steps(before, self.log.clock.now().unix_s, &intent, made, is_ended, self.bench.model());
         // The plan of a flow over time tells no time for a part of its steps.
@@ -110,6 +111,15 @@ impl<'a> Session<'a> {
         })?;
         let began = Stamp::new(intent.unix_s, intent.told.map_or(0, |told| told.utc_offset_s));
         Ok(Moved { made, began, beyond, volume_ml, measured_s, disk_times })
+    }
+
+    /// Returns true for a dose that was stopped before its first step, which leaves nothing to resume.
+    ///
+    /// A share of a rack keeps its rest, since its partners may have moved. So does the rest of a dose that was begun
+    /// before. A turn to find the angle leaves the dose that is unfinished.
+    fn is_unbegun(&self, motion: &RecordedMotion<'_>, made: u64) -> bool {
+        let is_first = motion.purpose.is_delivery() && motion.whole.is_none() && !motion.terms.by_weight;
+        made == 0 && is_first && self.log.rack.is_none()
     }
 
     /// Returns the error of a motion that the journal has ended after `delivered_ml`.

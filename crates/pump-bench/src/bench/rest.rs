@@ -156,7 +156,8 @@ impl Bench {
     /// Tells that the rest of `dose` begins with a question to the device, whose answer is nearer to the truth than the
     /// record. The plan is that of the record, or of the dose as `counted`.
     fn asks_first(&self, dose: &Unfinished, counted: &Unfinished, is_of_record: bool) -> Notice {
-        let asks = "the rest itself first asks the board, which knows the exact steps and the angle unless it was reset";
+        let asks =
+            "the rest first asks the board, which knows the exact steps and the angle unless it was reset";
         if is_of_record {
             return format!("{asks}; this plan is by the record alone").into();
         }

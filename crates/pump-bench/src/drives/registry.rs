@@ -71,5 +71,22 @@ pub(crate) fn open<'a>(
         DriverName::Node => node::open(table, file, opening),
         DriverName::Klipper => klipper::open(table, file, opening),
     };
-    opened.map_err(|error| find::told_apart(error, table, &opening.stop))
+    opened.map_err(|error| match is_of_record(&error, opening) {
+        true => error,
+        false => find::told_apart(error, table, &opening.stop),
+    })
+}
+
+/// Returns true for the silence of a node that is on record as the pump's board: its cable or its power is the first to
+/// look at, and nobody waits for other kinds of boards to be asked.
+#[cfg(feature = "node")]
+fn is_of_record(error: &DriveError, opening: &Opening) -> bool {
+    let DriveError::Device(error) = error else { return false };
+    let is_silent = matches!(error.downcast_ref(), Some(node::NodeError::Silent { .. }));
+    is_silent && opening.settings_record.as_ref().is_some_and(|record| record.exists())
+}
+
+#[cfg(not(feature = "node"))]
+fn is_of_record(_error: &DriveError, _opening: &Opening) -> bool {
+    false
 }

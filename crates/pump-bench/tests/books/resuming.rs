@@ -45,7 +45,7 @@ fn the_total_of_a_resumed_dose_is_stated_from_the_least_to_the_most_that_it_can_
 fn a_dose_to_low_flow_is_resumed_to_its_planned_end_even_beyond_the_volume_asked_for() {
     let lab = Lab::new();
     let request = DoseRequest::dose(5.0).with_finish(low_flow());
-    let whole = lab.stopped(request, 0.0);
+    let whole = lab.stopped(request, 0.1);
     let rest = lab.rest(DoseRequest::dose(0.0));
     let end = lab.unfinished().made_least + rest.plan.steps();
     assert_eq!(end, whole.plan.steps());
@@ -69,6 +69,22 @@ fn a_dose_to_low_flow_is_resumed_to_its_planned_end_even_beyond_the_volume_asked
 
 fn low_flow() -> Option<Finish> {
     Some(Finish::LowFlow)
+}
+
+#[test]
+fn a_dose_that_was_stopped_before_its_first_step_leaves_nothing_and_a_rest_keeps_its_dose() {
+    let lab = Lab::new();
+    lab.stopped(DoseRequest::dose(5.0), 0.0);
+    assert_eq!(lab.status()["unfinished"], serde_json::Value::Null);
+    lab.stopped(DoseRequest::dose(5.0), 0.3);
+    let before = lab.unfinished().delivered_ml(lab.bench.model());
+    {
+        let mut session = lab.bench.session().unwrap();
+        let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+        stop_at(&mut session, &rest, 0.0);
+    }
+    assert_eq!(lab.unfinished().delivered_ml(lab.bench.model()), before);
+    assert!((lab.status()["unfinished"]["requested_ml"].as_f64().unwrap() - 5.0).abs() < 1e-9);
 }
 
 #[test]
@@ -102,7 +118,7 @@ fn a_dose_with_a_suck_back_is_resumed_again_and_again() {
 fn a_rest_keeps_the_speed_that_was_asked_for_and_not_the_peak_of_a_short_dose() {
     for cruise in [Cruise::Speed { rad_s: rad_s(150.0) }, Cruise::Flow { ml_s: 40.0 }, Cruise::Fastest] {
         let lab = Lab::new();
-        let whole = lab.stopped(DoseRequest::dose(0.8).with_cruise(cruise), 0.0);
+        let whole = lab.stopped(DoseRequest::dose(0.8).with_cruise(cruise), 0.05);
         assert!(whole.plan.profile().peak_rad_s() < rad_s(140.0), "too short to reach the speed");
         assert_eq!(lab.rest(DoseRequest::dose(0.0)).request.cruise, Some(cruise));
     }

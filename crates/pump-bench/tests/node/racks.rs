@@ -208,9 +208,9 @@ fn a_fault_before_the_common_begin_is_no_end_of_a_rack_that_is_complete() {
         });
         assert!(report.end == RackEnd::Fault && !report.completed, "{in_ms} ms: {}", report.json());
         let reasons: Vec<&str> = report.pumps.iter().filter_map(|pump| pump.error.as_deref()).collect();
-        // Before its move the board has let go of the motor; after it the stop itself is told.
+        // Before its move the board has released the motor; after it the stop itself is told.
         let is_told =
-            |told: &&str| told.contains("emergency stop") || told.contains("has let go of the motor");
+            |told: &&str| told.contains("emergency stop") || told.contains("has released the motor");
         assert!(reasons.iter().any(is_told), "{in_ms} ms: {reasons:?}");
     }
 }

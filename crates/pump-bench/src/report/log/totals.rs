@@ -90,8 +90,8 @@ impl LogTotals {
         days.chain(tubes).collect()
     }
 
-    /// Writes the totals as a table: `day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back,searched_ml`. Each
-    /// row has a day or a tube.
+    /// Writes the totals as a table: `day,tube,doses,delivered_ml,unknown_ml,pumped_ml,clock_went_back,searched_ml`.
+    /// Each row has a day or a tube.
     pub fn csv(&self) -> String {
         let row = |day: &str, tube: &str, total: &LogTotal| {
             let LogTotal { doses, delivered_ml, unknown_ml, pumped_ml, clock_went_back, searched_ml } = total;
