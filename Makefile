@@ -292,6 +292,7 @@ node: node-pico
 	$(MAKE) firmware
 	cargo run --locked -p check-node $(FIRMWARE) uf2 target/pump-node.uf2
 	timeout 1500 cargo run --locked -p check-node $(FIRMWARE)
+	timeout 300 node firmware/emulator/klipper.mjs
 	rustup target add thumbv7em-none-eabihf
 	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target

@@ -6,7 +6,7 @@ use pump_bench::built_in;
 use pump_bench::drives::{Drive, Leave};
 use pump_ctl::plan::Plan;
 
-use crate::rig::{Rig, dose, run, socket, turn};
+use crate::rig::{Rig, dose, run, said, socket, turn};
 use crate::simulated_klipper::{Character, IndexSensor, pin_of};
 
 /// Largest distance of a step from the plan, in us.
@@ -167,4 +167,25 @@ fn a_search_that_begins_on_the_mark_leaves_it_and_finds_it_a_turn_later() {
         let at = found.made as i64 - beyond as i64 + into;
         assert!((at - 3200).abs() <= 2, "{into}: {found:?}");
     }
+}
+
+#[test]
+fn a_sensor_that_is_missing_or_never_leaves_its_mark_has_one_message() {
+    let rig = Rig::new(Character::default());
+    let table = |pin: &str| {
+        let pins = socket("X").with_index(pin.parse().unwrap());
+        rig.table().with_index_angle_deg(10.0).with_klipper(pins)
+    };
+    let plan = turn(3200);
+    // Nothing is at the pin, which the board pulls up.
+    let mut drive = rig.open_by(&table("^!PC0")).unwrap();
+    drive.check(&plan).unwrap();
+    let found = drive.seek(&plan, &mut |_, _| Leave::Go).unwrap();
+    assert_eq!((found.made, found.beyond), (3200, None));
+    drop(drive);
+    let mut drive = rig.open_by(&table("^PC0")).unwrap();
+    drive.check(&plan).unwrap();
+    let fault = drive.seek(&plan, &mut |_, _| Leave::Go).unwrap_err();
+    assert_eq!((fault.made_least, fault.made_most, fault.lost), (3200, 3200, false));
+    assert!(said(&fault).contains("the index sensor answered all the way"), "{}", said(&fault));
 }

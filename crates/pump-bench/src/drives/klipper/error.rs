@@ -261,6 +261,12 @@ pub enum KlipperError {
          cannot go on"
     )]
     FlowPaused,
+    /// The index sensor answered from the begin of a search to its end.
+    #[error(
+        "the index sensor answered all the way; check its wiring and the disc, and the marks `!` and `^` before its pin \
+         in [drive.klipper] index"
+    )]
+    IndexStays,
     /// The board heard nothing of this program for too long, and stopped the motor.
     #[error(
         "the board stopped the motor because it heard nothing of this program for {dead_man_ms} ms; check its cable, \

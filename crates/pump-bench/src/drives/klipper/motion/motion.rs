@@ -387,6 +387,12 @@ impl<'a> Motion<'a> {
 
     /// Hears of the sensor of a motor that stands: a turn that begins on the mark ends where it begins.
     fn look_last(&mut self) -> Result<(), KlipperError> {
+        if self.index == Index::Leaves {
+            let made = self.made + self.feed.as_ref().map_or(0, |feed| feed.pushed);
+            let is_whole = made >= self.all() && self.failed.is_none();
+            self.failed = is_whole.then_some(KlipperError::IndexStays).or(self.failed.take());
+            return Ok(());
+        }
         let until = self.board.talk.link.now() + LAST_LOOK;
         while self.index_at.is_none()
             && matches!(self.index, Index::Finds | Index::Asked { finds: true })
