@@ -26,8 +26,8 @@ pub(crate) use options::{Character, IndexSensor, pin_of};
 use simulation::Simulation;
 
 /// Words for what a person's hand does at the board.
-pub(crate) const HANDS: &str = "the words are: reset, pull, plug, cut, restore, jump <ticks>, fault <socket> <flag>, mend \
-                                <socket> <flag>; each on a line of its own";
+pub(crate) const HANDS: &str = "the words are: reset, pull, plug, cut, restore, jump <ticks>, fault <socket> <flag>, \
+                                mend <socket> <flag>; each on a line of its own";
 
 /// Truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]

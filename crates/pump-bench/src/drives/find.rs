@@ -97,8 +97,8 @@ impl FoundBoard {
         KnownBoard { number: self.number(), axis, ..KnownBoard::at_port(Some(port), opening) }
     }
 
-    /// Refuses the first pin of a table that the board lacks, or that its firmware uses itself. A board that has no pins
-    /// by name refuses none.
+    /// Refuses the first pin of a table that the board lacks, or that its firmware uses itself. A board that has no
+    /// pins by name refuses none.
     ///
     /// # Errors
     ///

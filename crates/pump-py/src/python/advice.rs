@@ -73,8 +73,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              keeps the mean flow alone, and pulsates"
         }
         Remedy::SayExactAngle => {
-            "Bench.home_set() with a tolerance of 0deg says the angle; Bench.home_sensor() finds it to a step only with \
-             index_width_deg = 0 in [drive], for a sensor that answers within a step"
+            "Bench.home_set() with a tolerance of 0deg says the angle; Bench.home_sensor() finds it to a step only \
+             with index_width_deg = 0 in [drive], for a sensor that answers within a step"
         }
         Remedy::SetAngle => "say where they stand with bench.home_set(angle_rad)",
         Remedy::HomeBySensorOrMark => "call bench.home_sensor() or bench.home_mark()",

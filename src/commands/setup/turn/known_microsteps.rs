@@ -84,8 +84,8 @@ pub(super) fn correct(course: &mut Course, turned: f64, is_second: bool) -> Aske
         return Err(refused.value(format!("{} turns", rounded(turned))).allowed("1 turn").into());
     }
     tell_person(&format!(
-        "  It made {made}. The board sets the microsteps in the stepper driver itself, so they are right, and the cause \
-         is {causes}."
+        "  It made {made}. The board sets the microsteps in the stepper driver itself, so they are right, and the \
+         cause is {causes}."
     ));
     match ask(course, motor)? {
         Cause::Stalls => {

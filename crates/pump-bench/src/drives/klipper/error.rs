@@ -263,8 +263,8 @@ pub enum KlipperError {
     FlowPaused,
     /// The index sensor answered from the begin of a search to its end.
     #[error(
-        "the index sensor answered all the way; check its wiring and the disc, and the marks `!` and `^` before its pin \
-         in [drive.klipper] index"
+        "the index sensor answered all the way; check its wiring and the disc, and the marks `!` and `^` before its \
+         pin in [drive.klipper] index"
     )]
     IndexStays,
     /// The board heard nothing of this program for too long, and stopped the motor.

@@ -1,9 +1,9 @@
 //! The most steps a second that a board is asked for.
 //!
 //! Source: Klipper3d/klipper, `docs/Features.md`, "Step Benchmarks", column "1 stepper active": a board of this drive
-//! turns one motor at a time. `docs/Benchmarks.md` tells how they are measured: the board does nothing else, and most of
-//! them make a step at each edge of the pulse. A step of this drive takes both edges, and half of the time is left for
-//! the rest of the firmware. So a board is asked for a quarter of its benchmark.
+//! turns one motor at a time. `docs/Benchmarks.md` tells how they are measured: the board does nothing else, and most
+//! of them make a step at each edge of the pulse. A step of this drive takes both edges, and half of the time is left
+//! for the rest of the firmware. So a board is asked for a quarter of its benchmark.
 
 /// Benchmarks by the start of the microcontroller's name, in steps/s. The first that fits counts.
 const BENCHMARKS: [(&str, f64); 16] = [
@@ -33,8 +33,8 @@ const AVR_STEPS_PER_TICK: f64 = 157e3 / 16e6;
 /// Part of its benchmark that a board is asked for.
 const SHARE: f64 = 0.25;
 
-/// Steps for each tick of the clock of a microcontroller that the table lacks. The slowest one that `docs/Benchmarks.md`
-/// measures, by its clock, is the PRU: it takes 231 ticks for a step.
+/// Steps for each tick of the clock of a microcontroller that the table lacks. The slowest one, by its clock, that
+/// `docs/Benchmarks.md` measures is the PRU: it takes 231 ticks for a step.
 const UNKNOWN_STEPS_PER_TICK: f64 = 1.0 / 256.0;
 
 /// Returns the most steps a second that a board is asked for, by the name of its microcontroller in its dictionary and
