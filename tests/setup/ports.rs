@@ -177,10 +177,17 @@ fn a_script_hears_why_no_board_is_at_its_port_before_anything_is_written() {
             let written = [desk.configured("pumps/acid.toml"), desk.configured("config.toml")];
             assert_eq!(written, [None, None], "{port}");
         }
-        // A board may come later.
-        let desk = Desk::new();
-        let alone = desk.types(&[&words[..], &[port, "--axis", "Z", "--no-motion"]].concat());
-        assert!(alone.code == 0 && desk.configured("pumps/acid.toml").is_some(), "{port}: {}", alone.err);
+        // A board may come later. The warning comes once, whatever the driver.
+        for (driver, axis) in [("grbl", &["--axis", "Z"][..]), ("grbl", &[]), ("node", &[])] {
+            let desk = Desk::new();
+            let words = words.iter().map(|word| if *word == "grbl" { driver } else { word });
+            let words: Vec<_> =
+                words.chain([port]).chain(axis.iter().copied()).chain(["--no-motion"]).collect();
+            let alone = desk.types(&words);
+            assert!(alone.code == 0 && desk.configured("pumps/acid.toml").is_some(), "{port}: {}", alone.err);
+            let is_told = alone.err.contains("the pump file names this port all the same");
+            assert!(is_told && alone.err.matches("no board answers at").count() == 1, "{}", alone.err);
+        }
     }
 }
 

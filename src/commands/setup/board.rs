@@ -85,7 +85,8 @@ fn axis_of_another(course: &mut Course) -> Asked<()> {
 /// false if no board answers there.
 fn meet(course: &mut Course) -> Asked<bool> {
     let port = course.answers.port.clone().filter(|_| course.board.is_none());
-    let Some(port) = port else { return Ok(true) };
+    let is_told = |port: &PathBuf| course.asker.is_silent() && course.silent_port.as_ref() == Some(port);
+    let Some(port) = port.filter(|port| !is_told(port)) else { return Ok(true) };
     let found = who_is_at(&port);
     if let Some(signal) = interrupt::signal() {
         return Err(Failure::stopped(signal, false, "stopped by the user").into());
@@ -243,6 +244,7 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
             let said = if is_of_version(&error) { advice::told(&error) } else { with_sources(&error) };
             let why = answer_in_words(&error, &port.display().to_string(), &said);
             warn(&[format!("{why}; the pump file names this port all the same")]);
+            course.silent_port = Some(port);
         }
         Some((_, Err(error))) if is_silent => {
             let failure = Failure::of(error);

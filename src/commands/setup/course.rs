@@ -45,6 +45,8 @@ pub(super) struct Course {
     neighbours: Vec<Neighbour>,
     /// Board that answered at the port, once it was asked.
     pub(super) board: Option<FoundBoard>,
+    /// Port at which no board answered. A script is told so once.
+    pub(super) silent_port: Option<PathBuf>,
     /// True if the motor has turned in this call.
     pub(super) has_moved: bool,
     /// Warnings that were said already.
@@ -80,6 +82,7 @@ impl Course {
             reviews: false,
             neighbours,
             board: None,
+            silent_port: None,
             has_moved: false,
             warned: Vec::new(),
             runnable: Runnable::default(),
