@@ -73,6 +73,7 @@ impl Board {
             ("set_next_step_dir", &[dir]) => self.stepper(place)?.face(dir != 0),
             ("reset_step_clock", &[clock]) => return self.stepper(place)?.reset_clock(clock, now),
             ("stepper_get_position", []) => {
+                self.catch_up();
                 let position = self.stepper(place)?.position.cast_unsigned();
                 self.tell("stepper_position", &[oid.into(), position.into()]);
             }
@@ -140,6 +141,7 @@ impl Board {
             }
             ("trsync_trigger", &[reason]) => {
                 self.trigger_of(place)?;
+                self.catch_up();
                 self.fire(place, reason);
                 let trigger = self.trigger_of(place)?;
                 trigger.end();

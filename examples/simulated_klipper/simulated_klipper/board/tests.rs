@@ -303,6 +303,17 @@ fn a_clock_tells_its_lower_32_bits_and_its_uptime_all() {
 }
 
 #[test]
+fn a_board_that_is_late_has_made_the_steps_that_its_host_knows_to_be_made() {
+    let mut host = Host::new().configured();
+    host.send(&["trsync_start 2 0 0 7", "stepper_stop_on_trigger 0 2", "reset_step_clock 0 1000"]);
+    host.send(&["trsync_set_timeout 2 9000", "queue_step 0 1000 5 0"]);
+    // It looks at its line after all steps are due, and hears what was said meanwhile.
+    host.board.read = 8000;
+    assert_eq!(host.send(&["trsync_trigger 2 1"]), ["trsync_state 2 0 1 0"]);
+    assert_eq!(host.send(&["stepper_get_position 0"]), ["stepper_position 0 -5"]);
+}
+
+#[test]
 fn the_load_is_told_every_5_s() {
     let mut host = Host::new();
     assert_eq!(host.pass(5 * HZ - 1).len(), 0);

@@ -48,6 +48,11 @@ impl Trigger {
         (self.can_trigger, self.expires, self.reports) = (false, None, None);
     }
 
+    /// Returns the tick at which it expires.
+    pub(in super::super) fn expires_at(&self) -> Option<u64> {
+        self.expires.filter(|_| self.can_trigger)
+    }
+
     /// Returns the tick of its next event.
     pub(in super::super) fn next(&self) -> Option<u64> {
         let reports = self.reports.map(|(at, _)| at);
