@@ -130,3 +130,23 @@ fn a_check_refuses_what_the_drive_of_a_klipper_board_would_refuse() {
         "steps_per_rev is 3000 beside full_steps_per_rev = 200; allowed: full_steps_per_rev times 1, 2, 4, 8";
     assert!(answer.code == 2 && answer.err.contains(said), "{}", answer.err);
 }
+
+#[test]
+fn a_plan_without_a_board_keeps_to_the_pulses_of_a_klipper_boards_pins() {
+    let user = User::new();
+    let (code, said) = check(&user, &format!("{KLIPPER}{PINS}step_pulse_us = 100.0\n"));
+    assert_eq!(code, 0, "{said}");
+    let plans = |rate: &str| {
+        let words = ["2mL", "--rate", rate, "--pump", "own.toml", "--dry-run", "--start-angle", "0deg"];
+        user.types(&words)
+    };
+    // 5000 steps/s at most: pulse and pause of 100 us.
+    let fast = plans("9mL/s");
+    assert!(
+        fast.code == 2 && fast.err.contains("the klipper driver makes 5000 steps/s at most"),
+        "{}",
+        fast.err
+    );
+    let slow = plans("1mL/s");
+    assert_eq!(slow.code, 0, "{}", slow.err);
+}

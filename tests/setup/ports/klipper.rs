@@ -108,6 +108,10 @@ fn what_the_board_cannot_have_is_refused_before_a_file_is_written() {
             "--microsteps 16 --socket skr-pico-v1:X --current 0.4A",
             "comes with rp2040, and the board at this port has",
         ),
+        (
+            "--microsteps 16 --axis Y --socket skr-mini-e3-v2:X --current 0.4A",
+            "a Klipper board has no axes: the socket says which motor turns; leave --axis out",
+        ),
         ("--microsteps 16 --socket step=PE9,dir=PB12", "has no pin `PE9`; its pins are PA0 to PA15, "),
         (
             "--microsteps 16 --socket skr-mini-e3-v2:X --current 1.9A",

@@ -48,8 +48,8 @@ pub(super) fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFi
 }
 
 impl Bench {
-    /// Returns the pump file for a plan that asks no device. The pulses of a node's pins stand in the file, and no
-    /// board makes more steps than they allow. A plan that leaves the pump's record out takes the settings that its
+    /// Returns the pump file for a plan that asks no device. The pulses of a node's or a Klipper
+    /// board's pins stand in the file, and no board makes more steps than they allow. A plan that leaves the pump's record out takes the settings that its
     /// board had the last time.
     ///
     /// # Errors
@@ -57,10 +57,14 @@ impl Bench {
     /// [`DoseError::Connection`] if the settings on record cannot be read.
     pub(super) fn file_for_dry_run(&self) -> Result<PumpFile, DoseError> {
         let step_rad = self.file().limits().motor.step_rad();
+        let klipper = self.drive().klipper.as_ref();
         let limits = if self.drive_id() == DriverName::Node.as_str() {
             let pins = self.drive().pins_or_usual();
             let most_steps_s = 1e6 / (pins.step_pulse_us + pins.step_pause_us);
             Some(DriveLimits::of_speed(most_steps_s * step_rad))
+        } else if let Some(pins) = klipper.filter(|_| self.drive_id() == DriverName::Klipper.as_str()) {
+            // A board pauses as long as the pulse is.
+            Some(DriveLimits::of_speed(0.5e6 / pins.pulse_us() * step_rad))
         } else if self.plans_afresh() {
             registry::recorded_limits(self.drive(), self.opening(), step_rad)
                 .map_err(DoseError::Connection)?

@@ -20,6 +20,7 @@ pub(super) fn is_open(course: &Course) -> bool {
 
 /// Asks for the socket, and for the motor's current where the board sets it.
 pub(super) fn ask(course: &mut Course) -> Asked<()> {
+    no_axis(course)?;
     socket_of_another(course)?;
     socket_of_other_board(course)?;
     if course.answers.socket.is_none() {
@@ -63,6 +64,20 @@ fn fits(board: Option<&FoundBoard>, socket: &MotorSocket) -> Result<(), String> 
     // Any current: the pins of the stepper driver's wire are those of the socket.
     let table = socket.table(Some(TRIED_A), None);
     board.check_pins(&table).map_err(|error| with_sources(&error))
+}
+
+/// Drops an axis, which this board has not: its pins say which motor turns. A script is refused.
+fn no_axis(course: &mut Course) -> Asked<()> {
+    let Some(axis) = course.answers.axis else { return Ok(()) };
+    let why = "a Klipper board has no axes: the socket says which motor turns";
+    if course.asker.is_silent() {
+        let refused = format!("{why}; leave --axis out, and say --socket");
+        return Err(Failure::refused(refused).value(axis).allowed("--socket").into());
+    }
+    tell_person(&format!("  {why}"));
+    let mut answers = course.answers.clone();
+    answers.axis = None;
+    Ok(course.take(answers)?)
 }
 
 /// Drops a socket that turns another pump: the port was said after it. A script is refused.
