@@ -340,7 +340,9 @@ pub(super) fn call_off(session: &mut Session<'_>, signal: &Arc<Signal>) {
 /// Returns the note on an interrupted caller's exception: the volume that was delivered.
 pub(super) fn note(delivered: &Delivered) -> String {
     let volume_ml = delivered.volume_ml;
-    if !delivered.completed && !delivered.unfinished {
+    if !delivered.completed && !delivered.unfinished && delivered.made == 0 {
+        "the motion was stopped before its first step, and nothing is unfinished".to_owned()
+    } else if !delivered.completed && !delivered.unfinished {
         format!("{volume_ml:.4} mL were delivered and are on record; the run is complete")
     } else if !delivered.completed {
         format!(

@@ -25,10 +25,16 @@ class HaltedError(PumpError):
     """
 
     def __init__(self, dose: Dose) -> None:
-        super().__init__(
+        message = (
             f"halted after {dose.delivered_ml:.4f} of {dose.requested_ml:g} mL, which is on record;"
             " resume() makes the rest, discard() accepts the dose as it is"
         )
+        if dose.steps_made == 0:
+            message = (
+                f"halted before the first step of {dose.requested_ml:g} mL;"
+                " only a dose that was unfinished before is unfinished now"
+            )
+        super().__init__(message)
         self.dose = dose
 
 
