@@ -109,9 +109,9 @@ fn least_back_flow(flows: &[((f64, f64), BackFlows, BackFlows)]) -> String {
     let most = |of: &dyn Fn(&BackFlows) -> f64| flows.iter().fold(0.0, |most: f64, all| most.max(of(&all.2)));
     let off = |all: &BackFlows| largest(&all.stiffer_ul).max(largest(&all.softer_ul));
     format!(
-        "Line-aware ramps are to keep the back flow to 2 µL. A dose below 200 µL may take a hundredth of its\n\
-         volume back, but never less than half a mean motor step, 0.83 µL. Where no ramps keep to that, as at a fast\n\
-         rate, the ramps with the least back flow win. The largest back flow of `line` ramps in the table is\n\
+        "Line-aware ramps aim at a back flow of 2 µL at most. A dose below 200 µL may take back a hundredth of its\n\
+         volume, or half a mean motor step (0.83 µL) if that is more. Where no ramps achieve this, as at a fast rate,\n\
+         the planner takes the ramps with the least back flow. The largest back flow of `line` ramps in the table is\n\
          {:.1} µL, and {:.1} µL where C is 20 % off.\n",
         most(&|all| largest(&all.nominal_ul)),
         most(&off)
@@ -149,26 +149,30 @@ fn back_flow_over_volume(trial: &Trial) -> Result<String, Box<dyn Error>> {
 }
 
 const INTRODUCTION: &str = "\
-# Accuracy: what reaches the vessel, and how sure it is
+# Accuracy: what reaches the vessel, and how certain it is
 
-`make accuracy` writes this page. A test checks that the code computes every figure on it. All figures are of the
-built-in pump with three rollers, on its motor of 12,800 steps a revolution. They are computed from the model, and
-are not measurements of a real pump. Only `dose calibrate verify` measures yours.
+`make accuracy` writes this page, and a test checks that the code computes every figure on it. All figures are for the
+built-in pump with three rollers and its motor of 12,800 steps a revolution. The model computes them: nobody has
+measured a real pump. `dose calibrate verify` measures yours.
 
-A dose can be wrong in two places. At the rollers the volume depends on the angle at which they start. In the vessel
-it also depends on the line, which swings on after the motor has stopped.
+A dose can be wrong in two places. At the rollers, the volume depends on the angle at which they start. In the vessel,
+it also depends on the line, which keeps swinging after the motor has stopped.
 
 ## At the rollers
 
-A pump of three rollers delivers less while a roller leaves the tube. A controller that knows one constant, the mean
-volume of a revolution, does not see this. Its error depends on the start angle. `dose` knows the angle and plans the
-whole number of steps whose volume is nearest.
+A pump of three rollers delivers less while a roller leaves the tube. A controller that knows only one constant, the
+mean volume of a revolution, ignores this, so its error depends on the start angle. `dose` knows the angle and plans
+the whole number of steps whose volume is nearest to the request.
 
-The table gives the largest error over 120 start angles. *One constant* makes the steps that the mean volume of a
-revolution gives. *Planned from the angle* is exact to half a step. The last column plans in the same way, but for a
-pump that departs from its file. Its rollers hold 0.026 mL more or less, which is the standard uncertainty of the
-paper's figure, and they stand 1 degree before or behind the angle that was read. The volume of a revolution is the
-same for all pumps here, as after a calibration.
+The table gives the largest error over 120 start angles:
+
+- *One constant* makes the steps that the mean volume of a revolution gives.
+- *Planned from the angle* is exact to half a step.
+- *Planned, pump and angle depart* plans in the same way, but the pump differs from its file. Its rollers hold 0.026 mL
+  more or less, the standard uncertainty of the paper's figure. They stand 1 degree ahead of or behind the angle that
+  was read.
+
+The volume of a revolution is the same for all three, as after a calibration.
 ";
 
 const AT_THE_ROLLERS: &str = "\
@@ -176,20 +180,21 @@ const AT_THE_ROLLERS: &str = "\
 
 ![Largest error over the volume of the dose](accuracy/error-over-volume.svg)
 
-The error of one constant is up to 1.25 mL, however large the dose is. It vanishes for whole pitches, which are the
-dips of the second picture. An angle that is one degree off costs 0.07 mL at most.
+One constant is wrong by up to 1.25 mL, however large the dose is. Its error vanishes for whole pitches, the dips of
+the second picture. An angle that is one degree off costs 0.07 mL at most.
 ";
 
 const BACK_FLOW: &str = "\
 ## In the vessel
 
-The rollers stop in milliseconds, but the liquid in the line does not. The published outlet line swings at 12.75 Hz.
-It first pushes too much into the vessel and then takes it back. A nozzle in air loses what is taken back, and air
-enters. *Back flow* is the largest delivered volume less the final one.
+The rollers stop within milliseconds, but the liquid in the line does not. The paper's outlet line swings at 12.75 Hz.
+It first pushes too much into the vessel, then takes it back. A nozzle in air loses the liquid that is taken back, and
+air enters. *Back flow* is the largest delivered volume minus the final one.
 
-The table gives the largest back flow over 120 start angles, also where the line's compliance C is 20 % off, which the
-plan does not know. *Taken back on the way* adds up everything that the outlet takes back, also in mid-dose. The time
-is the mean over the angles. It ends when the volume that is still in the line stays below 1 µL.
+The table gives the largest back flow over 120 start angles. It also gives the back flow where the line's compliance C
+is 20 % off, which the plan does not know. *Taken back on the way* is the sum of all liquid that the outlet takes
+back, in mid-dose too. The time is the mean over the angles. It ends when less than 1 µL is still to come from the
+line.
 ";
 
 const HOW_RAMPS: &str = "\
@@ -197,19 +202,21 @@ const HOW_RAMPS: &str = "\
 
 ![Largest back flow over the volume of the dose](accuracy/back-flow-over-volume.svg)
 
-Line-aware ramps are the default. They are chosen for each dose from the exact solution of the line, as
-[DESIGN.md](../DESIGN.md) tells. `dose 3mL --ramps fastest` starts and stops as fast as the motor allows. A stop that a
-person, a limit or a fault asks for always does.
+Line-aware ramps are the default. The planner chooses them for each dose from the exact solution of the line
+([DESIGN.md](../DESIGN.md)). `dose 3mL --ramps fastest` starts and stops as fast as the motor allows. A stop by a
+person, a limit or a fault always does.
 ";
 
 const LIMITS: &str = "\
-## How sure a stated volume is
+## How certain a stated volume is
 
-The report of each dose states an uncertainty, as in \"25.0 mL ± 1.4 mL\", that covers about 95 % of such doses.
-`-v` and the JSON (`uncertainty_budget`) list its shares, each with the cheapest remedy. Tests draw 2,000 random pumps
-for each of several cases. The budget's statements are true of these pumps, and the tests count how often the interval
-covers the dose. So the budget adds up. It is no evidence that a real pump departs by no more than its file states.
+The report of each dose states an uncertainty, as in \"25.0 mL ± 1.4 mL\". The interval covers about 95 % of such doses.
+`-v` and the JSON (`uncertainty_budget`) list the shares of the uncertainty, each with the cheapest remedy.
 
-This page cannot tell you how near your pump is to its file. Weigh some doses with `dose calibrate verify`:
+Tests draw 2,000 random pumps for each of several cases. The pumps depart from their files as the budget states, and
+the tests count how often the interval covers the dose. So the budget adds up. It does not prove that a real pump
+departs by no more than its file states.
+
+This page cannot tell you how close your pump is to its file. Weigh some doses with `dose calibrate verify`:
 [calibration.md](calibration.md).
 ";

@@ -55,7 +55,7 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         (-11.0, REFERENCE),
         "not computed here",
     ));
-    let before = "The paper leaves the roller volume without a measurement to later work (Section 6). The rows \
-                  below take it from the drawing. No figure of the measured volume goes into them.\n\n";
+    let before = "The paper leaves it to later work to find the roller volume without a measurement (Section 6). The \
+                  rows below compute it from the drawing alone. They use no measured volume.\n\n";
     Ok(Section { title: "Roller volume from the drawing", before: before.into(), rows, after: String::new() })
 }

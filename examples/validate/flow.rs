@@ -59,9 +59,9 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
             Bound::Absolute(5e-5),
         ),
     ];
-    let before = "T1 = T2 is a pitch over the speed (Eq. 8). T3 is psi over the speed, where psi = pi - phi - 2 \
-                  beta (Eq. 9, Section 2.1.2). The paper draws the pulses of both pumps at 60 r/min with beta = \
-                  30 deg (Fig. 6). It prints no time in seconds.\n\n";
+    let before = "T1 and T2 are the time of a pitch: pitch over speed (Eq. 8). T3 is psi over the speed, with psi = \
+                  pi - phi - 2 beta (Eq. 9, Section 2.1.2). The paper draws the pulses of both pumps at 60 r/min \
+                  with beta = 30 deg (Fig. 6). It states no time in seconds.\n\n";
     let after = "![Flow at the rollers at 60 r/min, three rollers above, two below](validation/flows.svg)\n";
     Ok(Section { title: "Flow at 60 r/min", before: before.into(), rows, after: after.into() })
 }

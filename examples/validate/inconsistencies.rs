@@ -38,12 +38,13 @@ fn roller_volume() -> Result<String, Box<dyn Error>> {
         [Variant::Measured, Variant::Published].map(|variant| Pump::preset(3, variant));
     let (measured, published) = (measured?, published?);
     Ok(format!(
-        "**V_r, {ROLLER_ML} mL against {} mL (Table 1 and Eq. 11 against Fig. 9).** Table 1 says {ROLLER_ML} for \
+        "**V_r, {ROLLER_ML} mL against {} mL (Table 1 and Eq. 11 against Fig. 9).** Table 1 gives {ROLLER_ML} mL for \
          Eq. 11. The measured means of the authors' code end at {} mL. The polynomial through them, whose curve \
-         Fig. 9 draws, has {} mL at phi, and the flow that a roller displaces adds up to {} mL. With \
-         Table 1 a revolution of three rollers is {} mL. With the integral it is {} mL, {} % less. This \
+         Fig. 9 draws, has {} mL at phi. The flow that a roller displaces adds up to {} mL. By Table 1 a revolution \
+         of three rollers delivers {} mL. By the integral it delivers {} mL, {} % less. This \
          model \
-         uses the integral, so that pulses and volume per revolution agree. The variant `published` scales it \
+         uses the integral, so that the pulses agree with the volume per revolution. The variant `published` scales \
+         it \
          to {ROLLER_ML} mL.",
         figure(measured.roller_volume().total_ml(), 5),
         figure(POINTS[POINTS.len() - 1].1, 5),
@@ -60,9 +61,9 @@ fn bulk_modulus() -> String {
     let modulus_kpa = HOSE.volume_ml() / compliance;
     format!(
         "**C = 1/B_e (Eq. 21 against Table 3).** 1/B_e is in 1/kPa, but C is in mL/kPa in Table 3. The volume is \
-         missing: by Eq. 20, C = V_total/B_e = dV/dP. Section 4.2 describes V_total before Eq. 21 as the volume \
-         of the inlet-line and the syringe, and prints no value. With the {} mL of our hose, C = {compliance} \
-         mL/kPa is a B_e of {} kPa, and 1/B_e would be {} /kPa. This model uses C as printed, and V_total/B_e \
+         missing: by Eq. 20, C = V_total/B_e = dV/dP. Section 4.2 describes V_total, before Eq. 21, as the volume of \
+         the inlet line and the syringe, and states no value. With the {} mL of our hose, C = {compliance} mL/kPa \
+         means a B_e of {} kPa, and 1/B_e would be {} /kPa. This model uses C as printed, and V_total/B_e \
          wherever one follows from the other (`dose identify compliance`).",
         figure(HOSE.volume_ml(), 4),
         figure(modulus_kpa, 3),
@@ -73,11 +74,12 @@ fn bulk_modulus() -> String {
 fn times() -> String {
     let pulse_ms = |rpm: f64| 1000.0 * ENGAGEMENT_DEG / (6.0 * rpm);
     format!(
-        "**470.4 ms for 42.1 ms (Section 4.2).** The paper expects the motor to take 470.4 ms for the {ENGAGEMENT_DEG} \
-         deg of phi at 200 r/min. It takes {} ms. The 470.4 ms would be at {} r/min, a speed of no test. Samples \
-         every 0.2 ms are enough for both. The sensors' response time of 2 ms is said to be enough too: it is {} % of \
-         the 42.11 ms, and {} % of the 470.4 ms. This model uses neither, since every time follows from the angles \
-         and the speed.",
+        "**470.4 ms for 42.1 ms (Section 4.2).** The paper expects the motor to take 470.4 ms for the \
+         {ENGAGEMENT_DEG} \
+         deg of phi at 200 r/min. It takes {} ms. A time of 470.4 ms belongs to {} r/min, at which no test ran. \
+         Samples every 0.2 ms are enough for both times. The paper also calls the sensors' response time of 2 ms \
+         short enough: it is {} % of the 42.11 ms, and {} % of the 470.4 ms. This model uses neither time, because \
+         every time follows from the angles and the speed.",
         figure(pulse_ms(200.0), 4),
         figure(ENGAGEMENT_DEG / (6.0 * 0.4704), 3),
         figure(200.0 / pulse_ms(200.0), 2),
@@ -86,10 +88,10 @@ fn times() -> String {
 }
 
 fn interpolation() -> String {
-    "**A cubic of the fifth order (Section 2.1.2 and Fig. 9).** The volume of a roller is said to be cubically \
-     interpolated as a polynomial of the fifth order, and Fig. 9 calls its curve a cubically interpolated \
-     polynomial. A cubic has four coefficients, and the authors' code has six. They are a fit by least squares, \
-     which goes through none of the means. This model uses the six."
+    "**A cubic of the fifth order (Section 2.1.2 and Fig. 9).** The paper says that the volume of a roller is \
+         cubically interpolated as a polynomial of the fifth order. Fig. 9 calls its curve a cubically interpolated \
+         polynomial. A cubic has four coefficients, but the authors' code has six. They are a least-squares fit, \
+         which passes through none of the means. This model uses the six."
         .to_owned()
 }
 
@@ -103,10 +105,11 @@ fn mean_flow() -> Result<String, Box<dyn Error>> {
     let with = nominal - taken_ml / pitch_s;
     let ours = pump.average_flow_ml_s(omega);
     Ok(format!(
-        "**The mean flow without 1/T (Eq. 13).** Q_nom less the integral of a pulse subtracts mL from mL/s. At {RPM} \
-         r/min with three rollers Q_nom is {} mL/s and the integral {} mL. The mean flow is then {} mL/s \
-         without the 1/T. With T = T1 it is {} mL/s, which is V_rot omega/(2 pi) = {} mL/s. The first is {} % \
-         too much. This model uses the 1/T.",
+        "**The mean flow without 1/T (Eq. 13).** Eq. 13 takes the integral of a pulse from Q_nom, that is mL from \
+         mL/s. At {RPM} \
+         r/min with three rollers Q_nom is {} mL/s and the integral {} mL. Without the 1/T the mean flow is then {} \
+         mL/s. With T = T1 it is {} mL/s, which equals V_rot omega/(2 pi) = {} mL/s. The first is {} % too high. \
+         This model uses the 1/T.",
         figure(nominal, 5),
         figure(taken_ml, 5),
         figure(without, 5),
@@ -130,12 +133,12 @@ fn largest_of_ten() -> String {
     let [three, _] = &MEASURED;
     let bias = mean_of_largest(10.0);
     format!(
-        "**Largest of ten volumes (Section 5.1).** Ten volumes were measured at each speed, and the largest of \
-         ten is said to be the one that is used. The NRMSE of three rollers is nevertheless that of an average of \
-         the three-roller tests, V_avg_3r. Whether it averages largest volumes or all is not said. The largest \
-         of ten normal samples is {} standard deviations above their mean on average. The standard deviations \
-         are below 1 mL at room temperature under 160 r/min. The largest is then too large by up to {} mL, {} % \
-         of {} mL. This page compares with the published figures as they are.",
+        "**Largest of ten volumes (Section 5.1).** The paper measured ten volumes at each speed, and says that it \
+         used the largest. Yet the NRMSE of three rollers refers to an average of the three-roller tests, V_avg_3r. \
+         The paper does not say if this average is over the largest volumes or over all. On average, the largest of \
+         ten normal samples lies {} standard deviations above their mean. The standard deviations \
+         are below 1 mL at room temperature under 160 r/min. The largest volume is then too large by up to {} mL, \
+         which is {} % of {} mL. This page compares with the published figures as they are.",
         figure(bias, 3),
         figure(bias, 3),
         figure(100.0 * bias / three.ten_revolutions_ml, 2),
@@ -149,9 +152,9 @@ fn angle_steps() -> String {
     let (low, high) =
         steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), step| (low.min(step), high.max(step)));
     format!(
-        "**Steps of {STEP_DEG} deg to {ENGAGEMENT_DEG} deg (Section 3.3).** The motor is said to turn by {STEP_DEG} \
-         deg at a time to {ENGAGEMENT_DEG} deg, which is {} steps. The data of the authors' code have {} steps \
-         of {} to {} deg. This model uses the angles of the data.",
+        "**Steps of {STEP_DEG} deg to {ENGAGEMENT_DEG} deg (Section 3.3).** The paper says that the motor turns by \
+         {STEP_DEG} deg at a time up to {ENGAGEMENT_DEG} deg, which makes {} steps. The data of the authors' code \
+         have {} steps of {} to {} deg. This model uses the angles of the data.",
         figure(ENGAGEMENT_DEG / STEP_DEG, 4),
         POINTS.len() - 1,
         figure(low, 3),
@@ -162,16 +165,17 @@ fn angle_steps() -> String {
 fn pressure_speeds() -> String {
     let [three, two] = &MEASURED;
     format!(
-        "**Speeds of the pressure tests (Section 4.1 against Table 2).** The pressure tests are said to go from \
-         10 to 200 r/min, similar to the flow rate tests. Table 2 has the 200 r/min for PT1 and PT2, but {} r/min \
-         for the flow tests of three rollers and {} for that of two. This page repeats each test over the speeds \
+        "**Speeds of the pressure tests (Section 4.1 against Table 2).** The paper says that the pressure tests go \
+         from 10 to 200 r/min, like the flow rate tests. Table 2 gives 200 r/min for PT1 and PT2, but {} r/min for \
+         the flow tests of three rollers and {} r/min for that of two. This page repeats each test over the speeds \
          of Table 2.",
         three.fastest_rpm, two.fastest_rpm
     )
 }
 
 fn conclusion() -> String {
-    "**Number of the conclusion (Section 1).** It is announced as Section 7. It is Section 6, as cited here."
+    "**Number of the conclusion (Section 1).** The paper announces the conclusion as Section 7. It is Section 6, and \
+         this page cites it so."
         .to_owned()
 }
 
@@ -194,10 +198,10 @@ fn normaliser() -> Result<String, Box<dyn Error>> {
         ));
     }
     Ok(format!(
-        "**An NRMSE without its normaliser (Section 5).** Section 5 names the NRMSE, Section 5.1 prints two, and \
-         neither names the divisor of the RMSE. The RMSE of \
-         the linear model (V_r of {ROLLER_ML} mL) against the speed law is {}. This model uses the mean, \
-         since it alone comes near the published figures.",
+        "**An NRMSE without its normaliser (Section 5).** Section 5 names the NRMSE, and Section 5.1 states two \
+         values. Neither says by what the RMSE is divided. The RMSE of \
+         the linear model (V_r of {ROLLER_ML} mL) against the speed law is {}. This model divides by the mean, \
+         because only that comes close to the published figures.",
         texts.join(", and ")
     ))
 }

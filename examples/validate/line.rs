@@ -68,17 +68,15 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     rows.push(Row::missing("points (flow, pressure) behind R", RESISTANCE_TEST, "needs raw data"));
     rows.push(Row::missing("points (volume, pressure) behind C", COMPLIANCE_TEST, "needs raw data"));
     rows.push(Row::missing("waveform at 100 r/min behind L", INERTANCE_TEST, "needs raw data"));
-    let before = "The hose is ours. Its bore of 10 mm, its length of 0.331 m and its K = 5.75 were chosen so \
-                  that it has the paper's L, and the paper's R at 210 mL/s. The paper measured R at roughly 210 \
-                  mL/s (Section 5.2), by a kinetic pump over one minute (Section 4.2). Its inlet-line and \
-                  outlet-line have equal dimensions (Section 4.1). It prints neither a length nor a Reynolds \
-                  number.\n\nThe paper does not print the ambient pressure either. It follows from P_res (Table \
-                  3), which contains the water in the reservoir (Section 2), and from the level of 30 cm \
-                  (Section 4.1).\n\n";
-    let after = "The paper's authors found R by flows and pressures (Eq. 17), C by a syringe (Eqs. 20 and 21) and \
-                 L by the simulation nearest to the test at 100 r/min (Section 4.2). `dose identify` \
-                 finds them from your data by these methods \
-                 ([identification.md](identification.md)).\n";
+    let before = "The hose is our own. We chose its bore of 10 mm, its length of 0.331 m and its K = 5.75 so that it \
+                  has the paper's L, and the paper's R at 210 mL/s. The paper measured R at roughly 210 mL/s \
+                  (Section 5.2) with a kinetic pump over one minute (Section 4.2). Its inlet and outlet lines have \
+                  equal dimensions (Section 4.1). The paper states neither a length nor a Reynolds number.\n\nThe \
+                  paper does not state the ambient pressure either. We compute it from P_res (Table 3), which \
+                  includes the water in the reservoir (Section 2), and from the level of 30 cm (Section 4.1).\n\n";
+    let after = "The authors found R from flows and pressures (Eq. 17), C with a syringe (Eqs. 20 and 21), and L \
+                 from the simulation closest to the test at 100 r/min (Section 4.2). `dose identify` finds them from \
+                 your data by the same methods ([identification.md](identification.md)).\n";
     Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
 }
 

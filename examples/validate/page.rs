@@ -116,19 +116,19 @@ const INTRODUCTION: &str = "\
 deviation is within its bound.
 
 The paper is McIntyre, van Schoor, Uren, Kloppers, \"Modelling the pulsatile flow rate and pressure response of a \
-roller-type peristaltic pump\", submitted to Sensors and Actuators A: Physical (preprint of 2020, \
-[arXiv 2011.13167](https://doi.org/10.48550/arXiv.2011.13167)). It draws its measured curves and prints no table of \
-them. The authors' code holds 15 means of one of them, the roller volume (Fig. 9), which stand point by point beside \
-ours below. The measured volumes over speed (Fig. 12) and over the largest inlet \
-pressure (Fig. 13), and the measured pressures (Figs. 15 and 16), cannot be set beside ours.
+roller-type peristaltic pump\", submitted to Sensors and Actuators A: Physical (preprint of 2020, [arXiv \
+2011.13167](https://doi.org/10.48550/arXiv.2011.13167)). It draws its measured curves and prints no numbers for them. \
+The authors' code contains numbers for one curve only: 15 means of the roller volume (Fig. 9). They stand point by \
+point beside ours below. The other measured curves cannot be compared with ours: the volume over speed (Fig. 12), the \
+volume over the largest inlet pressure (Fig. 13), and the pressures (Figs. 15 and 16).
 
-- The column *source* names the origin of a figure. A section, an equation, a table or a figure is the place in the \
-preprint. *authors' code* is github.com/MPMcIntyre/Roller-pump-model-and-simulation, its Main.m or its measured \
-data. A *reference* is not the paper's, and the paper does not print it. It was computed once outside this code, \
-from the paper's equations and data.
+- The column *source* names the origin of a figure. A section, an equation, a table or a figure is a place in the \
+preprint. *authors' code* is github.com/MPMcIntyre/Roller-pump-model-and-simulation, either its Main.m or its \
+measured data. A *reference* does not appear in the paper. It was computed once, outside this code, from the paper's \
+equations and data.
 - The column *done* says how a figure was checked. *computed*: our figure follows from other inputs. *input*: the \
-model takes the figure as it is. *fitted*: our figure was adjusted to published figures and is no evidence. \
-*needs raw data*: the figure cannot be checked.
-- The column *compared* has the figure of the source. A deviation in % is relative to it. Any other deviation is \
-ours less it. A `-` means that there is no figure to compare.
+model takes the figure as it is. *fitted*: our figure was fitted to published figures and is no evidence. *needs raw \
+data*: the figure cannot be checked.
+- The column *compared* contains the figure of the source. A deviation in % is relative to it. Any other deviation is \
+our figure minus it. A `-` means that there is nothing to compare.
 ";

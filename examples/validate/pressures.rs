@@ -64,13 +64,13 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         (0.7, PRESSURE_RESULTS),
         "needs raw data",
     ));
-    let before = "The paper draws measured waveforms (Figs. 15 and 16) and prints no numbers of them. The rows \
-                  below check only that the model's equations are solved right. The references were computed \
-                  outside this code to 1e-4 kPa. Pressures are absolute. Extremes are true ones, found between \
-                  the samples. The paper solves the equations by ode15s with steps of at most h = 0.001 s, and \
-                  samples the pulses at h too (Section 2). This model solves them in closed form.\n\n\
-                  The paper's correlations stand in Section 5.2 as means over all speeds, and in Fig. 14 for \
-                  each speed. Section 5.2 calls the simulation less accurate at 10 to 40 r/min.\n\n";
+    let before = "The paper draws measured waveforms (Figs. 15 and 16) and prints no numbers for them. The rows \
+                  below only check that this code solves the model's equations correctly. The references were \
+                  computed to 1e-4 kPa outside this code. Pressures are absolute. The extremes are true extremes, \
+                  found between the samples. The paper solves the equations with ode15s in steps of at most h = \
+                  0.001 s, and also samples the pulses at h (Section 2). This model solves them in closed \
+                  form.\n\nThe paper states its correlations as means over all speeds in Section 5.2, and for each \
+                  speed in Fig. 14. Section 5.2 calls the simulation less accurate at 10 to 40 r/min.\n\n";
     let after = "![Pressures at 50, 100 and 150 r/min, three rollers](validation/pressures-three.svg)\n\n\
                  ![Pressures at 50, 100 and 150 r/min, two rollers](validation/pressures-two.svg)\n";
     Ok(Section { title: "Pressures", before: before.into(), rows, after: after.into() })

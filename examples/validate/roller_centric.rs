@@ -56,12 +56,11 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
             rows.push(Row::computed(name, "%", (3.0, REFERENCE), ours, Bound::Absolute(2.5)));
         }
     }
-    let before = "This model is an experimental reconstruction of the model of Moscato et al., with which the \
-                  paper compares its own. Section 6 of the paper calls its own flow-centric model the less \
-                  accurate of the two, since it leaves out the tube between two rollers, and prints no figure \
-                  of the difference. No published figure of the roller-centric model can be checked. The \
-                  RMSE rows are its \
-                  limit at D = 1e-7 /kPa and R_v = 1e-6 kPa s/mL. The reference of the volume rows is \"about \
-                  3 %\".\n\n";
+    let before = "This experimental model reconstructs that of Moscato et al., with which the paper compares its \
+                  own. The paper calls its own flow-centric model the less accurate of the two, because it leaves \
+                  out the tube between two rollers (Section 6). It states no figure for the difference, so no \
+                  published figure can check the roller-centric model. The RMSE rows show that the model approaches \
+                  the flow-centric one at D = 1e-7 /kPa and R_v = 1e-6 kPa s/mL. The reference of the volume rows is \
+                  \"about 3 %\".\n\n";
     Ok(Section { title: "Roller-centric model", before: before.into(), rows, after: String::new() })
 }

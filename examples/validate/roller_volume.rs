@@ -76,13 +76,11 @@ pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
 /// Returns a table of our fit, mL/deg^n with the highest order first, beside each measured mean.
 fn beside_the_means(found: &[f64; 6]) -> String {
     let mut text = String::from(
-        "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither \
-         points nor coefficients. Its theta is the angle by which a roller is engaged, x in our model. \
-         The means of the seven and the coefficients come from the data of the \
-         authors' code. The means are rounded to seven decimals here, so a new fit differs from the \
-         coefficients by the deviations above. The table sets our fit beside each mean, mL:\n\n| \
-         x, deg | measured | fit | fit \
-         - measured |\n| --- | --- | --- | --- |\n",
+        "The paper measured seven times (Section 3.3) and draws the curve of V (Fig. 9). It prints neither points \
+         nor coefficients. Its theta is the angle by which a roller is engaged, our x. The seven measurements' means \
+         and the coefficients come from the data of the authors' code. This page rounds the means to seven decimals, \
+         so a new fit differs from the coefficients by the deviations above. The table shows our fit beside each \
+         mean, in mL:\n\n| x, deg | measured | fit | fit - measured |\n| --- | --- | --- | --- |\n",
     );
     for point in points() {
         let fitted = at(found, point.angle_deg);

@@ -174,16 +174,15 @@ pub(crate) fn run(name: &str) -> Result<String, Box<dyn Error>> {
 /// Returns the tests and their commands as Markdown.
 pub(crate) fn markdown() -> String {
     let mut text = String::from(
-        "Table 2 of the paper specifies its tests. Their speeds rise by 10 r/min (Section 4.1). FT1 to FT5 weigh \
-         the water of ten revolutions, ten times at each speed (Section 5.1), and each test has a new tube. PT1 \
-         and PT2 record both pressures every 0.2 ms (Section 4.2) for roughly 10 s at each speed, with 30 cm of \
-         water in the reservoir. S stands for systematically rising speeds, R for a random order, which the paper \
-         does not print.\n\nA run prints the model's results over the test's speeds, in rising order, since no \
-         result depends on the speed before. The model has no effect of the temperature on the volume. FT4 \
-         therefore differs from FT3 by its mass alone, at 992 kg/m³ for 997. The paper finds no significant \
-         effect of the temperature on the volume either (Section 5.1). Pressures are those of the periodic \
-         steady state.\n\n| test | rollers | water | speeds | order | command |\n\
-         | --- | --- | --- | --- | --- | --- |\n",
+        "Table 2 of the paper specifies its tests. Their speeds rise in steps of 10 r/min (Section 4.1). FT1 to FT5 \
+         weigh the water of ten revolutions, ten times at each speed (Section 5.1), and each test has a new tube. \
+         PT1 and PT2 record both pressures every 0.2 ms (Section 4.2) for roughly 10 s at each speed, with 30 cm of \
+         water in the reservoir. S means that the speeds rise systematically. R means a random order, which the \
+         paper does not state.\n\nA run prints the model's results over the test's speeds, in rising order, because \
+         no result depends on the speed before. In the model the temperature does not affect the volume. FT4 \
+         therefore differs from FT3 in its mass alone: 992 kg/m³ instead of 997. The paper finds no significant \
+         effect of the temperature on the volume either (Section 5.1). Pressures are those of the periodic steady \
+         state.\n\n| test | rollers | water | speeds | order | command |\n| --- | --- | --- | --- | --- | --- |\n",
     );
     for test in TESTS {
         let name = test.name;
@@ -192,7 +191,7 @@ pub(crate) fn markdown() -> String {
             test.specification().join(" | ")
         );
     }
-    text += "\nFurther measurements have no name in the paper:\n\n| measurement | command |\n| --- | --- |\n";
+    text += "\nThe paper gives no name to these measurements:\n\n| measurement | command |\n| --- | --- |\n";
     for Measurement { name, about, .. } in MEASUREMENTS {
         text += &format!("| {about} | `cargo run --example validate -- {name}` |\n");
     }

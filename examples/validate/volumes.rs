@@ -125,8 +125,8 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
     law_rows(measured, &volumes, rows)?;
     let scatter = sqrt(nrmse_percent * nrmse_percent - bias_percent * bias_percent);
     Ok(format!(
-        "With {rollers} rollers the published NRMSE of {nrmse_percent} % and the deviation of the mean, {} %, \
-         leave {} % of scatter over the speeds. ",
+        "With {rollers} rollers the published NRMSE is {nrmse_percent} %, and our mean deviates by {} %. The \
+         difference leaves {} % of scatter over the speeds. ",
         figure(bias_percent, 3),
         figure(scatter, 3)
     ))
@@ -224,16 +224,15 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         )
         .taken(),
     );
-    after += "The paper draws the volumes at each speed (Fig. 12) and prints no numbers of them. The measured line \
-              in the picture is therefore their mean alone.\n\n![Volume of ten revolutions over speed: \
-              measured mean, linear model, speed \
-              law](validation/volumes.svg)\n";
-    let before = "The linear model gives one volume of a revolution at every speed. In the speed law the \
-                  volume of a segment of tube depends on the inlet pressure at which a roller cuts the \
-                  segment off. The law's two parameters were fitted to the published means, NRMSE and \
-                  deviations, so its agreement with them is no evidence. NRMSE is over the mean.\n\nThe built-in \
-                  pumps turn no faster than the paper's flow tests (Table 2). Its pressure tests reach 200 \
-                  r/min. It says that the largest of ten volumes stands for each speed, see [below]\
-                  (#where-the-paper-contradicts-itself).\n\n";
+    after += "The paper draws the volumes at each speed (Fig. 12) and prints no numbers for them. The picture \
+              therefore shows only the mean of the measured volumes.\n\n![Volume of ten revolutions over speed: \
+              measured mean, linear model, speed law](validation/volumes.svg)\n";
+    let before = "The linear model gives the same volume of a revolution at every speed. In the speed law, the \
+                  volume of a segment of tube depends on the inlet pressure at the moment when a roller cuts the \
+                  segment off. The law's two parameters were fitted to the published means, NRMSE and deviations. \
+                  Its agreement with them is therefore no evidence. The NRMSE here is relative to the mean.\n\nThe \
+                  built-in pumps turn no faster than in the paper's flow tests (Table 2). The paper's pressure tests \
+                  reach 200 r/min. The paper says that it uses the largest of ten volumes for each speed, see \
+                  [below](#where-the-paper-contradicts-itself).\n\n";
     Ok(Section { title: "Volume against speed", before: before.into(), rows: all, after })
 }

@@ -389,7 +389,7 @@ impl Total {
         let verb = if dry_run { "planned" } else { "delivered" };
         format!(
             "{pump}: {doses}{of_all} doses, {volume_ml:.3} mL {verb} in all, {expanded_ml:.3} mL more or less at most; \
-             {asked_ml:.3} mL asked\n"
+             {asked_ml:.3} mL requested\n"
         )
     }
 }

@@ -20,7 +20,7 @@ def test_a_dose_runs_to_its_report_and_two_watchers_see_the_same(laboratory, ser
     expect(card.locator(".said")).to_have_text("Done: dose 15mL.")
     for page in pages:
         expect(state(page, "acid")).to_have_text("Ready")
-        expect(panel(page, "acid").locator(".read .what")).to_contain_text("last dose: 15 mL asked, ±")
+        expect(panel(page, "acid").locator(".read .what")).to_contain_text("last dose: 15 mL requested, ±")
     report = laboratory.log("acid")[-1]
     figures = [panel(page, "acid").locator(".big").inner_text() for page in pages]
     assert figures[0] == figures[1]
@@ -275,7 +275,7 @@ rate = "6mL/s"
         expect(state(page, pump)).to_have_text("Running in a rack")
     for pump, volume in (("acid", "16 mL (24mL, 2 of 3)"), ("base", "8 mL (24mL, 1 of 3)")):
         expect(state(page, pump)).to_have_text("Ready")
-        expect(panel(page, pump).locator(".read .what")).to_contain_text(f"{volume} asked")
+        expect(panel(page, pump).locator(".read .what")).to_contain_text(f"{volume} requested")
 
 
 def test_a_head_stands_for_who_wants_no_motion(service, open_page):

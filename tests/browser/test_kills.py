@@ -24,7 +24,7 @@ def test_a_page_comes_back_after_a_kill_and_resumes_the_dose(laboratory, service
     assert rest["resumed"]
     read = panel(page, "acid").locator(".read")
     expect(read.locator(".what")).to_contain_text(
-        re.compile(r"^last dose: 40 mL asked, .* mL before and [\d.]+ mL now")
+        re.compile(r"^last dose: 40 mL requested, .* mL before and [\d.]+ mL now")
     )
     assert abs(float(read.locator(".big span").inner_text()) - 40) < 0.5, "the whole dose"
     assert abs(first["delivered_ml"] + rest["delivered_ml"] - 40) < 0.5
@@ -48,7 +48,7 @@ def test_the_dialog_accepts_the_dose_that_it_was_opened_for_alone(service, open_
     service.post("/api/v1/pumps/acid/stop")
     page.get_by_role("button", name="Accept…").click()
     box = page.get_by_role("dialog")
-    expect(box).to_contain_text(re.compile(r"[\d.]+ mL delivered of 60 mL asked; unfinished; begun \d{4}-"))
+    expect(box).to_contain_text(re.compile(r"[\d.]+ mL delivered of 60 mL requested; unfinished; begun \d{4}-"))
     # Another watcher resumes it to its end, and has another dose stopped.
     service.post("/api/v1/pumps/acid/resume", {"options": {"rate": "max"}})
     service.ended("acid")

@@ -136,7 +136,7 @@ def test_a_pump_that_was_put_to_stand_shows_the_reason(make_laboratory, open_pag
     expect(card).to_contain_text("leak: water under the rack")
     card.get_by_role("button", name="Clear…").first.click()
     box = page.get_by_role("dialog", name="Clear base")
-    expect(box).to_contain_text("base was put to stand")
+    expect(box).to_contain_text("base was ordered to stand")
     expect(box).to_contain_text("leak: water under the rack")
 
 

@@ -72,7 +72,9 @@ def test_a_stop_leads_to_the_rest_of_the_dose(service, open_page):
     resume.click()
     expect(state(page, "acid")).to_have_text("Delivering the rest of a dose")
     expect(form.locator(".said")).to_have_text("")
-    expect(page.locator(".read .what")).to_contain_text(re.compile(r"^of 60 mL asked.* at the end; [\d.]+ mL before$"))
+    expect(page.locator(".read .what")).to_contain_text(
+        re.compile(r"^of 60 mL requested.* at the end; [\d.]+ mL before$")
+    )
     page.locator("#stop").click()
     # The dose has the time of its order, not that of its rest.
     expect(page.locator(".notices p").first).to_have_text(named)
@@ -156,7 +158,9 @@ def test_a_pump_that_another_program_moves_is_not_said_to_be_unfinished(service,
     page = open_page(service.url)
     with laboratory.start("200mL", "--pump", "acid", "--no-service", "--pace", "real") as other:
         expect(state(page, "acid")).to_contain_text("Another program moves it: ")
-        expect(page.locator(".read .what").first).to_have_text("delivered of 200 mL asked; another program moves it")
+        expect(page.locator(".read .what").first).to_have_text(
+            "delivered of 200 mL requested; another program moves it"
+        )
         page.get_by_role("button", name="Stop acid").click()
         expect(page.locator("#stop-said")).to_contain_text("another program, which this page cannot stop: acid.")
         other.send_signal(signal.SIGINT)

@@ -73,7 +73,7 @@ fn a_person_reads_what_was_asked_for_and_what_the_balance_shows() {
             "{mass}: {}",
             ended.out
         );
-        assert!(ended.out.contains("4 g asked by a balance in air"), "{}", ended.out);
+        assert!(ended.out.contains("4 g requested by a balance in air"), "{}", ended.out);
         assert!(ended.out.contains("the model's first value"), "{}", ended.out);
         let status = rig.types(&["status"]).out;
         assert!(

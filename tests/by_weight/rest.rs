@@ -65,7 +65,7 @@ fn a_fault_of_the_balance_that_is_mended_leaves_a_dose_to_be_finished_by_weight(
         let ended = rig.types(&resume_by_weight(&rig));
         assert_eq!(ended.code, Some(0), "{ended:?}");
         assert!(ended.out.contains(" of an earlier command"), "{}", ended.out);
-        assert!(ended.out.contains("6 g asked by a balance in air"), "{}", ended.out);
+        assert!(ended.out.contains("6 g requested by a balance in air"), "{}", ended.out);
         assert!((rig.landed_g() - 6.0).abs() <= NEAR_G, "{}", rig.landed_g());
     });
 }

@@ -359,7 +359,7 @@ fn the_first_dose_of_a_bought_head_calibrates_although_nobody_knows_the_angle() 
     let dose: serde_json::Value = serde_json::from_str(&dose.out).unwrap();
     let said = with(&["calibrate", "last", "5.15g"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    let by_angle = said.err.split("unsure by ± ").nth(1).unwrap().split(' ').next().unwrap();
+    let by_angle = said.err.split("uncertain by ± ").nth(1).unwrap().split(' ').next().unwrap();
     // Bounds of the volume over the angles: a sine between them has 1/sqrt(2) of half their distance.
     let half_ml = 0.5 * (number(&dose, "volume_most_ml") - number(&dose, "volume_least_ml"));
     let standard_ml = 0.5 * by_angle.parse::<f64>().unwrap();

@@ -16,11 +16,11 @@ fn a_tube_is_warned_of_from_nine_tenths_on_and_refused_at_its_end() {
     assert_eq!(dose("-45mL")["warnings"], serde_json::json!([]), "85 mL either way");
     let report = dose("6mL");
     let warning = report["warnings"][0].as_str().unwrap();
-    assert!(warning.contains("91.0 mL of the 100 mL that it lasts, 9.0 mL are left"), "{warning}");
+    assert!(warning.contains("91.0 mL of its life of 100 mL; 9.0 mL are left"), "{warning}");
     for arguments in [&["10mL"][..], &["prime", "10mL"], &["10mL", "--dry-run"]] {
         let message = user.is_refused(&[arguments, &limit].concat());
         assert!(
-            message.contains("has pumped 91.0 mL") && message.contains("the 100 mL that it lasts"),
+            message.contains("has pumped 91.0 mL") && message.contains("its life of 100 mL"),
             "{message}"
         );
         assert!(message.contains("replace the tube and run `dose tube --new`"), "{message}");
@@ -55,7 +55,7 @@ fn the_pump_file_says_how_long_a_tube_lasts_and_the_option_overrides_it() {
     };
     write("5.0");
     assert!(user.types(&["pumps", "show", "my.toml"]).out.contains("life_ml = 5.0"));
-    assert!(user.is_refused(&["10mL", "--pump", "my.toml"]).contains("the 5 mL that it lasts"));
+    assert!(user.is_refused(&["10mL", "--pump", "my.toml"]).contains("its life of 5 mL"));
     user.json(&["10mL", "--pump", "my.toml", "--tube-limit", "1L"]);
     for life in ["0.0", "-1.0", "nan", "inf"] {
         write(life);
@@ -82,17 +82,15 @@ fn a_tube_may_last_for_hours_or_revolutions_and_the_first_that_is_reached_counts
     user.json(&["25mL", "--pump", "my.toml"]);
     let refused = user.is_refused(&["25mL", "--pump", "my.toml"]);
     assert!(
-        refused.contains("has turned 1.2 revolutions") && refused.contains("the 2 revolutions that it"),
+        refused.contains("has turned 1.2 revolutions") && refused.contains("its life of 2 revolutions"),
         "{refused}"
     );
     let tube = user.json(&["tube", "--pump", "my.toml"]);
     assert!((number(&tube, "used_part") - number(&tube, "revolutions") / 2.0).abs() < 1e-12, "{tube}");
     write("life_ml = 1000.0\nlife_h = 0.002");
     let refused = user.is_refused(&["25mL", "--pump", "my.toml"]);
-    assert!(refused.contains("would use up the 0.002 h that it lasts"), "{refused}");
-    for (limit, words) in
-        [("2rev", "the 2 revolutions that it lasts"), ("7s", "h that it lasts"), ("30mL", "30 mL")]
-    {
+    assert!(refused.contains("would exceed its life of 0.002 h"), "{refused}");
+    for (limit, words) in [("2rev", "its life of 2 revolutions"), ("7s", "h"), ("30mL", "30 mL")] {
         let refused = user.is_refused(&["25mL", "--tube-limit", limit]);
         assert!(refused.contains(words), "{limit}: {refused}");
     }

@@ -1,4 +1,4 @@
-//! The way back to the question before.
+//! The way back to the previous question.
 
 use crate::person::{Desk, Ended, Reaction};
 use crate::truth::TruePump;

@@ -118,7 +118,7 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64
         Some(port) => format!("the motor of {pump} at {}", port.display()),
         None => format!("the simulated motor of {pump}"),
     };
-    let time = format!("{motor} turns {at}, for {} in all, besides the weighing", lasting(motion_s));
+    let time = format!("{motor} turns {at}, for {} in all, plus weighing time", lasting(motion_s));
     if made == 0 {
         format!("{} of {each}, after one to try; {vessel}\n{time}\n", counted(all as u64, "run", "runs"))
     } else {

@@ -96,7 +96,7 @@ impl LastArgs {
         }
         if let Some(by_angle_ml) = weighed.by_angle_ml {
             say(&format!(
-                "the rollers' angle was not known to better than 2 deg: it leaves the volume of this dose unsure by \
+                "the rollers' angle was not known to better than 2 deg: it leaves the volume of this dose uncertain by \
                  ± {by_angle_ml:.4} mL (k = 2)\n"
             ));
         }

@@ -16,7 +16,7 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(super) enum Stop {
     /// The person leaves, and will come back.
     Left,
-    /// The person wants the question before.
+    /// The person wants the previous question.
     Back,
     /// Something is wrong.
     Failed(Failure),

@@ -1,12 +1,12 @@
-//! The way back to the question before.
+//! The way back to the previous question.
 
 use pump_bench::setup::Topic;
 
 use super::asker::Asked;
 use super::course::{Course, tell_person};
 
-/// Goes back from a question about the answers, or from their summary, to the question before: its answer is forgotten
-/// and suggested. The first question of a correction goes back to the summary, with the answers of before.
+/// Goes back from a question about the answers, or from their summary, to the previous question: its answer is
+/// forgotten and suggested. The first question of a correction goes back to the summary, with the answers of before.
 pub(super) fn to_question_before(course: &mut Course) -> Asked<()> {
     let before = |topic: &Topic| match course.at {
         Some(at) => *topic < at,
@@ -33,7 +33,7 @@ pub(super) fn to_question_before(course: &mut Course) -> Asked<()> {
     }
 }
 
-/// Goes back from a later step: to the question before among the answers that this step asked anew, or else to their
+/// Goes back from a later step: to the previous question among the answers that this step asked anew, or else to their
 /// summary.
 pub(super) fn to_answers(course: &mut Course) -> Asked<()> {
     if course.at.is_some_and(|topic| topic <= Topic::Rate) {

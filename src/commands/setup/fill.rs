@@ -36,7 +36,7 @@ pub(super) fn fill(course: &mut Course, is_typed: bool) -> Asked<()> {
                 within(named_ml, most_ml).map_err(refused)?
             }
             (None, Some(0.0)) if !asks_volume => match ask_more(course, most_ml) {
-                // Pumped liquid stays in the line: the question before suggests no more of it.
+                // Pumped liquid stays in the line: the previous question suggests no more of it.
                 Err(Stop::Back) => {
                     asks_volume = true;
                     continue;

@@ -387,7 +387,7 @@ fn introduce(course: &Course, is_new: bool, is_like: bool) {
         ));
     } else {
         let keys = match is_person {
-            true => " ? explains, back returns to the question before, quit leaves.",
+            true => " ? explains, back returns to the previous question, quit leaves.",
             false => "",
         };
         heading(&format!("Going on with `{name}`; the answers so far are on record.{keys}"));

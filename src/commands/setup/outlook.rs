@@ -20,7 +20,7 @@ pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
     let mut text = line(&outlook) + &line(&small);
     let volume = rounded(volume_ml);
     if !outlook.steps.is_empty() {
-        let _ = writeln!(text, "One more step makes a dose of {volume} mL surer, at best to");
+        let _ = writeln!(text, "One more step could reduce the uncertainty of a dose of {volume} mL to");
     }
     for step in outlook.steps.iter().take(MOST_STEPS) {
         let best = 100.0 * step.at_best_ml / outlook.volume_ml;

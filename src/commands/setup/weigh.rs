@@ -97,7 +97,7 @@ pub(super) fn weigh(
 
 /// Announces the dose, and asks its volume unless it is known.
 fn settle_volume(course: &mut Course) -> Asked<()> {
-    heading("A dose to be weighed");
+    heading("Weigh a dose");
     let fluid = course.bench()?.file().fluid.clone();
     tell_person(&format!(
         "The weight is taken as that of {} at {} °C; `dose` names another fluid by --fluid, or by [fluid] in \

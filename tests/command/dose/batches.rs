@@ -92,7 +92,7 @@ fn a_batch_is_a_line_a_dose_and_a_total_for_people() {
         assert!(
             lines[4].starts_with("three-roller: 3 doses, ")
                 && lines[4].contains(verb)
-                && lines[4].ends_with("3.000 mL asked"),
+                && lines[4].ends_with("3.000 mL requested"),
             "{text}"
         );
     }

@@ -39,7 +39,7 @@ fn a_plot_is_written_whole() {
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
     let panels =
         ["flow at the rollers, mL/s", "pressure, kPa absolute", "speed, r/min", "delivered, mL", "time, s"];
-    for text in panels.into_iter().chain(["asked", "by one constant", "prefers-color-scheme:dark"]) {
+    for text in panels.into_iter().chain(["requested", "by one constant", "prefers-color-scheme:dark"]) {
         assert!(svg.contains(text), "{text}");
     }
     let labels: Vec<_> = svg.lines().map(str::trim).filter(|line| line.parse::<f64>().is_ok()).collect();

@@ -16,7 +16,7 @@ fn a_dose_that_ends_at_low_flow_carries_the_difference_and_says_what_would_not()
     assert!(status.out.contains(&format!("{:.2} µL", 1e3 * carry.abs())), "{}", status.out);
     let warning = low["warnings"][0].as_str().unwrap();
     assert!(
-        warning.contains("25 mL asked") && warning.contains(&format!("{:.2} µL", 1e3 * carry.abs())),
+        warning.contains("25 mL requested") && warning.contains(&format!("{:.2} µL", 1e3 * carry.abs())),
         "{warning}"
     );
     let offered = warning.split("carry nothing: ").last().unwrap().replace(" mL", "mL");

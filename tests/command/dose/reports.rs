@@ -9,7 +9,7 @@ fn a_dose_says_first_that_no_motor_moved() {
     let answer = User::new().types(&["25mL"]);
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert_eq!(answer.out.lines().next(), Some("SIMULATED: no motor moved"));
-    assert!(answer.out.contains("25.0 mL ± 1.4 mL delivered, 25 mL asked"), "{}", answer.out);
+    assert!(answer.out.contains("25.0 mL ± 1.4 mL delivered, 25 mL requested"), "{}", answer.out);
     assert_eq!(answer.out.lines().count(), 3, "{}", answer.out);
 }
 
@@ -34,11 +34,11 @@ fn details_and_the_uncertainty_budget_are_told_when_they_are_asked_for() {
 fn an_amount_is_echoed_as_it_was_typed() {
     let user = User::new();
     for (typed, shown) in [
-        (&["25 g", "--dry-run"][..], " 25 g asked by a balance in air: 25.096 mL"),
-        (&["25g", "--dry-run"], " 25 g asked by a balance in air: 25.096 mL"),
-        (&["0.025 L", "--dry-run"], " 0.025 L asked"),
-        (&["-5mL", "--dry-run"], " -5 mL asked"),
-        (&["5mL", "--reverse", "--dry-run"], " -5 mL asked"),
+        (&["25 g", "--dry-run"][..], " 25 g requested by a balance in air: 25.096 mL"),
+        (&["25g", "--dry-run"], " 25 g requested by a balance in air: 25.096 mL"),
+        (&["0.025 L", "--dry-run"], " 0.025 L requested"),
+        (&["-5mL", "--dry-run"], " -5 mL requested"),
+        (&["5mL", "--reverse", "--dry-run"], " -5 mL requested"),
     ] {
         let out = user.types(typed).out;
         assert!(out.contains(shown), "{typed:?}: {out}");
@@ -229,8 +229,8 @@ fn predicted_pressures_say_how_unsure_they_are() {
     let limit_kpa = rest_kpa + (number(&report, "outlet_max_kpa") - rest_kpa) / 0.92;
     let limit = format!("{limit_kpa}kPaa");
     let near = user.json(&["25mL", "--rate", "35mL/s", "--dry-run", "--max-outlet-pressure", &limit]);
-    assert!(near["warnings"].to_string().contains("the prediction is unsure by"), "{near}");
-    assert!(!report["warnings"].to_string().contains("the prediction is unsure by"), "{report}");
+    assert!(near["warnings"].to_string().contains("the prediction is uncertain by"), "{near}");
+    assert!(!report["warnings"].to_string().contains("the prediction is uncertain by"), "{report}");
 }
 
 #[test]

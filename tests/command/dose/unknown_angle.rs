@@ -39,12 +39,12 @@ fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_woul
     let text = turned_by_hand().types(&["25mL"]).out;
     assert!(
         text.contains(
-            ": 25.0 mL \u{b1} 2.1 mL delivered (23.95 to 26.05 mL by the rollers' angle alone), 25 mL asked"
+            ": 25.0 mL \u{b1} 2.1 mL delivered (23.95 to 26.05 mL by the rollers' angle alone), 25 mL requested"
         ),
         "{text}"
     );
     assert!(
-        dry.contains("nothing recorded) (23.95 to 26.05 mL by the rollers' angle alone), 25 mL asked"),
+        dry.contains("nothing recorded) (23.95 to 26.05 mL by the rollers' angle alone), 25 mL requested"),
         "{dry}"
     );
     let whole = user.types(&["7.1062mL", "--dry-run"]).out;

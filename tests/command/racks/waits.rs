@@ -39,7 +39,7 @@ fn a_dose_waits_for_a_pump_that_another_command_has_and_then_runs() {
     drop(session);
     let output = child.wait_with_output().unwrap();
     let out = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success() && out.contains("mL delivered, 5 mL asked"), "{out}");
+    assert!(output.status.success() && out.contains("mL delivered, 5 mL requested"), "{out}");
 }
 
 #[cfg(unix)]

@@ -87,7 +87,7 @@ fn a_duty_that_nothing_serves_is_refused_with_the_figure_and_what_would_do() {
     assert!(at_most.code == 0 && !at_most.out.contains("the pump sucks with"), "{}", at_most.out);
     assert!(served(lift_m + 0.2).out.contains("the pump sucks with"), "{lift_m}");
     let thin = refused("--flow 2L/h --inlet-hose 0.5x3mm,2m --outlet-hose 6x10mm,1m");
-    assert!(thin.contains("a hose of 1.5 mm bore at least would do"), "{thin}");
+    assert!(thin.contains("try a hose of 1.5 mm bore at least"), "{thin}");
     let fast = refused(&format!("--flow 20L/min {hoses}"));
     assert!(fast.contains("1627 mL/min (runze-yz1515x-3-18)") && fast.contains("`dose pumps list"), "{fast}");
     assert!(refused("--flow 2L/h").contains("give --inlet-hose 6x10mm,1m"));

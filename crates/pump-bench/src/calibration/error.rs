@@ -115,8 +115,8 @@ pub enum CalibrationError {
     /// The last dose turned a part of a pitch from an angle that leaves its volume less sure than the model does.
     #[error(
         "the last dose turned {turned_deg:.3} deg from an angle that is not known to better than 2 deg, which leaves \
-         its volume unsure by {} %, and the model is sure to {} %; whole pitches of {pitch_deg:.3} deg deliver the \
-         same volume from any angle, as doses of {} and {} mL do",
+         its volume uncertain by {} %, and the model is certain to {} %; whole pitches of {pitch_deg:.3} deg deliver \
+         the same volume from any angle, as doses of {} and {} mL do",
         two_digits(*unsure_percent),
         two_digits(*model_percent),
         significant(nearest_ml[0], 5),

@@ -177,7 +177,7 @@ pub enum DoseError {
     },
     /// The carry from earlier doses would reverse the dose.
     #[error(
-        "{} mL asked and {:+.2} µL carried from earlier doses would have the pump run the \
+        "{} mL requested and {:+.2} µL carried from earlier doses would have the pump run the \
          other way, by {owed_ml:.4} mL",
         Shown(*asked_ml), 1e3 * carry_ml
     )]
@@ -214,8 +214,8 @@ pub enum DoseError {
     AngleIsKnown,
     /// The dose would use up the tube.
     #[error(
-        "the tube has {} {used:.1} {unit}, and this dose of {planned:.4} {unit} would use up the \
-         {} {unit} that it lasts",
+        "the tube has {} {used:.1} {unit}, and this dose of {planned:.4} {unit} would exceed its \
+         life of {} {unit}",
         unit.verb(), Shown(*life)
     )]
     TubeWorn {

@@ -94,8 +94,8 @@ impl TubeLife {
         let after = self.after();
         (after >= WARNED_FROM * life).then(|| {
             let text = format!(
-                "with this dose the tube will have {} {after:.1} {unit} of the {life} {unit} that it \
-                 lasts, {:.1} {unit} are left",
+                "with this dose the tube will have {} {after:.1} {unit} of its life of {life} {unit}; \
+                 {:.1} {unit} are left",
                 unit.verb(),
                 (life - after).max(0.0)
             );
@@ -117,13 +117,14 @@ mod tests {
         assert_eq!(tube(0.0, 899.0).warning(), None);
         let warning = tube(890.0, 20.0).warning().unwrap();
         assert!(
-            warning.text().contains("910.0 mL of the 1000 mL") && warning.text().contains("90.0 mL are left"),
+            warning.text().contains("910.0 mL of its life of 1000 mL")
+                && warning.text().contains("90.0 mL are left"),
             "{warning}"
         );
         assert!(tube(890.0, 109.0).check().is_ok());
         for (used, planned) in [(890.0, 110.0), (1000.0, 0.1), (0.0, 2000.0)] {
             let error = tube(used, planned).check().unwrap_err().to_string();
-            assert!(error.contains("the 1000 mL that it lasts"), "{error}");
+            assert!(error.contains("its life of 1000 mL"), "{error}");
         }
     }
 
@@ -149,8 +150,8 @@ mod tests {
         let spent = TubeLife::nearest(&table, wear(0.0, 99.5, 0.0), planned).unwrap().check().unwrap_err();
         assert_eq!(
             spent.to_string(),
-            "the tube has turned 99.5 revolutions, and this dose of 1.0000 revolutions would use up the \
-             100 revolutions that it lasts"
+            "the tube has turned 99.5 revolutions, and this dose of 1.0000 revolutions would exceed its \
+             life of 100 revolutions"
         );
     }
 }

@@ -272,7 +272,7 @@ fn low_flow_carry(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError
     let nearest: Vec<String> =
         volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml())).collect();
     Ok(Some(format!(
-        "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.2} µL to the next; \
+        "to end at low flow the dose gives {:.4} mL for {} mL requested and carries {:+.2} µL to the next; \
          nearest volumes that end there and carry nothing: {}",
         plan.planned_ml(),
         plan.requested_ml(),
@@ -325,7 +325,7 @@ fn unsure_limit(quantity: &str, margin: Margin, extremes: Extremes) -> Option<St
     (used <= CLOSE && (limit - reached).abs() < unsure_kpa).then(|| {
         format!(
             "the {quantity} is predicted at {reached:.2} kPa with the motor's steps, {:.2} kPa from its limit of \
-             {limit:.2} kPa, and the prediction is unsure by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves \
+             {limit:.2} kPa, and the prediction is uncertain by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves \
              more room",
             (limit - reached).abs()
         )

@@ -104,7 +104,7 @@ pub struct DoseReport {
     /// Place in a pitch at which the dose may end: `any` or `low-flow`.
     #[serde(serialize_with = "finish_word")]
     pub finish: Finish,
-    /// Carry to the next dose, mL: requested + carry in - planned; a prime or purge leaves the carry as it was.
+    /// Carry to the next dose, mL: requested + carried over - planned; a prime or purge leaves the carry as it was.
     pub carry_ml: f64,
     /// Half width of the range around `carry_ml` that holds the true carry, mL; 0 if the carry is known exactly.
     pub carry_half_width_ml: f64,

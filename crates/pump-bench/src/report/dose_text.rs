@@ -56,13 +56,15 @@ impl DoseReport {
         let asked = asked.or(of_record);
         let asked = match asked {
             _ if self.is_endless() => "run until stopped".to_owned(),
-            Some(typed) if is_mass(typed) => format!("{typed} asked by a balance in air: {}", requested()),
-            Some(typed) => format!("{typed} asked"),
-            None => format!("{} asked", requested()),
+            Some(typed) if is_mass(typed) => {
+                format!("{typed} requested by a balance in air: {}", requested())
+            }
+            Some(typed) => format!("{typed} requested"),
+            None => format!("{} requested", requested()),
         };
         let carry_in = match self.carry_in_ml {
             0.0 => String::new(),
-            carry_ml => format!(", carry in {}", microlitres(carry_ml)),
+            carry_ml => format!(", {} carried over", microlitres(carry_ml)),
         };
         format!("{}, {asked}{carry_in}", self.volume())
     }

@@ -92,7 +92,7 @@ impl fmt::Display for Stand {
         match self.limit {
             SafetyLimit::Ordered => {
                 let reason = self.reason.as_ref().map_or("no reason was given", StandReason::as_str);
-                write!(to, "it was put to stand: {reason}")
+                write!(to, "it was ordered to stand: {reason}")
             }
             SafetyLimit::Day if self.planned_ml == 0.0 => write!(
                 to,

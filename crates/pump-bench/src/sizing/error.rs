@@ -155,7 +155,7 @@ impl fmt::Display for Shortfall {
         let ways: Vec<String> = lift.into_iter().chain(bore).collect();
         match ways.is_empty() {
             true => write!(to, "; a smaller flow or a shorter hose leaves more"),
-            false => write!(to, "; {} would do", ways.join(" or ")),
+            false => write!(to, "; try {}", ways.join(" or ")),
         }
     }
 }

@@ -76,7 +76,7 @@ fn from_an_unknown_angle_whole_pitches_are_weighed_and_doses_that_the_angle_leav
     // The angle leaves half a revolution and a little unsure by more than the model's 2 x 2.4 %.
     let refused = weighed(12.0).unwrap_err();
     assert!(matches!(refused, CalibrationError::LastDoseFromUnknownAngle { .. }), "{refused}");
-    assert!(refused.to_string().contains("the model is sure to 4.8 %"), "{refused}");
+    assert!(refused.to_string().contains("the model is certain to 4.8 %"), "{refused}");
     // Over many revolutions it hardly counts: the run bears the mean of all angles.
     let long = weighed(208.0).unwrap();
     assert!((long.start_half_width_deg.unwrap() - 60.0).abs() < 1e-9);

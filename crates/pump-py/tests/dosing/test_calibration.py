@@ -155,7 +155,7 @@ def test_short_doses_find_the_zero(tmp_path: Path) -> None:
 def test_a_run_to_be_weighed_tells_its_warnings(tmp_path: Path) -> None:
     with pm.Bench.open(PUMP, state_dir=tmp_path) as bench:
         run = bench.calibration_run(speed_rpm=150, pitches=3)
-        assert any("the prediction is unsure by" in warning for warning in run.warnings)
+        assert any("the prediction is uncertain by" in warning for warning in run.warnings)
         assert pm.WeighedRun.from_dict(run.to_dict()) == run
         assert bench.calibrate([run.weighed("21.3mL")]).version == 1
     with pm.Bench.open(pm.Pump.two_roller(), state_dir=tmp_path) as bench:

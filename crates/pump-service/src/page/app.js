@@ -668,7 +668,7 @@ class Head {
 function standWords(pump) {
 	const stand = pump.view.status.safety.stand;
 	const since = date(stand.since);
-	if (stand.limit === 'ordered') return `${pump.name} was put to stand, ${since}: ${stand.reason}`;
+	if (stand.limit === 'ordered') return `${pump.name} was ordered to stand, ${since}: ${stand.reason}`;
 	const limit = stand.limit === 'vessel' ? 'limit of the vessel' : 'limit of 24 h';
 	return `${pump.name} stands at its ${limit} since ${since}: ${short(stand.used_ml)} mL were ` +
 		`pumped, ${stand.planned_ml ? `${short(stand.planned_ml)} mL more were planned, ` : ''}` +
@@ -743,7 +743,7 @@ function readOf(pump) {
 		const rest = motion.task === 'resume' && of != null && unfinished;
 		const before = rest ? 0.5 * (rest.delivered_least_ml + rest.delivered_most_ml) : 0;
 		const whole = rest || plan;
-		const asked = of == null ? 'so far' : !whole ? `of ${ml(of, u)} mL` : `of ${askedWords(whole)} asked`;
+		const asked = of == null ? 'so far' : !whole ? `of ${ml(of, u)} mL` : `of ${askedWords(whole)} requested`;
 		const sure = plan && of != null ? `, ${plusMinus(plan)} at the end` : '';
 		const figure = fixed(before + delivered, of == null ? 2 : decimalsOf(u));
 		const time = endWords(pump);
@@ -752,12 +752,12 @@ function readOf(pump) {
 	}
 	if (motion?.plan && !motion.wait) {
 		const { plan } = motion;
-		return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} asked` };
+		return { figure: ml(0, plan.expanded_uncertainty_ml), below: isEndless(plan) ? 'until stopped' : `of ${askedWords(plan)} requested` };
 	}
 	if (unfinished && !motion) {
 		const { delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked } = unfinished;
 		const isSure = Math.abs(most - least) < 0.0005 * Math.max(1, Math.abs(most));
-		const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL asked`;
+		const what = unfinished.until_stopped ? 'delivered by a run' : `delivered of ${short(asked)} mL requested`;
 		return { figure: isSure ? fixed(most, 2) : range(least, most), below: `${what}; ${view.status.in_use_by ? 'another program moves it' : 'unfinished'}`,
 			bar: unfinished.until_stopped ? null : { at: 0.5 * (least + most), asked, of: asked, u: 0.5 * Math.abs(most - least) } };
 	}
@@ -766,7 +766,7 @@ function readOf(pump) {
 		const whole = done === view.last && view.whole;
 		const { delivered_ml: at, delivered_least_ml: least, delivered_most_ml: most, requested_ml: asked, expanded_uncertainty_ml: u, time } = whole || done;
 		const isRest = done.resumed && !whole;
-		const what = `${isRest ? 'the rest of' : `last ${purposeWord(done.purpose)}:`} ${askedWords({ ...done, requested_ml: asked })}${isRest || isEndless(done) ? '' : ' asked'}`;
+		const what = `${isRest ? 'the rest of' : `last ${purposeWord(done.purpose)}:`} ${askedWords({ ...done, requested_ml: asked })}${isRest || isEndless(done) ? '' : ' requested'}`;
 		const parts = whole ? `; ${ml(whole.before_ml, u)} mL before and ${ml(done.delivered_ml, u)} mL now` : '';
 		return { figure: least == null ? ml(at, u) : range(least, most),
 			below: `${what}${least == null && u ? `, ${plusMinus(whole || done)}` : ''}${ENDS[done.end] || ''}${parts}; began ${date(time)}`,

@@ -81,7 +81,7 @@ pub enum WeightFault {
     },
     /// The pump has turned for the most that it may deliver, and the balance shows less than was asked for.
     #[error(
-        "the pump has turned for {} mL, and {} mL is the most for {} mL asked; the balance shows {} mL",
+        "the pump has turned for {} mL, and {} mL is the most for {} mL requested; the balance shows {} mL",
         significant(*turned_ml, 5), significant(*most_ml, 5), significant(*asked_ml, 5), significant(*weighed_ml, 5)
     )]
     Ceiling {

@@ -19,12 +19,16 @@ struct Look {
     beside: u32,
     /// Most numbers at the horizontal axis.
     numbers: usize,
+    /// Room above the curves for each name of the legend, as a part of their height.
+    name: f64,
 }
 
 /// The look on a screen.
-const WIDE: Look = Look { width: 900, title: 20, letters: 13, below: 40, beside: 60, numbers: 11 };
+const WIDE: Look =
+    Look { width: 900, title: 20, letters: 13, below: 40, beside: 60, numbers: 11, name: 0.09 };
 /// The look on a phone too, whose 330 px leave letters of 11 px (a font of n px is drawn with n/1.24).
-const NARROW: Look = Look { width: 480, title: 22, letters: 20, below: 50, beside: 62, numbers: 7 };
+const NARROW: Look =
+    Look { width: 480, title: 22, letters: 20, below: 50, beside: 62, numbers: 7, name: 0.16 };
 
 /// Height of a panel from which on its vertical axis has twice as many numbers, in px.
 const HIGH: u32 = 360;
@@ -68,6 +72,8 @@ pub enum Style {
     Line,
     /// Broad pale line, which stays visible under a line that runs on it.
     Band,
+    /// Pale area that the points enclose. It lies under the lines that a panel names after it.
+    Area,
     /// Points of the curve alone.
     Points,
     /// Points with their values above them: rounded to a whole number, and followed by the curve's label, which is the
@@ -171,7 +177,7 @@ impl Chart<'_> {
         let (low, high) = range(&panel.curves);
         // Room for the legend above the curves.
         let entries = panel.curves.iter().filter(|curve| curve.style != Style::Values).count();
-        let room = if entries > 1 { (0.09 * entries as f64).max(0.25) } else { 0.0 };
+        let room = if entries > 1 { (look.name * entries as f64).max(0.25) } else { 0.0 };
         let high = high + room * (high - low);
         let is_last = n + 1 == self.panels.len();
         let mut plane = ChartBuilder::on(area)
@@ -221,6 +227,7 @@ impl Curve {
         let points = self.points.iter().copied();
         let width = match self.style {
             Style::Values => return self.draw_values(plane, colour, look),
+            Style::Area => return self.draw_area(plane, colour),
             Style::Points => {
                 let drawn =
                     plane.draw_series(points.map(|point| Circle::new(point, px(3), colour.filled())))?;
@@ -240,6 +247,18 @@ impl Curve {
             drawn.label(self.label).legend(move |(x, y)| {
                 PathElement::new([(x, y), (x + px(16), y)], shade.stroke_width(width.max(FINE * 2)))
             });
+        }
+        Ok(())
+    }
+
+    /// Draws the area that the points enclose.
+    fn draw_area(&self, plane: &mut Plane<'_, '_>, colour: RGBColor) -> Result<(), Box<dyn Error>> {
+        let shade = colour.mix(0.35).filled();
+        let drawn = plane.draw_series([Polygon::new(self.points.clone(), shade)])?;
+        if !self.label.is_empty() {
+            drawn
+                .label(self.label)
+                .legend(move |(x, y)| Rectangle::new([(x, y - px(5)), (x + px(16), y + px(5))], shade));
         }
         Ok(())
     }

@@ -47,7 +47,7 @@ pub fn waveform_svg(title: &str, samples: &[Sample], marks: &Marks) -> Result<St
     let mut volumes = Vec::new();
     if let Some(asked_ml) = marks.asked_ml {
         let points = vec![(start_s, asked_ml), (end_s, asked_ml)];
-        volumes.push(Curve { label: "asked", colour: GREEN, style: Style::Line, points });
+        volumes.push(Curve { label: "requested", colour: GREEN, style: Style::Line, points });
     }
     if let (Some(revolution_ml), Some(first)) = (marks.revolution_ml, samples.first()) {
         let by_constant = |s: &Sample| (s.angle_rad - first.angle_rad) / TAU * revolution_ml;

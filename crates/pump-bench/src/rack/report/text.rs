@@ -29,7 +29,7 @@ impl RackReport {
         let began = self.time.map_or(String::new(), |time| format!(", began {time}"));
         format!(
             "{}: {pumps}, {steps} in {time} s, {ended}{began}\n{rows}{:<width$}  {volume}, \
-             {requested} mL asked\n{}",
+             {requested} mL requested\n{}",
             self.rack,
             "total",
             self.further_errors()
@@ -114,7 +114,7 @@ impl RackPumpReport {
             0 => String::new(),
             steps => format!(", {} not begun", counted(steps, "step")),
         };
-        format!("{name:<width$}  {volume}{range}, {requested} mL asked, {done}{carry}{state}{undone}\n")
+        format!("{name:<width$}  {volume}{range}, {requested} mL requested, {done}{carry}{state}{undone}\n")
     }
 }
 
