@@ -189,7 +189,7 @@ fn a_run_until_it_is_stopped_ends_with_the_tube_and_a_worn_tube_refuses_it() {
     assert!((number(&left, "planned_ml") - 49.5).abs() < 0.1, "{left}");
     let worn = user.is_refused(&["run", "--rate", "5mL/s", "--tube-limit", "150mL"]);
     assert!(user.is_refused(&["run"]).contains("needs its rate"), "a bare run moves nothing");
-    assert!(worn.contains("would use up the 150 mL"), "{worn}");
+    assert!(worn.contains("would exceed its life of 150 mL"), "{worn}");
 }
 
 #[test]

@@ -380,5 +380,5 @@ def test_a_configured_name_finds_its_pump_and_its_record(
 def test_a_worn_tube_refuses_doses(tmp_path: Path) -> None:
     with pm.Bench.open("three-roller", state_dir=tmp_path, tube_limit="10mL") as bench:
         assert bench.dose("9mL").completed
-        with pytest.raises(pm.PlanError, match="would use up"):
+        with pytest.raises(pm.PlanError, match="would exceed its life"):
             bench.dose("2mL")
