@@ -97,8 +97,8 @@ impl KlipperTable {
         Self { tmc: Some(tmc), ..self }
     }
 
-    /// Returns the pins that turn this motor and no other, and its stepper driver, in words. An enable pin may be that of
-    /// several motors.
+    /// Returns the pins that turn this motor and no other, and its stepper driver, in words. An enable pin may be that
+    /// of several motors.
     pub fn own_pins(&self) -> Vec<String> {
         let driver =
             self.tmc.as_ref().map(|tmc| format!("TMC2209 at address {} of {}", tmc.address, tmc.uart.name));
