@@ -48,9 +48,9 @@ pub(super) fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFi
 }
 
 impl Bench {
-    /// Returns the pump file for a plan that asks no device. The pulses of a node's or a Klipper
-    /// board's pins stand in the file, and no board makes more steps than they allow. A plan that leaves the pump's record out takes the settings that its
-    /// board had the last time.
+    /// Returns the pump file for a plan that asks no device. The pulses of a node's or a Klipper board's pins stand in
+    /// the file, and no board makes more steps than they allow. A plan that leaves the pump's record out takes the
+    /// settings that its board had the last time.
     ///
     /// # Errors
     ///

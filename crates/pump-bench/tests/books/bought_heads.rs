@@ -230,7 +230,7 @@ fn planned_after(ml_per_rev: f64, source: Source, readings_ml: &[f64]) -> (f64, 
     let bench = Bench::new(file, None, folder.path()).unwrap();
     let stored = bench.keep_calibration(calibration).unwrap();
     let told = calibration_text(&bench, &stored, None, true, |_| "").unwrap();
-    let in_percent = ["runs scatter by", "assumed", "uncertainty now", "next"];
+    let in_percent = ["runs scatter by", "assumed", "now", "next"];
     let is_said = |line: &&str| in_percent.iter().any(|words| line.trim_start().starts_with(words));
     let said = told.lines().filter(is_said).map(str::to_owned).collect();
     let mut session = bench.session().unwrap();

@@ -131,7 +131,7 @@ impl NextWeighing {
             ],
         };
         let doses = match self.more {
-            0 => return format!("  uncertainty now: {now}\n"),
+            0 => return format!("  now         {now}\n"),
             1 => "one more dose like this".to_owned(),
             more => format!("{more} more doses like this"),
         };
@@ -139,7 +139,7 @@ impl NextWeighing {
         let whole = |ml| format!(", of {} mL, which are whole pitches,", significant(ml, 5));
         let of_volume = self.whole_pitches_ml.map_or(String::new(), whole);
         format!(
-            "  uncertainty now: {now}\n  next        weigh {doses}{of_volume} before you rely on it: then {then}; \
+            "  now         {now}\n  next        weigh {doses}{of_volume} before you rely on it: then {then}; \
              {way}\n"
         )
     }
