@@ -8,6 +8,7 @@ mod simulated;
 
 use std::error::Error;
 use std::io::Write;
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -58,7 +59,17 @@ const TRUTH: Truth = Truth {
     defect_from_ml: 0.0,
 };
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     // The board reports the axis that has a motor, so that nobody sets a pump up at another one.
     let mut options = Options { axes: 1, ..Options::default() };
     let mut limit = None;
@@ -79,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--head" => vessel = vessel_of(&value()?)?,
             "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
             other => {
-                return Err(format!("{other} is not an option\n{HELP}").into());
+                return Err(format!("{other} is not an option; --help lists them").into());
             }
         }
     }

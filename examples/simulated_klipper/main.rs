@@ -7,6 +7,8 @@ mod tests;
 
 use std::error::Error;
 use std::io::{Write, stdin};
+use std::process::ExitCode;
+use std::str::FromStr;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -43,7 +45,17 @@ Lines on standard input are hands at the board:
   mend <socket> <flag>   ends it
 ";
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let (mut limit, mut is_piped) = (None, false);
     let mut character = Character::default();
     let mut words = std::env::args().skip(1);
@@ -54,11 +66,15 @@ fn main() -> Result<(), Box<dyn Error>> {
                 write!(std::io::stdout(), "{HELP}")?;
                 return Ok(());
             }
-            "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
+            "--for" => {
+                let seconds = number(&word, &value()?)?;
+                limit =
+                    Some(Duration::try_from_secs_f64(seconds).map_err(|error| format!("--for: {error}"))?);
+            }
             "--piped" => is_piped = true,
             other => {
                 if !set(&mut character, other, &mut value)? {
-                    return Err(format!("{other} is not an option\n{HELP}").into());
+                    return Err(format!("{other} is not an option; --help lists them").into());
                 }
             }
         }
@@ -75,18 +91,18 @@ fn set(
     match word {
         // The name lives as long as the program.
         "--chip" => character.chip = value()?.leak(),
-        "--clock" => character.hz = value()?.parse()?,
-        "--drift" => character.drift_ppm = value()?.parse()?,
-        "--first-tick" => character.first_tick = value()?.parse()?,
-        "--slots" => character.slots = value()?.parse()?,
-        "--fastest" => character.most_steps_s = value()?.parse()?,
-        "--baud" => character.baud = value()?.parse()?,
-        "--drivers" => character.drivers = value()?.parse()?,
+        "--clock" => character.hz = number(word, &value()?)?,
+        "--drift" => character.drift_ppm = number(word, &value()?)?,
+        "--first-tick" => character.first_tick = number(word, &value()?)?,
+        "--slots" => character.slots = number(word, &value()?)?,
+        "--fastest" => character.most_steps_s = number(word, &value()?)?,
+        "--baud" => character.baud = number(word, &value()?)?,
+        "--drivers" => character.drivers = number(word, &value()?)?,
         "--index" => character.index = Some(sensor(&value()?)?),
-        "--lose" => character.noise.lost = value()?.parse()?,
-        "--double" => character.noise.doubled = value()?.parse()?,
-        "--damage" => character.noise.damaged = value()?.parse()?,
-        "--seed" => character.noise.seed = value()?.parse()?,
+        "--lose" => character.noise.lost = number(word, &value()?)?,
+        "--double" => character.noise.doubled = number(word, &value()?)?,
+        "--damage" => character.noise.damaged = number(word, &value()?)?,
+        "--seed" => character.noise.seed = number(word, &value()?)?,
         // The name lives as long as the program.
         "--app" => character.app = value()?.leak(),
         "--lacks" => character.lacks = Some(value()?),
@@ -96,13 +112,18 @@ fn set(
     Ok(true)
 }
 
+/// Reads the number that an option says.
+fn number<T: FromStr>(word: &str, text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| format!("{word} {text} is no number that fits; --help lists the options"))
+}
+
 /// Reads the index sensor that `PC0=X:3200` names.
 fn sensor(text: &str) -> Result<IndexSensor, Box<dyn Error>> {
     let wrong = || format!("{text} is no pin with a socket and its steps, as PC0=X:3200");
     let (pin, motor) = text.split_once('=').ok_or_else(wrong)?;
     let (socket, steps) = motor.split_once(':').ok_or_else(wrong)?;
     let pin = pin_of(pin).ok_or_else(wrong)?;
-    Ok(IndexSensor { pin, socket: socket_of(socket)?, steps: steps.parse()? })
+    Ok(IndexSensor { pin, socket: socket_of(socket)?, steps: number("--index", steps)? })
 }
 
 /// Serves the board until the time is over or the standard input ends.
