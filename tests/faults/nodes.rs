@@ -129,8 +129,8 @@ struct Rig {
     rest: Option<i64>,
 }
 
-/// Returns true if a dose is the one of before. A command that met the board and was killed before the rest knows by the
-/// board's count how many steps of it were made.
+/// Returns true if a dose is the one of before. A command that met the board and was killed before the rest knows by
+/// the board's count how many steps of it were made.
 fn is_same(dose: &Unfinished, begun: &Unfinished) -> bool {
     let bounds = begun.made_least..=begun.made_most;
     dose.intent == begun.intent && bounds.contains(&dose.made_least) && bounds.contains(&dose.made_most)
