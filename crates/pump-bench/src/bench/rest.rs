@@ -119,9 +119,13 @@ impl Bench {
         let by_record = self.plan_rest(&file, &dose, state, request);
         let (mut prepared, is_of_record) = match (by_record, counted) {
             (Ok(prepared), _) => (prepared, true),
-            (Err(refused), Some((state, dose))) => {
-                let planned = self.plan_rest(&file, &dose, state, request);
-                (planned.map_err(|_| refused)?, false)
+            (Err(refused), Some((state, counted))) => {
+                let mut planned = self.plan_rest(&file, &counted, state, request).map_err(|_| refused)?;
+                // The count is a guess, and the range of the whole dose is that of the record.
+                let of_guess = self.unsure_rest(&counted, &planned);
+                planned.warnings.retain(|warning| Some(warning) != of_guess.as_ref());
+                planned.warnings.extend(self.unsure_rest(&dose, &planned));
+                (planned, false)
             }
             (Err(refused), None) => return Err(refused),
         };
