@@ -152,3 +152,29 @@ fn a_step_rate_beyond_that_of_the_microcontroller_is_refused_before_anything_mov
     assert_eq!((code, fast.board.truth().shutdown), (Some(0), None), "{said}");
     assert!(fast.board.truth().steps[0] > 0);
 }
+
+#[test]
+fn a_pump_whose_driver_is_not_reached_takes_no_place_and_one_that_is_takes_the_shared_part() {
+    let rig = Rig::of(Character::default(), with_driver("X", 0));
+    let runs = |id: &str, pins, words: &[&str]| {
+        let pump = rig.pump_at(id, pins);
+        ended(command(rig.folder.path(), &pump, rig.board.path(), words).spawn().unwrap())
+    };
+    let (dose, accepts) = (["1mL", "--confirm-pump"], ["1mL", "--confirm-pump", "--accept-settings"]);
+    let (code, said) = runs("red", with_driver("X", 0), &dose);
+    assert_eq!(code, Some(0), "{said}");
+    let made = rig.board.truth().steps;
+    // The wire that it writes is none: the chip never answers.
+    let mut unwired = with_driver("Y", 0);
+    unwired.tmc.as_mut().unwrap().tx = Some("PC9".parse().unwrap());
+    let (code, said) = runs("blue", unwired, &accepts);
+    assert!(code != Some(0) && said.contains("no TMC2209 answers"), "{code:?}: {said}");
+    let (code, said) = runs("green", with_driver("X", 2), &dose);
+    assert!(code == Some(2) && said.contains("pump `red`"), "the pin is still that of red: {code:?}: {said}");
+    assert_eq!(rig.board.truth().steps, made, "nothing moves");
+    // A pump that is reached takes the driver's address, and leaves the pins.
+    let (code, said) = runs("blue", with_driver("Y", 0), &accepts);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = runs("green", with_driver("X", 2), &dose);
+    assert!(code == Some(2) && said.contains("the pin PB13"), "{code:?}: {said}");
+}

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use pump_bench::drives::{Disturbance, Drive, DriveFault};
 
-use crate::rig::{Rig, dose, run, said};
+use crate::rig::{Rig, dose, ended, run, said};
 use crate::simulated_klipper::Character;
 
 /// Runs a dose of 12 mL and does something to the board on its way. Returns the fault.
@@ -72,6 +72,31 @@ fn a_cable_that_is_pulled_for_a_moment_costs_no_count() {
     let plan = dose(1.0, 2.0, false);
     run(&mut drive, &plan).unwrap();
     assert_eq!(rig.board.truth().steps[0], made + plan.steps());
+}
+
+#[test]
+fn a_motor_that_was_stopped_without_a_ramp_has_its_slip_in_the_bounds_at_once() {
+    let rig = Rig::new(Character::default());
+    let (code, said) = rig.runs(&["home", "--set", "30deg", "--tolerance", "0deg"]);
+    assert_eq!(code, Some(0), "{said}");
+    let dose = rig.starts(&["20mL", "--rate", "6mL/s", "--confirm-pump"]);
+    while rig.board.truth().steps[0] < 2000 {
+        sleep(Duration::from_millis(2));
+    }
+    rig.board.touch("pull").unwrap();
+    sleep(Duration::from_millis(1500));
+    rig.board.touch("plug").unwrap();
+    let (code, said) = ended(dose);
+    let made = rig.board.truth().steps[0];
+    let state = rig.state().unwrap();
+    let part = state.unfinished.unwrap();
+    let slip = made - part.made_least;
+    assert!(code == Some(1) && said.contains("may have slipped"), "{code:?}: {said}");
+    assert!(slip >= 256 && part.made_most == made + slip, "{made} steps, {part:?}: {said}");
+    // The next command adds nothing to it.
+    let (code, said) = rig.runs(&["accept"]);
+    assert!(code == Some(0) && !said.contains("may have slipped"), "{code:?}: {said}");
+    assert_eq!(rig.state().unwrap().half_width_rad, state.half_width_rad, "{said}");
 }
 
 #[test]

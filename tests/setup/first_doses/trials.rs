@@ -60,8 +60,8 @@ fn a_trial_with_a_built_in_pump_keeps_no_axis_from_a_pump_of_the_users_own() {
     let on_z = trial_on("trial.toml", "two-roller", "Z");
     assert_eq!(on_z.code, 0, "{}", on_z.err);
     let lime = trial_on("lime.toml", "lime", "Z");
-    let said =
-        "the axis turned pump `two-roller` by the record; it turns this pump on record now; a built-in pump";
+    let said = "the axis turned pump `two-roller` by the record; it turns this pump on record from its first \
+         motion on; a built-in pump";
     assert!(lime.code == 0 && (lime.err + &lime.out).contains(said), "{}", lime.out);
 }
 

@@ -235,13 +235,16 @@ impl<'a> Session<'a> {
         if let (None, false, true, Some(part)) = (state.count, lost, is_delivery, &mut state.unfinished) {
             part.count_before = before.count;
         }
-        self.log_fault(&intent, made_least, made_most, with_sources(&error));
+        // A motor that was stopped without a ramp may have slipped beside its count.
+        let told = state.unfinished.filter(|part| part.intent == intent);
+        let told = told.unwrap_or(Unfinished::of(&intent, made_least, made_most));
+        self.log_fault(&intent, told.made_least, told.made_most, with_sources(&error));
         // If this fails, the journal's last stretch tells as much with wider bounds.
         if self.rest(Why::Fault, state).is_ok() {
             device.drive.recorded();
         }
         self.put_away(device.drive);
-        let (least_ml, most_ml) = Unfinished::of(&intent, made_least, made_most).delivered_ml(model);
+        let (least_ml, most_ml) = told.delivered_ml(model);
         let (unfinished, over_time) = (state.unfinished.is_some(), intent.terms.profile);
         DoseError::Drive { error, least_ml, most_ml, unfinished, over_time }
     }

@@ -339,6 +339,11 @@ impl KlipperError {
         matches!(self, Self::Count { .. }) || self.is_of_driver()
     }
 
+    /// Returns true if the motor was stopped without a ramp where its steps ended.
+    pub(super) fn halts(&self) -> bool {
+        matches!(self, Self::HeldUp | Self::DeadMan { .. })
+    }
+
     /// Returns true if the stepper driver has lost the motor's current, or nobody knows whether it has.
     pub(super) fn is_of_driver(&self) -> bool {
         matches!(self, Self::Driver(error) if !matches!(error, TmcError::Setting { .. }))

@@ -44,8 +44,11 @@ impl RecordedPump {
         found
     }
 
-    /// Forgets the axis and the pins of this pump, because another one is in its place.
-    pub(in crate::drives) fn displace(&self) -> Result<(), BoardError> {
-        KnownBoard { axis: None, pins: Vec::new(), ..self.board.clone() }.write(&self.path)
+    /// Forgets the axis and the pins of this pump that those of another one are, which is in its place.
+    pub(in crate::drives) fn displace(&self, by: &KnownBoard) -> Result<(), BoardError> {
+        let axis = self.board.axis.filter(|axis| Some(*axis) != by.axis);
+        let mut pins = self.board.pins.clone();
+        pins.retain(|pin| !by.pins.contains(pin));
+        KnownBoard { axis, pins, ..self.board.clone() }.write(&self.path)
     }
 }

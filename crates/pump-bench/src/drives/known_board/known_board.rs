@@ -45,6 +45,8 @@ pub(in crate::drives) struct KnownBoard {
 pub(in crate::drives) struct MadePlace {
     /// Words for the board that was on record, if it is another one.
     pub(in crate::drives) board: Option<String>,
+    /// True if the board is to be put on record, or a pump makes place.
+    is_new: bool,
     /// True if this board is on record now. Otherwise it is from the pump's first motion on.
     is_recorded: bool,
     /// Pumps that were in the place by their records.
@@ -69,8 +71,9 @@ impl MadePlace {
                 }
                 false => "",
             };
-            let place = self.place;
-            format!("{place} turned pump `{pump}` by the record; it turns this pump on record now{trial}")
+            let (place, now) =
+                (self.place, if self.is_recorded { "now" } else { "from its first motion on" });
+            format!("{place} turned pump `{pump}` by the record; it turns this pump on record {now}{trial}")
         });
         board.chain(pumps).map(Notice::from)
     }
@@ -177,10 +180,22 @@ impl KnownBoard {
         axis.map(|axis| format!("axis {axis}")).or_else(|| pin.cloned()).unwrap_or_default()
     }
 
-    /// Compares this board at `port` with the one on record, and puts it on record unless `opening` leaves that for
-    /// later. Another board is refused unless it is accepted, and so is an axis that turns another pump. Returns what
-    /// was accepted.
+    /// Compares this board at `port` with the one on record, as [`Self::compare`] does, and puts it on record unless
+    /// `opening` leaves that for later.
+    #[cfg(any(feature = "grbl", feature = "node"))]
     pub(in crate::drives) fn recognise(
+        &self,
+        port: Option<&Path>,
+        opening: &Opening,
+    ) -> Result<MadePlace, BoardError> {
+        let replaced = self.compare(port, opening)?;
+        self.settle(&replaced, opening)?;
+        Ok(replaced)
+    }
+
+    /// Compares this board at `port` with the one on record, and writes nothing. Another board is refused unless it is
+    /// accepted, and so is an axis or a pin that turns another pump. Returns what was accepted.
+    pub(in crate::drives) fn compare(
         &self,
         port: Option<&Path>,
         opening: &Opening,
@@ -207,14 +222,21 @@ impl KnownBoard {
                 other: other.pump.clone(),
             })));
         }
-        others.iter().try_for_each(RecordedPump::displace)?;
-        if recorded.as_ref() != Some(self) && !opening.records_later {
-            self.write(&path)?;
-        }
+        let is_new = recorded.as_ref() != Some(self) || !others.is_empty();
         let is_recorded = !opening.records_later;
         let pumps = others.into_iter().map(|other| other.pump).collect();
         let place = if self.axis.is_some() { "the axis" } else { "the socket" };
-        Ok(MadePlace { board: another, is_recorded, pumps, place })
+        Ok(MadePlace { board: another, is_new, is_recorded, pumps, place })
+    }
+
+    /// Puts this board on record, which was compared before, unless it is or `opening` leaves that for later. The pumps
+    /// in its place make place now, and not before: a board that cannot be used takes no place.
+    pub(in crate::drives) fn settle(
+        &self,
+        replaced: &MadePlace,
+        opening: &Opening,
+    ) -> Result<(), BoardError> {
+        if replaced.is_new && replaced.is_recorded { self.put_on_record(opening) } else { Ok(()) }
     }
 
     /// Returns the other pumps that the axis or a pin turns by their records.
@@ -230,7 +252,7 @@ impl KnownBoard {
     pub(in crate::drives) fn expect(&self, opening: &Opening) -> Result<Vec<String>, BoardError> {
         let Some(path) = record_path(opening) else { return Ok(Vec::new()) };
         let others = self.pumps_in_place(opening);
-        others.iter().try_for_each(RecordedPump::displace)?;
+        others.iter().try_for_each(|other| other.displace(self))?;
         path.parent()
             .map_or(Ok(()), create_folders)
             .map_err(|error| failed("written", &path, error.to_string()))?;
@@ -238,9 +260,12 @@ impl KnownBoard {
         Ok(others.into_iter().map(|other| other.pump).collect())
     }
 
-    /// Puts this board on record in place of any other. [`Self::recognise`] has compared it before.
+    /// Puts this board on record in place of any other, and has the pumps make place that it turns by their records.
+    /// [`Self::compare`] has compared it before.
     pub(in crate::drives) fn put_on_record(&self, opening: &Opening) -> Result<(), BoardError> {
-        record_path(opening).map_or(Ok(()), |path| self.write(&path))
+        let Some(path) = record_path(opening) else { return Ok(()) };
+        self.pumps_in_place(opening).iter().try_for_each(|other| other.displace(self))?;
+        self.write(&path)
     }
 
     /// Refuses a port whose name shows that another board is there, before anything is said to it.

@@ -46,6 +46,9 @@ pub struct Klipper {
     /// Count of the board at rest. `None` if nobody knows it until the board is met anew.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
+    /// True if the slip of the last motion was told with its fault. Once that is on record, no later meeting tells it
+    /// again.
+    tells_slip: bool,
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
@@ -104,6 +107,7 @@ impl Klipper {
             at: At::Apart(Box::new(link)),
             stands: None,
             disturbed: None,
+            tells_slip: false,
             notes: Vec::new(),
             place: None,
             _taken: taken,
@@ -194,13 +198,12 @@ impl Klipper {
             self.learn_drift(place.is_some())?;
             Ok(task)
         });
-        let made = made.map_err(|error| Fault::at(0, error)).and_then(|task| {
-            let start = self.stands.unwrap_or(0);
-            match &mut self.at {
-                At::Met(board) => motion::run(board, plan, task, start, (seeks, place), gate),
-                _ => Err(Fault::at(0, KlipperError::Reset)),
-            }
-        });
+        let start = self.stands.unwrap_or(0);
+        let (made, slip_steps) = match (made, &mut self.at) {
+            (Ok(task), At::Met(board)) => motion::run(board, plan, task, start, (seeks, place), gate),
+            (Ok(_), _) => (Err(Fault::at(0, KlipperError::Reset)), 0),
+            (Err(error), _) => (Err(Fault::at(0, error)), 0),
+        };
         self.at_rest();
         let made = made.map(|(made, warning)| {
             self.notes.extend(warning.map(Notice::from));
@@ -215,6 +218,10 @@ impl Klipper {
         self.stands = self.stands.zip(signed).map(|(before, made)| before + direction * made);
         made.map_err(|fault| {
             self.part();
+            if slip_steps > 0 {
+                self.disturbed = Some(Disturbance::Halted { slip_steps });
+                self.tells_slip = true;
+            }
             fault.of_drive()
         })
     }
@@ -287,6 +294,15 @@ impl Drive for Klipper {
 
     fn disturbed(&mut self) -> Option<Disturbance> {
         self.disturbed.take()
+    }
+
+    fn recorded(&mut self) {
+        let (true, Some(last)) = (std::mem::take(&mut self.tells_slip), self.terms.last) else { return };
+        let told = SessionRecord { slip_steps: 0, ..last };
+        // Without this record the next meeting tells the slip once more, which is on the safe side.
+        if self.terms.record.as_ref().is_none_or(|path| told.write(path).is_ok()) {
+            self.terms.last = Some(told);
+        }
     }
 
     fn put_on_record(&mut self) -> Result<(), DriveError> {

@@ -74,7 +74,7 @@ pub(in crate::drives::klipper) fn meet(
     };
     let mut talk = Talk { link, dictionary, format };
     let marks = marks(&talk, terms);
-    let recognised = marks.recognise(Some(&terms.port), &terms.opening).map_err(KlipperError::from);
+    let recognised = marks.compare(Some(&terms.port), &terms.opening).map_err(KlipperError::from);
     let found = recognised.and_then(|replaced| Ok((take_over(&mut talk, terms)?, replaced)));
     let (found, replaced) = match found {
         Ok(found) => found,
@@ -102,7 +102,10 @@ pub(in crate::drives::klipper) fn meet(
         dead_man: terms.dead_man,
         driver: terms.driver.as_ref().map(|(address, _)| *address),
     };
-    match energise(&mut board, terms) {
+    let ready = energise(&mut board, terms);
+    // A board whose stepper driver is not reached takes no pump's place.
+    let settled = ready.and_then(|ready| Ok((ready, marks.settle(&replaced, &terms.opening)?).0));
+    match settled {
         Ok((position, of_driver, was_off)) => {
             let disturbed = if was_off { Some(Disturbance::CurrentLost) } else { disturbed };
             Ok(Met { board, position, disturbed, replaced, of_driver })

@@ -59,7 +59,7 @@ mod tests {
         for (chip, hz, steps_s) in [
             ("stm32f103xe", 72_000_000, 295_000.0),
             ("stm32g0b1xx", 64_000_000, 275_750.0),
-            // Its timer has 12 MHz, whatever its processor has.
+            // The RP2040's timer has 12 MHz, whatever its processor has.
             ("rp2040", 12_000_000, 600_000.0),
             ("atmega2560", 16_000_000, 39_250.0),
             ("atmega1284p", 20_000_000, 49_062.5),

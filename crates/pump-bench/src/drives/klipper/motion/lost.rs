@@ -25,7 +25,11 @@ impl Motion<'_> {
         };
         self.feed = None;
         match found {
-            Some(counted) => Fault::at(counted, error),
+            Some(counted) => {
+                self.note_slip(counted);
+                Fault::at(counted, error)
+            }
+            // The next meeting may find the count, and tells of the slip then.
             None => Fault { error, least: heard, most: sent },
         }
     }

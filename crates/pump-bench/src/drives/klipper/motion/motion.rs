@@ -75,6 +75,8 @@ pub(super) struct Motion<'a> {
     asked: Option<u64>,
     put_off_at: Duration,
     driver: Option<DriverWatch>,
+    /// Most steps by which the motor may have slipped, because it was stopped without a ramp.
+    pub(super) slipped: u32,
     /// Error with which the motion ends, once the motor stands.
     failed: Option<KlipperError>,
 }
@@ -91,6 +93,7 @@ impl<'a> Motion<'a> {
     ) -> Self {
         Self {
             driver: board.driver.map(DriverWatch::new),
+            slipped: 0,
             board,
             plan,
             task,
@@ -149,10 +152,19 @@ impl<'a> Motion<'a> {
 
     /// Returns the fault of a motor that stands after `error`. A motor without current has not made the last steps that
     /// the board has counted.
-    fn stood(&self, error: KlipperError) -> Fault {
+    fn stood(&mut self, error: KlipperError) -> Fault {
         let sure =
             self.driver.as_ref().filter(|_| error.is_of_driver()).map_or(self.made, |driver| driver.sure);
+        if error.halts() {
+            self.note_slip(self.made);
+        }
         Fault { error, least: sure.min(self.made), most: self.made }
+    }
+
+    /// Notes by how many steps the motor may have slipped that stood still after `made` steps without a ramp. The plan
+    /// itself ends with one.
+    pub(super) fn note_slip(&mut self, made: u64) {
+        self.slipped = if made < self.all() { self.task.slip_steps } else { 0 };
     }
 
     /// Begins the next move from rest, if there is leave for one.
@@ -410,7 +422,7 @@ impl<'a> Motion<'a> {
             self.look_last()?;
         }
         let sent = self.made + self.feed.take().map_or(0, |feed| feed.pushed);
-        let was_halted = matches!(self.failed, Some(KlipperError::HeldUp | KlipperError::DeadMan { .. }));
+        let was_halted = self.failed.as_ref().is_some_and(KlipperError::halts);
         let reason = if was_halted { reason::MET } else { reason::ENDED };
         if self.seeks {
             Index::disarm(self.board)?;
@@ -457,11 +469,11 @@ impl<'a> Motion<'a> {
             return Some(self.lost(error));
         }
         if self.feed.is_none() && is_lost {
-            return Some(Fault { error, least: self.made, most: self.made });
+            return Some(Fault::at(self.made, error));
         }
         self.failed = Some(error);
         if let Some(feed) = &mut self.feed
-            && matches!(self.failed, Some(KlipperError::HeldUp | KlipperError::DeadMan { .. }))
+            && self.failed.as_ref().is_some_and(KlipperError::halts)
         {
             // Later commands would come too late.
             feed.close(std::iter::empty());

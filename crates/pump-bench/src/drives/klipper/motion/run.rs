@@ -26,7 +26,8 @@ const LOOK: Duration = Duration::from_millis(5);
 const QUIET: Duration = Duration::from_secs(1);
 
 /// Makes the steps of `plan` in a thread of its own. This thread asks the gate for leave meanwhile, and may be held up.
-/// The motor stands at the count `start`. A motion with a place begins together with those of the other places.
+/// The motor stands at the count `start`. A motion with a place begins together with those of the other places. Returns
+/// the outcome, and the most steps by which the motor may have slipped beside it.
 pub(in crate::drives::klipper) fn run(
     board: &mut Board,
     plan: PlannedMotion<'_>,
@@ -34,7 +35,7 @@ pub(in crate::drives::klipper) fn run(
     start: i64,
     (seeks, place): (bool, Option<BeginPlace>),
     gate: &mut Gate<'_>,
-) -> Result<Ended, Fault> {
+) -> (Result<Ended, Fault>, u32) {
     let (leads, free) = ([SentLead::new(plan, AHEAD, task.brake_steps)], Lead::free());
     let [lead] = &leads;
     board.talk.link.set_quiet(QUIET);
@@ -51,7 +52,7 @@ pub(in crate::drives::klipper) fn run(
             loop {
                 if let Some(outcome) = motion.turn(LOOK) {
                     lead.end();
-                    return outcome;
+                    return (outcome, motion.slipped);
                 }
             }
         });
