@@ -224,7 +224,7 @@ impl<'a> Session<'a> {
         fault: DriveFault,
         pauses: u8,
     ) -> DoseError {
-        let DriveFault { made_least, made_most, lost, error } = fault;
+        let DriveFault { made_least, made_most, lost, count_lost, error } = fault;
         let model = self.bench.model();
         let ended_s = self.log.clock.now().unix_s;
         let after = before.after_until(ended_s, &intent, made_least, made_most, model);
@@ -232,7 +232,8 @@ impl<'a> Session<'a> {
         let mut state = self.with_device(&mut device, after, Some(pauses));
         // A turn to find the angle is no part of the unfinished dose that stays on record.
         let is_delivery = intent.purpose.is_delivery();
-        if let (None, false, true, Some(part)) = (state.count, lost, is_delivery, &mut state.unfinished) {
+        let may_tell = state.count.is_none() && !lost && !count_lost && is_delivery;
+        if let Some(part) = state.unfinished.as_mut().filter(|_| may_tell) {
             part.count_before = before.count;
         }
         // A motor that was stopped without a ramp may have slipped beside its count.

@@ -19,6 +19,8 @@ pub struct DriveFault {
     pub made_most: i64,
     /// True if the device's own count disagrees, so that nobody knows where the rotor stands.
     pub lost: bool,
+    /// True if the device has lost its count, as after a reset, so that it never tells the steps made.
+    pub count_lost: bool,
     /// Error of the drive.
     #[source]
     pub error: DriveError,
@@ -32,7 +34,13 @@ impl DriveFault {
 
     /// Makes the fault of a motor that has made `least` to `most` net steps in the plan's direction.
     pub fn between(least: i64, most: i64, error: DriveError) -> Self {
-        Self { made_least: least.min(most), made_most: most.max(least), lost: false, error }
+        Self {
+            made_least: least.min(most),
+            made_most: most.max(least),
+            lost: false,
+            count_lost: false,
+            error,
+        }
     }
 
     /// Returns true if the motor has not moved.
@@ -44,6 +52,12 @@ impl DriveFault {
     #[must_use]
     pub fn lost(self) -> Self {
         Self { lost: true, ..self }
+    }
+
+    /// Returns the fault of a device that has lost its count, as after a reset.
+    #[must_use]
+    pub fn without_count(self) -> Self {
+        Self { count_lost: true, ..self }
     }
 }
 

@@ -31,7 +31,7 @@ pub use log::{
     Clock, ClockJump, ClockWatch, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp, SystemClock,
     moment,
 };
-pub(crate) use log::{Log, LogTail, Told, pending};
+pub(crate) use log::{Log, LogPlace, LogTail, Told, pending};
 
 pub use crate::cut_text::{CutText, ShortText};
 pub use phase_source::PhaseSource;

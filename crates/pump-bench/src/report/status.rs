@@ -134,6 +134,9 @@ pub struct UnfinishedStatus {
     /// True if the steps of all its motions are known exactly: the rollers' angle alone makes its volumes unsure.
     #[serde(skip)]
     pub steps_are_exact: bool,
+    /// True if the board may know more than the record, and tells it once it is met again.
+    #[serde(skip)]
+    pub board_may_tell: bool,
     /// Time at which it began, seconds since 1970 by the clock of that day.
     pub began_unix_s: u64,
     /// True if it is a run that was to go on until it is stopped: `requested_ml` is then the most that one run makes.
@@ -197,6 +200,7 @@ impl Status {
                 steps_made_least: dose.made_least,
                 steps_made_most: dose.made_most,
                 steps_are_exact: dose.has_exact_steps(),
+                board_may_tell: story.board_may_tell(&dose),
                 began_unix_s: dose.intent.unix_s,
                 until_stopped: dose.intent.terms.until_stopped,
                 over_time: dose.intent.terms.profile,

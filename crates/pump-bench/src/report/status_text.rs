@@ -76,7 +76,7 @@ impl Status {
             if dose.over_time { "; no rest of it can be made, as its times have passed" } else { "" };
         let by_angle = if dose.steps_are_exact && dose.delivered_least_ml < dose.delivered_most_ml {
             " (the steps are exact: the bounds are those of the rollers' angle)"
-        } else if !dose.steps_are_exact && self.device_count.is_some() {
+        } else if !dose.steps_are_exact && dose.board_may_tell {
             " (by the record alone: a board that was not reset since knows the exact steps, and tells them and \
              the angle once the rest is made)"
         } else {

@@ -7,6 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use pump_bench::drives::Node;
 use pump_bench::pump_file::{DriverFault, PinsTable};
 use pump_bench::record::{LogEnd, LogEntry, LogLine};
+use pump_bench::report::Status;
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Cruise, Phase, PlanError};
 
@@ -103,6 +104,68 @@ fn a_part_that_a_killed_process_made_is_logged_as_sure_as_one_that_was_stopped()
         assert!((killed.delivered_ml - stopped.delivered_ml).abs() < 1e-9, "{killed:?}");
         let [killed_ml, stopped_ml] = [killed, stopped].map(|dose| dose.expanded_uncertainty_ml.unwrap());
         assert!((killed_ml - stopped_ml).abs() < 1e-9, "{killed_ml} {stopped_ml}");
+    }
+}
+
+#[test]
+fn a_board_that_was_out_of_reach_tells_its_steps_to_the_log_and_one_that_was_reset_promises_none() {
+    for (event, tells) in [(Event::Cut, true), (Event::Reset, false)] {
+        let rig = Rig::new();
+        let folder = tempfile::tempdir().unwrap();
+        let mut drive = rig.open();
+        let bench = bench(folder.path(), &drive);
+        {
+            let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+            session.connect().unwrap();
+            session.set_angle(Some(Phase::known(0.0))).unwrap();
+            let prepared = session.prepare(request()).unwrap();
+            rig.world.plan(700, event);
+            session.run(&prepared, |_| ControlFlow::Continue(())).unwrap_err();
+        }
+        drop(drive);
+        let first = logged(&bench);
+        assert!(first.end == LogEnd::Fault && first.delivered_range_ml.is_some(), "{first:?}");
+        let told = |text: &str| {
+            let status = Status::of(&bench).unwrap();
+            status.text(|_| "").contains(text)
+        };
+        assert_eq!(told("a board that was not reset since knows the exact steps"), tells);
+        // By the record of a reset board the angle is unknown, and no plan pretends that the board knows better.
+        let planned = bench.prepare_rest(DoseRequest::dose(0.0));
+        assert_eq!(planned.is_ok(), tells, "{planned:?}");
+        rig.world.pass(1500);
+        rig.world.plan(0, Event::Mend);
+        rig.world.pass(10);
+        let mut drive = rig.open();
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        session.connect().unwrap();
+        let now = logged(&bench);
+        assert_eq!((now.end, now.number, &now.cause), (LogEnd::Fault, first.number, &first.cause));
+        if !tells {
+            assert_eq!(now, first);
+            continue;
+        }
+        let (least_ml, most_ml) = first.delivered_range_ml.unwrap();
+        assert_eq!((now.steps, now.delivered_range_ml), (Some(rig.world.count()), None));
+        assert!((least_ml..=most_ml).contains(&now.delivered_ml), "{now:?}");
+        assert_eq!(bench.delivered_since(0, 0).unwrap(), (now.delivered_ml, now.delivered_ml));
+        // A log that lacks the second entry, or both, is mended to the last byte.
+        let log = bench.folder().path().join("log.jsonl");
+        let whole = fs::read_to_string(&log).unwrap();
+        drop(session);
+        for kept in 0..2 {
+            let part: String = whole.split_inclusive('\n').take(kept).collect();
+            fs::write(&log, part).unwrap();
+            assert_eq!(logged(&bench), now);
+            drop(bench.session().unwrap());
+            assert_eq!(fs::read_to_string(&log).unwrap(), whole);
+        }
+        // The rest has the next number.
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+        assert!(session.run(&rest, |_| ControlFlow::Continue(())).unwrap().completed);
+        let numbers: Vec<_> = bench.log().unwrap().map(|line| line.unwrap()).collect();
+        assert!(matches!(numbers[..], [LogLine::Dose(_), LogLine::Dose(ref dose)] if dose.number == 2));
     }
 }
 

@@ -25,11 +25,11 @@ impl Faults {
 }
 
 impl<P: Pins, const Q: usize> Axis<P, Q> {
-    /// Takes note of the emergency stop, which has cut the motor's current.
+    /// Takes note of the emergency stop, which has cut the motor's current. It counts for an axis too that no host has
+    /// configured since power-up: people may have turned its rotor meanwhile.
     pub(crate) fn estop(&mut self, now: u64) {
-        if self.cut(End::Estop, now) {
-            self.faults.counted.estop = self.faults.counted.estop.saturating_add(1);
-        }
+        self.cut(End::Estop, now);
+        self.faults.counted.estop = self.faults.counted.estop.saturating_add(1);
     }
 
     /// Looks at the driver of an energised motor, which switches itself off when it reports a fault.

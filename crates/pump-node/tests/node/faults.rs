@@ -103,6 +103,10 @@ fn the_emergency_stop_stops_dead_and_loses_the_angle() {
     assert_eq!((status.position, status.state), (10, AxisState::Ended(End::Estop)));
     assert!(status.angle_lost && !status.energised && status.faults.estop == 1);
     assert_eq!(direct.status(1).faults.estop, 1);
+    // People may have turned the rotor of an axis too that no host has configured.
+    let unconfigured = direct.status(3);
+    assert_eq!((unconfigured.state, unconfigured.unread.estop), (AxisState::Unconfigured, 1));
+    assert!(!unconfigured.angle_lost && !unconfigured.energised);
     let prepare =
         |move_number, from: i64| Request::Prepare { axis: 0, move_number, order: order(from, from + 10) };
     assert_eq!(direct.refused(&prepare(2, 10)), Refusal::AngleLost);

@@ -189,7 +189,42 @@ impl Session<'_> {
             }
             Some(entry)
         });
+        let ended = ended.or_else(|| self.counted_later(why, state));
         ended.map(|entry| LogEntry { carry_ml: state.carry_ml, ..entry })
+    }
+
+    /// Returns the entry of the last dose anew, if its device was out of reach and has told in `state` which steps it
+    /// made. It takes the place of the entry with the bounds.
+    fn counted_later(&self, why: Why, state: &PumpState) -> Option<LogEntry> {
+        let lost = self.stands().unfinished.filter(|part| part.count_before.is_some())?;
+        let number = lost.intent.told.map(|told| told.number).filter(|number| *number == self.log.doses)?;
+        let made = |part: &Unfinished| (part.made_least, part.made_most);
+        let entry = match state.unfinished {
+            Some(now) if now.intent == lost.intent && made(&now) != made(&lost) => {
+                self.entry_of(&now, LogEnd::Fault)
+            }
+            None if why == Why::Met => {
+                let all = lost.intent.steps.abs();
+                let cause = Some("by the board alone, out of reach of the program".to_owned());
+                LogEntry { cause, ..self.entry_of(&Unfinished::of(&lost.intent, all, all), LogEnd::Done) }
+            }
+            _ => return None,
+        };
+        let first = self.bench.folder().log().last_of(|first| first.number == number);
+        let Some((_, first)) = first.ok().flatten() else {
+            return Some(LogEntry { counted_later: true, ..entry });
+        };
+        let is_done = entry.end == LogEnd::Done;
+        Some(LogEntry {
+            counted_later: true,
+            time: first.time,
+            requested_ml: first.requested_ml,
+            end: if is_done { entry.end } else { first.end },
+            cause: if is_done { entry.cause } else { first.cause },
+            motion_s: first.motion_s,
+            steps: entry.steps.filter(|_| !lost.intent.terms.by_weight),
+            ..entry
+        })
     }
 
     /// Returns a motion that an earlier process left, with the steps that a rest in `state` finds it made.

@@ -3,16 +3,18 @@
 use std::collections::VecDeque;
 
 use crate::bench::Bench;
-use crate::record::{LogEntry, LogError, LogLine, Purpose, ShortText, Unfinished, pending};
+use crate::record::{LogEntry, LogError, LogLine, LogPlace, Purpose, ShortText, Unfinished, pending};
 
 /// Doses of a bench, oldest first, read one at a time.
 pub struct LogReading {
     lines: Box<dyn Iterator<Item = Result<LogLine, LogError>> + Send>,
-    /// Number of the last dose that was read.
-    last: u64,
+    /// Place of the last dose that was read.
+    last: LogPlace,
     bench: Bench,
     /// Doses that the journal has and the log does not. `None` until the log has ended.
     rest: Option<VecDeque<LogEntry>>,
+    /// Line that was read ahead.
+    ahead: Option<Result<LogLine, LogError>>,
 }
 
 impl std::fmt::Debug for LogReading {
@@ -31,7 +33,7 @@ impl Bench {
     /// [`LogError`] if the log cannot be opened. Each line tells if it cannot be read.
     pub fn log(&self) -> Result<LogReading, LogError> {
         let lines = Box::new(self.folder().log().lines()?);
-        Ok(LogReading { lines, last: 0, bench: self.clone(), rest: None })
+        Ok(LogReading { lines, last: LogPlace::default(), bench: self.clone(), rest: None, ahead: None })
     }
 
     /// Reads the last dose, prime, purge or run of the log, which may be long. `None` if it has none. Retractions,
@@ -102,12 +104,7 @@ impl LogReading {
         let folder = self.bench.folder();
         let failed = |source| LogError { action: "complete", path: folder.log().path().to_owned(), source };
         let mut rest = VecDeque::new();
-        let is_behind = self
-            .bench
-            .story()
-            .ok()
-            .and_then(|story| story.state)
-            .is_some_and(|state| state.doses > self.last);
+        let is_behind = self.bench.story().is_ok_and(|story| story.last_logged() > self.last);
         if is_behind {
             let tell = |entry| {
                 rest.push_back(entry);
@@ -117,16 +114,13 @@ impl LogReading {
         }
         Ok(rest)
     }
-}
 
-impl Iterator for LogReading {
-    type Item = Result<LogLine, LogError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
+    /// Reads one line, of the log and then of what the journal alone has.
+    fn next_line(&mut self) -> Option<Result<LogLine, LogError>> {
         if self.rest.is_none() {
             match self.lines.next() {
                 Some(Ok(LogLine::Dose(entry))) => {
-                    self.last = entry.number;
+                    self.last = entry.place();
                     return Some(Ok(LogLine::Dose(entry)));
                 }
                 Some(other) => return Some(other),
@@ -140,5 +134,21 @@ impl Iterator for LogReading {
             }
         }
         self.rest.as_mut()?.pop_front().map(|entry| Ok(LogLine::Dose(entry)))
+    }
+}
+
+impl Iterator for LogReading {
+    type Item = Result<LogLine, LogError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let line = self.ahead.take().or_else(|| self.next_line())?;
+        self.ahead = self.next_line();
+        match (&line, &self.ahead) {
+            // The second entry of a dose takes the place of the first.
+            (Ok(LogLine::Dose(first)), Some(Ok(LogLine::Dose(second)))) if first.number == second.number => {
+                self.ahead.take()
+            }
+            _ => Some(line),
+        }
     }
 }

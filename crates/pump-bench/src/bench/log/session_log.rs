@@ -2,8 +2,8 @@
 
 use crate::notice::Notice;
 use crate::record::{
-    Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, ShortText, Story, SystemClock, Unfinished,
-    pending,
+    Clock, Folder, Log, LogEntry, LogError, LogPlace, LogTail, Purpose, ShortText, Story, SystemClock,
+    Unfinished, pending,
 };
 
 /// Log that a session keeps.
@@ -27,11 +27,11 @@ pub(in crate::bench) struct SessionLog {
 impl SessionLog {
     /// Opens the log and copies the doses that only the journal has. The notice tells why it could not.
     pub(in crate::bench) fn open(folder: &Folder, story: &Story) -> (Self, Option<Notice>) {
-        let recorded = story.state.map_or(0, |state| state.doses);
+        let recorded = story.last_logged();
         let log = folder.log();
         let mended = mended(&log, folder, recorded);
         let tail = mended.as_ref().ok().copied();
-        let doses = recorded.max(tail.map_or(0, |tail| tail.number));
+        let doses = recorded.number.max(tail.map_or(0, |tail| tail.place.number));
         let cut_off = story
             .cut_off
             .map(|(_, part)| part)
@@ -54,11 +54,11 @@ impl SessionLog {
     }
 }
 
-/// Copies the doses up to the number `recorded` that only the journal has, and returns the end of the log.
-fn mended(log: &Log, folder: &Folder, recorded: u64) -> Result<LogTail, LogError> {
+/// Copies the entries up to the place `recorded` that only the journal has, and returns the end of the log.
+fn mended(log: &Log, folder: &Folder, recorded: LogPlace) -> Result<LogTail, LogError> {
     let mut tail = log.tail()?;
-    if recorded > tail.number {
-        let copied = pending(&folder.journal(), tail.number, |entry| {
+    if recorded > tail.place {
+        let copied = pending(&folder.journal(), tail.place, |entry| {
             tail = log.append(tail, &entry).map_err(|error| error.source)?;
             Ok(())
         });

@@ -297,7 +297,8 @@ impl Grbl {
             _ => {}
         }
         let Made { least, most, lost } = made;
-        DriveFault { made_least: least, made_most: most, lost: lost || error.loses(), error: error.into() }
+        let (lost, count_lost) = (lost || error.loses(), matches!(error, GrblError::Reset));
+        DriveFault { made_least: least, made_most: most, lost, count_lost, error: error.into() }
     }
 
     /// Takes in what the board says unasked for as long as `wait`, to this axis or another.

@@ -47,7 +47,7 @@ pub(super) fn position(journal: &Path, log: &Path) -> io::Result<(Position, Vec<
     })?;
     // The log of a journal that was lost goes further than the journal that began after it.
     let logged = Log::new(log.to_owned()).tail().map_err(|error| error.source)?;
-    found.doses = found.doses.max(logged.number);
+    found.doses = found.doses.max(logged.place.number);
     Ok((found, last))
 }
 

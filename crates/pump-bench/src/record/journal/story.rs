@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::Entry;
 use super::tail::{Damage, Tail, format_of};
 use crate::files::open_plain;
-use crate::record::{PumpState, Unfinished};
+use crate::record::{LogPlace, PumpState, Unfinished};
 
 /// Format of the journals that this version writes. It reads older ones too.
 pub(super) const FORMAT: u32 = 2;
@@ -86,6 +86,25 @@ pub struct Story {
 }
 
 impl Story {
+    /// Returns the place in the log of the last dose on record.
+    pub(crate) fn last_logged(&self) -> LogPlace {
+        let number = self.state.map_or(0, |state| state.doses);
+        let by_number = LogPlace { number, ..LogPlace::default() };
+        match &self.rest {
+            Some(Entry::Rest { dose: Some(dose), .. }) => dose.place().max(by_number),
+            _ => by_number,
+        }
+    }
+
+    /// Returns true if the device, once it is met again, may tell how many steps of the unfinished `dose` were made: the
+    /// process ended during the dose, or the device was out of reach.
+    pub(crate) fn board_may_tell(&self, dose: &Unfinished) -> bool {
+        match self.cut_off {
+            Some((before, _)) => before.count.is_some(),
+            None => dose.count_before.is_some(),
+        }
+    }
+
     /// Reads the end of the journal at `path`. `fresh` is the state of a pump without a journal.
     ///
     /// # Errors

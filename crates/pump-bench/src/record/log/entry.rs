@@ -6,6 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::{LogEnd, Stamp};
 use crate::record::{DosedFluid, Purpose, ShortText, Unfinished};
 
+/// Place of an entry in the log: the number of its dose, and whether it is the second entry of that dose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(crate) struct LogPlace {
+    pub(crate) number: u64,
+    pub(crate) counted_later: bool,
+}
+
 /// One dose in the log: a motion that delivers, or all stretches that one command makes of a dose by weight.
 ///
 /// The rest of a dose that was stopped and resumed, and the retraction after a dose, have entries of their own. Each
@@ -51,6 +58,9 @@ pub struct LogEntry {
     /// True if the dose is the rest of one that was stopped or cut off.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub resumed: bool,
+    /// True if the device told the steps made after the dose was first recorded, because it was out of reach then.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub counted_later: bool,
     /// Number of the tube, from 1. Each new tube has the next number.
     pub tube: u32,
     /// Number of the calibration that the dose used. `None` without one.
@@ -109,12 +119,18 @@ impl LogEntry {
             rack: told.and_then(|told| told.rack),
             order: told.and_then(|told| told.order),
             resumed: if intent.terms.by_weight { earlier_ml != 0.0 } else { intent.whole.is_some() },
+            counted_later: false,
             tube,
             calibration: told.and_then(|told| told.calibration),
             fluid: told.and_then(|told| told.fluid),
             steps: is_exact.then_some(made_least * intent.steps.signum()),
             motion_s: None,
         }
+    }
+
+    /// Returns the place of this entry in the log. A later entry of one dose takes the place of the earlier one.
+    pub(crate) fn place(&self) -> LogPlace {
+        LogPlace { number: self.number, counted_later: self.counted_later }
     }
 
     /// Returns a dose of 1 mL at a time, for tests.
@@ -136,6 +152,7 @@ impl LogEntry {
             rack: None,
             order: None,
             resumed: false,
+            counted_later: false,
             tube: 1,
             calibration: None,
             fluid: None,

@@ -4,6 +4,9 @@
 //! these entries that is quick to read. A process that ends between the two leaves the log behind the journal, and the
 //! next session copies what is missing. An entry whose number the log has is never copied again. So the log needs no
 //! sync of its own, and no entry is lost or doubled. The log is never cut: it outlives the journal's rotation.
+//!
+//! A dose whose device was out of reach has a second entry once the device has told the steps. Both have the number of
+//! the dose and follow each other, and the second is the one that counts.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -12,7 +15,7 @@ use std::str;
 
 use thiserror::Error;
 
-use super::LogEntry;
+use super::{LogEntry, LogPlace};
 use crate::files::{check_plain, open_plain};
 use crate::record::journal::{decode, encode};
 
@@ -51,8 +54,8 @@ pub enum LogLine {
 /// End of a log: the last dose that it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct LogTail {
-    /// Number of the last dose. 0 without one.
-    pub(crate) number: u64,
+    /// Place of the last dose. Its number is 0 without one.
+    pub(crate) place: LogPlace,
     /// Length of the file up to the end of that dose's line, in bytes.
     pub(super) length: u64,
 }
@@ -112,7 +115,7 @@ impl Log {
     ///
     /// [`LogError`] if the file cannot be written.
     pub(crate) fn append(&self, tail: LogTail, entry: &LogEntry) -> Result<LogTail, LogError> {
-        if entry.number <= tail.number {
+        if entry.place() <= tail.place {
             return Ok(tail);
         }
         let failed = |source| self.failed("write", source);
@@ -132,10 +135,10 @@ impl Log {
             let _ = file.set_len(tail.length);
             failed(source)
         })?;
-        Ok(LogTail { number: entry.number, length: tail.length + line.len() as u64 })
+        Ok(LogTail { place: entry.place(), length: tail.length + line.len() as u64 })
     }
 
-    /// Reads the lines of the log, oldest first, one at a time.
+    /// Reads the lines of the log, oldest first, one at a time. A dose may have two, which follow each other.
     ///
     /// # Errors
     ///
@@ -193,7 +196,7 @@ fn last_in(bytes: &[u8], start: u64, wanted: impl Fn(&LogEntry) -> bool) -> Opti
             && let Ok(entry) = decoded(&bytes[before..end])
             && wanted(&entry)
         {
-            return Some((LogTail { number: entry.number, length: start + end as u64 }, entry));
+            return Some((LogTail { place: entry.place(), length: start + end as u64 }, entry));
         }
         end = before;
     }

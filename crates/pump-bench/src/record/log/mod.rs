@@ -14,6 +14,7 @@ pub use clock::{Clock, SystemClock};
 pub use clock_watch::{ClockJump, ClockWatch};
 pub use ended::LogEnd;
 pub use entry::LogEntry;
+pub(crate) use entry::LogPlace;
 pub(crate) use file::{Log, LogTail};
 pub use file::{LogError, LogLine};
 pub use moment::{MomentError, moment};

@@ -5,32 +5,32 @@ use std::io::{self, BufRead, BufReader, ErrorKind};
 use std::path::Path;
 use std::str;
 
-use super::LogEntry;
+use super::{LogEntry, LogPlace};
 use crate::files::open_plain;
 use crate::record::journal::{Entry, decode, parts};
 
-/// Tells the doses of the journal at `path` with numbers after `after`, oldest first, one at a time. The older parts of
-/// the journal are read as far back as they are needed. A line that nobody can read is passed over.
+/// Tells the entries of the journal at `path` with places after `after`, oldest first, one at a time. The older parts
+/// of the journal are read as far back as they are needed. A line that nobody can read is passed over.
 ///
 /// # Errors
 ///
 /// The [`io::Error`] of the file system or of `tell`.
 pub(crate) fn pending(
     path: &Path,
-    after: u64,
+    after: LogPlace,
     mut tell: impl FnMut(LogEntry) -> io::Result<()>,
 ) -> io::Result<()> {
     let parts = parts(path)?;
-    let is_start = |part: &&std::path::PathBuf| first_doses(part).is_ok_and(|doses| doses <= after);
+    let is_start = |part: &&std::path::PathBuf| first_doses(part).is_ok_and(|doses| doses <= after.number);
     let from = parts.iter().rev().position(|part| is_start(&part)).map_or(0, |back| parts.len() - 1 - back);
     let mut last = after;
     for part in parts.iter().skip(from) {
         each(part, |entry| {
             // A journal begins with a copy of the last rest before it.
             if let Entry::Rest { dose: Some(dose), .. } = entry
-                && dose.number > last
+                && dose.place() > last
             {
-                last = dose.number;
+                last = dose.place();
                 tell(dose)?;
             }
             Ok(true)
@@ -122,7 +122,8 @@ mod tests {
         assert!(parts(&path).unwrap().len() > 5, "the journal is in many parts");
         for after in 0..=40 {
             let mut found = Vec::new();
-            pending(&path, after, |dose| {
+            let place = LogPlace { number: after, ..LogPlace::default() };
+            pending(&path, place, |dose| {
                 found.push(dose.number);
                 Ok(())
             })
@@ -139,7 +140,7 @@ mod tests {
         let log = Log::new(folder.path().join("log.jsonl"));
         let mend = |log: &Log| {
             let mut tail = log.tail().unwrap();
-            let after = tail.number;
+            let after = tail.place;
             let append = |dose| {
                 tail = log.append(tail, &dose).unwrap();
                 Ok(())
@@ -148,7 +149,7 @@ mod tests {
             fs::read(log.path()).unwrap()
         };
         let whole = mend(&log);
-        assert_eq!(log.tail().unwrap().number, 40);
+        assert_eq!(log.tail().unwrap().place.number, 40);
         let seven = whole.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(6).unwrap().0 + 1;
         for length in (0..whole.len()).step_by(97) {
             for rest in [&b""[..], &[0; 300], b"{\"crc32\":\"00000000\",\"entry\":{}}\n"] {

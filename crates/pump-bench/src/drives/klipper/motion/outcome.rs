@@ -40,8 +40,8 @@ impl Fault {
     pub(in crate::drives::klipper) fn of_drive(self) -> DriveFault {
         let Self { error, least, most } = self;
         let signed = |steps| i64::try_from(steps).unwrap_or(i64::MAX);
-        let lost = error.loses();
+        let (lost, is_reset) = (error.loses(), matches!(error, KlipperError::Reset));
         let fault = DriveFault::between(signed(least), signed(most), error.into());
-        if lost { fault.lost() } else { fault }
+        DriveFault { lost, count_lost: is_reset, ..fault }
     }
 }

@@ -36,8 +36,8 @@ impl Fault {
     /// Returns the fault as every drive tells it.
     pub(in crate::drives::node) fn of_drive(self) -> DriveFault {
         let Self { error, least, most } = self;
-        let lost = error.loses();
+        let (lost, is_reset) = (error.loses(), matches!(error, NodeError::Reset));
         let fault = DriveFault::between(least, most, error.into());
-        if lost { fault.lost() } else { fault }
+        DriveFault { lost, count_lost: is_reset, ..fault }
     }
 }
