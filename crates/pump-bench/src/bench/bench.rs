@@ -7,7 +7,7 @@ mod planned_from;
 mod run_volume;
 
 pub use head::head_print;
-pub(super) use head::{other_head, print_of};
+pub(super) use head::{other_head, other_steps, print_of};
 
 use std::path::Path;
 use std::time::SystemTime;
@@ -226,7 +226,12 @@ impl Bench {
     ///
     /// [`DoseError::Journal`] if the journal cannot be read.
     pub fn story(&self) -> Result<Story, DoseError> {
-        Ok(self.folder.read(&self.model, self.fresh())?)
+        Ok(self.told(self.folder.read(&self.model, self.fresh())?))
+    }
+
+    /// Returns what a journal tells of this pump with the motor of its file.
+    pub(super) fn told(&self, story: Story) -> Story {
+        story.of_steps(self.file.limits().motor.step_rad(), &self.model)
     }
 
     /// Returns the state of the pump by its journal, or its fresh state without one.

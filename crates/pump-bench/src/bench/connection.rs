@@ -178,6 +178,8 @@ impl<'a> Session<'a> {
             let text = format!("{halted}: the rollers' angle is known less well");
             notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
         }
+        // A motion that was cut off and counted since was of the steps of its own day.
+        let met = met.of_steps(self.file().limits().motor.step_rad(), model);
         PumpState { count, released: false, ..met }
     }
 

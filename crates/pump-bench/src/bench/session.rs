@@ -17,7 +17,7 @@ use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfi
 
 pub(super) use self::before_motion::BeforeMotion;
 pub(super) use self::patience::Patience;
-use super::bench::{Bench, other_head};
+use super::bench::{Bench, other_head, other_steps};
 use super::device::Device;
 use super::log::SessionLog;
 use super::safety::RunBounds;
@@ -109,7 +109,10 @@ impl<'a> Session<'a> {
         let lock = patience.try_until(&bench.opening().stop, || Ok(bench.folder().lock()?))?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
         let (log, note) = SessionLog::open(bench.folder(), &story);
-        let other_head = story.other_head.then(|| other_head(bench.file()));
+        let story = bench.told(story);
+        let file = bench.file();
+        let other_head = story.other_head.then(|| other_head(file));
+        let other_steps = (story.other_steps && other_head.is_none()).then(|| other_steps(file));
         Ok(Self {
             bench,
             journal,
@@ -123,7 +126,7 @@ impl<'a> Session<'a> {
             is_given: bench.is_given_its_drive(),
             place: None,
             before_motion: None,
-            notes: note.into_iter().chain(other_head).collect(),
+            notes: note.into_iter().chain(other_head).chain(other_steps).collect(),
             told_of_clock: false,
             may_home_unfinished: bench.may_home_unfinished(),
             moved: false,

@@ -18,6 +18,9 @@ const UNKNOWN_RAD: f64 = PI;
 /// Largest number of rollers by which an earlier version may have recorded an unknown angle.
 const MOST_ROLLERS: u8 = 12;
 
+/// Relative difference between the angles of two steps that is rounding.
+const SAME_STEPS: f64 = 1e-9;
+
 /// Difference between a planned and a booked volume that is rounding, in mL.
 const ROUNDING_ML: f64 = 1e-9;
 
@@ -68,6 +71,10 @@ pub struct PumpState {
     /// Print of the head that the angle is of. `None` in a record of an early version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) head: Option<u32>,
+    /// Angle of a motor step of the motions since the angle was last found, in rad. `None` before the first, and in a
+    /// record of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) step_rad: Option<f64>,
     /// Flow that still arrives after a stop, as doses by weight have found. `None` before the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) after_stop: Option<AfterStop>,
@@ -105,6 +112,7 @@ impl PumpState {
             released: false,
             confirmed_pump: None,
             head: None,
+            step_rad: None,
             after_stop: None,
             doses: 0,
             tubes_before: 0,
@@ -152,7 +160,7 @@ impl PumpState {
             None => self.without_carry(),
         };
         let phase = phase.unwrap_or(Phase::within(0.0, UNKNOWN_RAD));
-        Self { source, disturbances: 0, last: None, ..state.at(phase) }
+        Self { source, disturbances: 0, last: None, step_rad: None, ..state.at(phase) }
     }
 
     /// Returns the state as the head with the print `head` takes it. The angle of another head tells nothing of this
@@ -170,6 +178,22 @@ impl PumpState {
     /// Returns true if the angle on record is of another head than the one with the print `head`.
     pub(crate) fn is_of_another_head(&self, head: Option<u32>) -> bool {
         self.head.zip(head).is_some_and(|(then, now)| then != now)
+    }
+
+    /// Returns the state as a motor with steps of `step_rad` takes it. If the motions on record were of other steps, they
+    /// were wrong by the pump file of then or are by that of now, so nobody knows where they led.
+    #[must_use]
+    pub(crate) fn of_steps(self, step_rad: f64, pump: &Pump) -> Self {
+        if !self.is_of_other_steps(step_rad) {
+            return self;
+        }
+        let state = if self.unfinished.is_some() { self } else { self.without_carry() };
+        Self { last: None, step_rad: None, ..state.lost(pump) }
+    }
+
+    /// Returns true if the motions since the angle was last found were of other steps than `step_rad`.
+    pub(crate) fn is_of_other_steps(&self, step_rad: f64) -> bool {
+        self.step_rad.is_some_and(|then| (then / step_rad - 1.0).abs() > SAME_STEPS)
     }
 
     /// Returns the state with nothing to carry.
@@ -325,6 +349,7 @@ impl PumpState {
             unfinished,
             last: LastDose::after(self.last, intent, made_least, made_most),
             source: PhaseSource::Recorded,
+            step_rad: Some(intent.step_rad),
             safety: Some(self.safety_after(&part, lasted_s, pump)),
             ..self.booked(&part, pump)
         }

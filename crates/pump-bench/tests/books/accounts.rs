@@ -1,8 +1,8 @@
 //! The accounts of angle, volume and carry.
 
-use pump_bench::DoseRequest;
-use pump_bench::Rehearsal;
-use pump_ctl::plan::{Phase, Ramps};
+use pump_bench::report::Status;
+use pump_bench::{DoseError, DoseRequest, Rehearsal};
+use pump_ctl::plan::{Phase, PlanError, Ramps};
 use pump_model::units::{TURN_RAD, radians};
 
 use crate::bench::{Lab, file, numbers, warning};
@@ -158,4 +158,34 @@ fn doses_from_an_angle_that_is_known_within_bounds_add_up_within_them() {
             assert!((asked_ml - total_ml - carry_ml).abs() < within_ml + 1e-6, "dose {n} at {part}");
         }
     }
+}
+
+#[test]
+fn an_angle_that_was_counted_by_other_steps_is_unknown_until_it_is_found() {
+    let lab = Lab::new();
+    let mut finer = file();
+    finer.motor.steps_per_rev *= 2;
+    let finer = lab.with_file(finer);
+    let is_told = || {
+        let session = finer.session().unwrap();
+        session.pending_notes().iter().any(|note| note.text().contains("steps per revolution of the head"))
+    };
+    let is_known = || Status::of(&finer).unwrap().angle_known;
+    // An angle that was found and not left since is that of any motor.
+    lab.home(Some(Phase::known(1.0)));
+    assert!(is_known() && !is_told());
+    lab.dose(DoseRequest::dose(2.0));
+    assert!(!is_known() && is_told());
+    let smooth = finer.prepare(DoseRequest::dose(1.0).with_smooth(true));
+    assert!(matches!(smooth, Err(DoseError::Plan(PlanError::SmoothWithoutAngle { .. }))), "{smooth:?}");
+    // The file as it was has the angle as it was.
+    assert!(Status::of(&lab.bench).unwrap().angle_known);
+    finer.set_angle(Some(Phase::known(2.0))).unwrap();
+    assert!(is_known() && !is_told());
+    // A dose that was cut off, too.
+    lab.home(Some(Phase::known(1.0)));
+    lab.killed(DoseRequest::dose(2.0), 3);
+    assert!(!is_known() && is_told());
+    finer.session().unwrap().discard().unwrap();
+    assert!(!is_known());
 }

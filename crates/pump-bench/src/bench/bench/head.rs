@@ -1,6 +1,7 @@
 //! The print of a pump's head: an angle on record is the angle of one head.
 
 use crate::notice::{Notice, Remedy};
+use crate::numbers::significant;
 use crate::pump_file::PumpFile;
 
 /// Tables of a pump file that say which head it is.
@@ -33,6 +34,17 @@ pub(in crate::bench) fn other_head(file: &PumpFile) -> Notice {
     let text = format!(
         "the record of {pump} is of another head than this one with {rollers} rollers, so the angle of the rollers is \
          unknown and nothing is carried"
+    );
+    Notice::from(text).with_remedy(Remedy::FindAngle)
+}
+
+/// Returns the note that the motions on record were of a motor with other steps than the pump file's.
+pub(in crate::bench) fn other_steps(file: &PumpFile) -> Notice {
+    let (pump, steps) = (&file.pump.id, file.motor.steps_at_pump_head());
+    let text = format!(
+        "the motor of {pump} has {} steps per revolution of the head by its file now, and its record counts by another \
+         number, so the angle of the rollers is unknown and nothing is carried",
+        significant(steps, 9)
     );
     Notice::from(text).with_remedy(Remedy::FindAngle)
 }

@@ -69,6 +69,8 @@ pub struct Story {
     pub state: Option<PumpState>,
     /// True if the record is of another head than the pump's: the state has an unknown angle then.
     pub(crate) other_head: bool,
+    /// True if the record is of a motor with other steps than the pump's: the state has an unknown angle then.
+    pub(crate) other_steps: bool,
     /// State before the last motion, and that motion, if the process ended during it. `None` if the rotor
     /// stood.
     pub cut_off: Option<(PumpState, Unfinished)>,
@@ -86,6 +88,13 @@ pub struct Story {
 }
 
 impl Story {
+    /// Returns the story as a motor with steps of `step_rad` takes it.
+    #[must_use]
+    pub(crate) fn of_steps(self, step_rad: f64, pump: &Pump) -> Self {
+        let other_steps = self.state.is_some_and(|state| state.is_of_other_steps(step_rad));
+        Self { state: self.state.map(|state| state.of_steps(step_rad, pump)), other_steps, ..self }
+    }
+
     /// Returns the place in the log of the last dose on record.
     pub(crate) fn last_logged(&self) -> LogPlace {
         let number = self.state.map_or(0, |state| state.doses);
@@ -96,7 +105,7 @@ impl Story {
         }
     }
 
-    /// Returns true if the device, once it is met again, may tell how many steps of the unfinished `dose` were made: the
+    /// Returns true if the device, once it is met again, may tell how many steps of the unfinished `dose` it made: the
     /// process ended during the dose, or the device was out of reach.
     pub(crate) fn board_may_tell(&self, dose: &Unfinished) -> bool {
         match self.cut_off {

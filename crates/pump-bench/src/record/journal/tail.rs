@@ -100,6 +100,7 @@ impl<'a> Tail<'a> {
         Ok(Some(Story {
             state,
             other_head,
+            other_steps: false,
             cut_off,
             torn: whole < self.bytes.len(),
             rest: rest.map(|(entry, _)| entry).filter(|_| is_rest),
