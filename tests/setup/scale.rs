@@ -152,7 +152,7 @@ fn a_weight_is_that_of_the_setups_dose_and_of_no_later_one() {
     assert_eq!(desk.types(&["8mL", "--pump", "acid"]).code, 0);
     let steps = pump.board.rest().steps;
     let refused = desk.types(&["setup", "acid", "--weight", "4.98g"]);
-    assert!(refused.code == 2 && refused.err.contains("dosed again since setup's dose"), "{}", refused.err);
+    assert!(refused.code == 2 && refused.err.contains("moved since setup's dose"), "{}", refused.err);
     // It is made anew, and weighed. Another volume comes too late then.
     assert_eq!(desk.types(&["setup", "acid", "--yes"]).code, 0);
     assert_ne!(pump.board.rest().steps, steps);
@@ -164,6 +164,29 @@ fn a_weight_is_that_of_the_setups_dose_and_of_no_later_one() {
     assert!(refused.code == 2 && refused.err.contains("dosed since setup weighed a dose"), "{}", refused.err);
     assert!(refused.err.contains("`dose calibrate last <READING> --pump acid`"), "{}", refused.err);
     assert!(desk.configured("setup/acid.toml").unwrap().contains("weighed = 1"));
+}
+
+#[test]
+fn a_dose_that_waits_for_its_weight_is_made_anew_once_the_pump_is_turned_round() {
+    let desk = Desk::new();
+    let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let port = pump.port();
+    let hands_off = |more: &[&str]| desk.types(&[&HANDS_OFF[..], &["--port", &port], more].concat());
+    let dosed = hands_off(&[]);
+    assert!(dosed.code == 0 && dosed.err.contains("Weigh the dose"), "{}", dosed.err);
+    let round = desk.types(&["setup", "acid", "--direction", "reverse", "--turned", "1", "--yes"]);
+    assert!(round.code == 0 && round.err.contains("Weigh the dose"), "{}", round.err);
+    assert!(round.err.contains("turned round, as --direction says"), "{}", round.err);
+    let [turn, dose] = ["One revolution", "Weigh a dose"].map(|part| round.err.find(part));
+    assert!(turn.is_some() && turn < dose, "{}", round.err);
+    // The rotor is turned for its angle, so the dose is weighed no more, and setup goes on all the same.
+    let turned = desk.types(&["home", "--set", "10deg", "--pump", "acid"]);
+    assert_eq!(turned.code, 0, "{}", turned.err);
+    let late = desk.types(&["setup", "acid", "--weight", "4.98g"]);
+    assert!(late.code == 2 && late.err.contains("moved since setup's dose"), "{}", late.err);
+    let again = desk.types(&["setup", "acid", "--volume", "7mL", "--yes"]);
+    assert!(again.code == 0 && again.err.contains("Weigh a dose"), "{}", again.err);
+    assert_eq!(desk.types(&["setup", "acid", "--weight", "6.98g"]).code, 0);
 }
 
 #[test]

@@ -339,7 +339,10 @@ fn still_done(before: &Answers, after: &Answers) -> Done {
     let mut still = done;
     (still.turned, still.directed) = (turned, directed);
     still.prime_left_ml = done.prime_left_ml.filter(|_| is_drive);
-    (still.primed, still.dosed) = (done.primed && is_drive, done.dosed && is_head && is_motor && is_drive);
+    // A dose that went the other way is in no vessel.
+    let is_way = before.invert == after.invert;
+    still.primed = done.primed && is_drive;
+    still.dosed = done.dosed && is_head && is_motor && is_drive && is_way;
     still
 }
 

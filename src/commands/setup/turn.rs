@@ -342,6 +342,9 @@ fn steps_of(bench: &Bench) -> u32 {
 /// Asks which way the liquid went, and turns the direction round.
 fn see_direction(course: &mut Course) -> Asked<()> {
     if course.asker.is_silent() {
+        if course.answers.invert == Some(true) {
+            tell_person("  the direction pin is turned round, as --direction says");
+        }
         return Ok(seen(course, |answers| answers.done.directed = true)?);
     }
     let question = Question {

@@ -20,8 +20,8 @@ use crate::warned::Warned;
 const USUAL_ML: f64 = 10.0;
 
 /// Words for a dose of the course that nobody can weigh any more.
-const LATER_DOSE: &str = "the pump has dosed again since setup's dose, so nobody can weigh that one any more; empty \
-                          and tare the vessel for another";
+const LATER_DOSE: &str = "the pump has moved since setup's dose, so nobody can weigh that one any more; empty and tare \
+                          the vessel for another";
 
 /// Words for a dose that was made while nobody read the balance.
 const UNKNOWN_BEFORE: &str = "the balance was not read before this dose, so it may show the vessel too; the dose is on \
@@ -115,10 +115,13 @@ fn settle_volume(course: &mut Course) -> Asked<()> {
     Ok(())
 }
 
-/// True if the pump's last dose is that of the course. Answers of an early version do not tell.
+/// True if the pump's last motion is the dose of the course, so that a scale can weigh it. Answers of an early version
+/// do not tell the dose.
 pub(super) fn is_last(course: &Course) -> Result<bool, Failure> {
-    let last = course.bench()?.last_number()?;
-    Ok(course.answers.done.dose.is_none_or(|number| number == last))
+    let bench = course.bench()?;
+    let last = bench.last_number()?;
+    let can_be_weighed = bench.story()?.state.is_some_and(|state| state.last.is_some());
+    Ok(can_be_weighed && course.answers.done.dose.is_none_or(|number| number == last))
 }
 
 /// Refuses the weight of a dose that was made after the one that this course has weighed.
