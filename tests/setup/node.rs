@@ -221,8 +221,8 @@ fn a_script_that_writes_the_file_alone_asks_the_board_too() {
     let (node_port, grbl_port) = (node.path().display().to_string(), grbl.path().display().to_string());
     let missing = desk.path("no-such-port").display().to_string();
     for (port, axis, driver, told) in [
-        (&node_port, "B", "node", "has the axes X, Y, Z and A, and not B"),
-        (&missing, "B", "node", "has the axes X, Y, Z and A, and not B"),
+        (&node_port, "B", "node", "axis is B; allowed: X, Y, Z or A beside driver"),
+        (&missing, "B", "node", "axis is B; allowed: X, Y, Z or A beside driver"),
         (&node_port, "X", "grbl", "and --driver is grbl; say --driver node"),
         (&grbl_port, "X", "node", "and --driver is node; say --driver grbl"),
     ] {

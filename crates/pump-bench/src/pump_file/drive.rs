@@ -280,6 +280,8 @@ impl DriveTable {
         let allowed =
             "no axis beside driver = \"klipper\", whose pins in [drive.klipper] say which motor turns";
         allow(!is_klipper || self.axis == Axis::default(), "[drive] axis", self.axis, allowed)?;
+        let is_of_node = !matches!(self.axis, Axis::B | Axis::C);
+        allow(!is_node || is_of_node, "[drive] axis", self.axis, "X, Y, Z or A beside driver = \"node\"")?;
         let allowed = "beside driver = \"klipper\" only, since other boards have pins of their own";
         allow(self.klipper.is_none() || is_klipper, "[drive.klipper]", "given", allowed)?;
         match &self.klipper {
