@@ -68,7 +68,10 @@ fn a_value_of_the_pins_out_of_range_is_one_message() {
         ),
         (format!("{NODE}dead_man_ms = 50\n"), "[drive] dead_man_ms is 50; allowed: 100 to 10000"),
         (format!("{NODE}[drive.pins]\nstep_us = 1.0\n"), "step_us"),
-        (format!("{NODE}axis = \"B\"\n"), "[drive] axis is B; allowed: X, Y, Z or A beside driver = \"node\""),
+        (
+            format!("{NODE}axis = \"B\"\n"),
+            "[drive] axis is B; allowed: X, Y, Z or A beside driver = \"node\"",
+        ),
         (
             "driver = \"sim\"\n[drive.pins]\nstep_pulse_us = 2.0\n".to_owned(),
             "[drive.pins] is given; allowed: beside driver = \"node\"",

@@ -9,8 +9,11 @@ mod link;
 #[cfg(test)]
 mod peer;
 mod resend_timer;
+mod shared_trunk;
 #[cfg(test)]
 mod tests;
+mod trunk;
 mod window;
 
 pub(super) use link::{Arrival, Link, Place};
+pub(super) use shared_trunk::SharedTrunk;
