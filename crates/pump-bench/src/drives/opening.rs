@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::stop_request::StopRequest;
-use crate::pump_file::DriverName;
+use crate::pump_file::{DriveTable, DriverName};
 use crate::record::{BOARDS, Folder};
 
 /// Folder in which Linux keeps a name for each serial port on a USB cable.
@@ -32,6 +32,9 @@ pub struct Opening {
     /// True if the board and its settings are on record only once `Drive::put_on_record` is called, so that a board
     /// that never moves leaves no record. Otherwise they are as soon as the board has answered.
     pub records_later: bool,
+    /// Other pumps that use the board at the same time: the id of each, and its drive table. A board that takes one
+    /// configuration for all of its motors is configured for them too.
+    pub beside: Vec<(String, DriveTable)>,
     /// Request that ends every wait at rest.
     pub stop: StopRequest,
 }

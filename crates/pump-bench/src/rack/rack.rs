@@ -34,8 +34,8 @@ impl Rack {
         let members = file.pump_names().map(str::to_owned).zip(benches);
         // The clock of the rack is that of all its pumps.
         let in_step = |bench: Bench| if bench.is_simulated() { bench.paced(Some(Pace::Fast)) } else { bench };
-        let members: Vec<Member> =
-            members.map(|(name, bench)| Member { name, bench: in_step(bench) }).collect();
+        let members = members.map(|(name, bench)| Member { name, bench: in_step(bench) });
+        let members = sharing::beside_each_other(members.collect());
         let (name, steps) = (file.name(), file.steps().to_vec());
         sharing::check(&members, &steps)?;
         Ok(Self { name, members, steps, pace: Pace::Real, stop: StopRequest::default(), unattended: false })

@@ -75,14 +75,10 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
         return Some((shared, "give each board its own port"));
     }
     if driver == DriverName::Klipper {
-        let pins = one.drive().klipper.as_ref().zip(other.drive().klipper.as_ref());
-        let clash = pins.filter(|(one, other)| one.step.name == other.step.name);
-        let pin = clash.map(|(one, _)| format!("both at the step pin {}, ", one.step.name));
-        let shared = format!(
-            "are turned by one board at {port}, {}and a board with the Klipper firmware turns one pump at a time",
-            pin.unwrap_or_default()
-        );
-        return Some((shared, NODE_INSTEAD));
+        let (one, other) = one.drive().klipper.as_ref().zip(other.drive().klipper.as_ref())?;
+        let pin = one.clash(other)?;
+        let shared = format!("are turned by one board at {port}, and both by the {pin}");
+        return Some((shared, "name the pins of each pump in its [drive.klipper]"));
     }
     if axis == other.drive().axis {
         return Some((
@@ -91,6 +87,22 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
         ));
     }
     None
+}
+
+/// Has each pump know of the others that the same board turns.
+pub(super) fn beside_each_other(members: Vec<Member>) -> Vec<Member> {
+    let beside: Vec<_> = (0..members.len())
+        .map(|number| {
+            let others = members.iter().enumerate().filter(|(other, member)| {
+                *other != number && is_one_board(&member.bench, &members[number].bench)
+            });
+            others
+                .map(|(_, member)| (member.bench.file().pump.id.clone(), member.bench.drive().clone()))
+                .collect()
+        })
+        .collect();
+    let pairs = members.into_iter().zip(beside);
+    pairs.map(|(Member { name, bench }, others)| Member { name, bench: bench.beside(others) }).collect()
 }
 
 /// Returns true if boards at one port turn both pumps. No board turns a simulated pump.

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::super::session::Patience;
 use super::Bench;
 use crate::drives::StopRequest;
-use crate::pump_file::Pace;
+use crate::pump_file::{DriveTable, Pace};
 
 impl Bench {
     /// Returns the bench with its device at `port`, if a port is given. A driver that needs a port refuses to
@@ -53,6 +53,13 @@ impl Bench {
     #[must_use]
     pub fn stopping_on(mut self, stop: StopRequest) -> Self {
         self.opening.stop = stop;
+        self
+    }
+
+    /// Returns the bench of a pump whose board other pumps use at the same time: the id of each, and its drive table.
+    #[must_use]
+    pub(crate) fn beside(mut self, others: Vec<(String, DriveTable)>) -> Self {
+        self.opening.beside = others;
         self
     }
 

@@ -135,14 +135,27 @@ pub enum KlipperError {
          step = \"PB13\", and enable where the motor has one"
     )]
     NoPins,
-    /// The port is open for another pump of this process.
+    /// The board would have to be configured anew, and turns another pump of this process.
     #[error(
-        "the board at {} turns another pump of this program, and a board with the Klipper firmware turns one pump at a \
-         time; give each pump a board of its own, or run one after the other", .port.display()
+        "the board at {} turns another pump of this program, and is configured without the pins of this one, which only \
+         a reset changes; run one after the other once, or name both in one rack", .port.display()
     )]
     Shared {
         /// Path of the port.
         port: PathBuf,
+    },
+    /// Drives of this process use the port at another rate.
+    #[error(
+        "{} is open at {open_baud} baud for another pump, and this one names {baud}; give the pumps of a board the \
+         same [drive] baud", .port.display()
+    )]
+    Rate {
+        /// Path of the port.
+        port: PathBuf,
+        /// Rate that this pump names, in bits per second.
+        baud: u32,
+        /// Rate of the port, in bits per second.
+        open_baud: u32,
     },
     /// The place on the board turns another pump by the record.
     #[error(transparent)]
@@ -315,6 +328,7 @@ impl KlipperError {
                 | Self::Open { .. }
                 | Self::NoPins
                 | Self::Shared { .. }
+                | Self::Rate { .. }
                 | Self::OtherFirmware { .. }
                 | Self::OtherBoard { .. }
                 | Self::PlaceTaken(_)

@@ -105,6 +105,33 @@ impl KlipperTable {
         [&self.step, &self.dir].map(|pin| format!("pin {}", pin.name)).into_iter().chain(driver).collect()
     }
 
+    /// Returns a pin, or the stepper driver, that this motor and another one of the board both claim, in words. `None` if
+    /// they can turn side by side: the line to their stepper drivers may be one.
+    pub(crate) fn clash(&self, other: &Self) -> Option<String> {
+        let (mine, theirs) = (self.motor_pins(), other.motor_pins());
+        let lines = |table: &Self| {
+            let pins = table.tmc.iter().flat_map(|tmc| [Some(&tmc.uart), tmc.tx.as_ref()]).flatten();
+            pins.map(|pin| pin.name.clone()).collect::<Vec<_>>()
+        };
+        let has = |pins: &[&KlipperPin], name: &str| pins.iter().any(|pin| pin.name == name);
+        let own = mine.iter().map(|pin| pin.name.clone()).find(|name| has(&theirs, name));
+        let pin = own
+            .or_else(|| lines(self).into_iter().find(|name| has(&theirs, name)))
+            .or_else(|| lines(other).into_iter().find(|name| has(&mine, name)));
+        let drivers = self.tmc.as_ref().zip(other.tmc.as_ref());
+        let driver =
+            drivers.filter(|(one, other)| (&one.uart.name, one.address) == (&other.uart.name, other.address));
+        let driver =
+            driver.map(|(tmc, _)| format!("TMC2209 at address {} of {}", tmc.address, tmc.uart.name));
+        pin.map(|name| format!("pin {name}")).or(driver)
+    }
+
+    /// Returns the pins of the motor, without the line to its stepper driver.
+    pub(crate) fn motor_pins(&self) -> Vec<&KlipperPin> {
+        let others = [self.enable.as_ref(), self.index.as_ref()];
+        [Some(&self.step), Some(&self.dir)].into_iter().chain(others).flatten().collect()
+    }
+
     /// Returns the time for which the step pin is active, in us: the one that is given, or the usual one.
     pub fn pulse_us(&self) -> f64 {
         self.step_pulse_us.unwrap_or(USUAL_PULSE_US)

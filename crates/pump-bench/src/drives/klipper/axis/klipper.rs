@@ -5,14 +5,16 @@ use std::time::Duration;
 
 use pump_ctl::plan::{FlowMotion, Motor, Plan, PlannedMotion};
 
-use crate::drives::klipper::board::{Board, Met, SessionRecord, Terms, check_driver, marks, meet};
+use crate::drives::klipper::board::{
+    Board, Met, SessionRecord, SharedBoard, Terms, check_driver, marks, meet,
+};
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::link::{Link, Place};
 use crate::drives::klipper::motion::{self, Fault, Made, Task, most_steps_s};
-use crate::drives::wire::{BoardPort, NotShared, OpenPorts, Wire};
+use crate::drives::wire::{BoardPort, NotShared, OpenPorts};
 use crate::drives::{
-    Abilities, BeginPlace, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch,
-    Opening,
+    Abilities, BeginPlace, BoardShare, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate,
+    IndexSearch, Opening,
 };
 use crate::notice::Notice;
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -23,8 +25,8 @@ const FARTHEST: i64 = (1 << 30) - 1;
 /// Longest time without a confirmation at rest. A computer under load may hold the board's bytes back for as long.
 const REST_QUIET: Duration = Duration::from_secs(3);
 
-/// Ports of Klipper boards that this process has open.
-static OPEN: OpenPorts<()> = OpenPorts::new();
+/// Boards with this firmware that this process has open. Their motors share them.
+static OPEN: OpenPorts<SharedBoard> = OpenPorts::new();
 
 /// Opens the motor that `table` names, for the pump of `file`.
 pub(crate) fn open(
@@ -52,8 +54,7 @@ pub struct Klipper {
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
-    /// Keeps the port from a further drive of this process.
-    _taken: Arc<()>,
+    shared: Arc<SharedBoard>,
 }
 
 /// Place of the link to the board.
@@ -69,6 +70,7 @@ enum At {
 
 impl Klipper {
     /// Opens the port that `table` names, meets the board, configures it and gives the motor current. Moves nothing.
+    /// Drives of one process share the port, so several threads may each drive a motor of one board.
     ///
     /// # Errors
     ///
@@ -76,30 +78,19 @@ impl Klipper {
     /// is another board than the one on record, it lacks a pin or a command, or another program has configured it.
     pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
         let terms = Terms::new(table, motor, opening)?;
-        let opened = |opening: &mut Option<BoardPort>| -> Result<(), KlipperError> {
-            *opening = Some(BoardPort::open(table.port.as_deref(), table.rate_baud())?);
-            Ok(())
+        let open = || -> Result<SharedBoard, KlipperError> {
+            Ok(SharedBoard::new(Box::new(BoardPort::open(table.port.as_deref(), table.rate_baud())?)))
         };
-        let mut wire = None;
-        let shared = OPEN.share(table.port.as_deref(), table.rate_baud(), |()| false, || opened(&mut wire));
-        match (shared, wire) {
-            (Ok(taken), Some(wire)) => Ok(Self::linked(Box::new(wire), terms, motor, taken)?),
-            (Ok(_), None) | (Err(NotShared::Rate { .. }), _) => {
-                Err(KlipperError::Shared { port: terms.port.clone() }.into())
+        let is_gone = |board: &SharedBoard| board.trunk.is_gone();
+        let shared = OPEN.share(table.port.as_deref(), table.rate_baud(), is_gone, open);
+        let shared = shared.map_err(|error| match error {
+            NotShared::Rate { device, open_baud } => {
+                KlipperError::Rate { port: device, baud: table.rate_baud(), open_baud }
             }
-            (Err(NotShared::Open(error)), _) => Err(error.into()),
-        }
-    }
-
-    /// Meets the board at the other end of `wire`.
-    fn linked(
-        wire: Box<dyn Wire>,
-        terms: Terms,
-        motor: &MotorTable,
-        taken: Arc<()>,
-    ) -> Result<Self, KlipperError> {
+            NotShared::Open(error) => error,
+        })?;
         let place = Place { port: terms.port.clone(), baud: terms.baud };
-        let link = Link::new(wire, place, terms.opening.stop.clone());
+        let link = Link::over(Arc::clone(&shared.trunk), place, terms.opening.stop.clone());
         let mut klipper = Self {
             motor: motor.at_pump_head(),
             full_steps: (motor.steps_per_rev / motor.full_steps_per_rev.max(1)).max(1),
@@ -110,7 +101,7 @@ impl Klipper {
             tells_slip: false,
             notes: Vec::new(),
             place: None,
-            _taken: taken,
+            shared,
         };
         klipper.meet()?;
         Ok(klipper)
@@ -125,10 +116,11 @@ impl Klipper {
                 return Ok(());
             }
         };
-        match meet(link, &self.terms) {
+        match meet(link, &self.terms, &self.shared) {
             Ok(Met { board, position, disturbed, replaced, of_driver }) => {
                 self.notes.extend(replaced.notes());
                 self.notes.extend(of_driver.into_iter().map(Notice::from));
+                board.talk.link.note_met(true);
                 self.at = At::Met(Box::new(board));
                 (self.stands, self.disturbed) = (Some(position), disturbed);
                 Ok(())
@@ -145,6 +137,7 @@ impl Klipper {
         self.at = match std::mem::replace(&mut self.at, At::Nowhere) {
             At::Met(board) => {
                 self.terms.last = Some(board.record);
+                board.talk.link.note_met(false);
                 At::Apart(Box::new(board.talk.link))
             }
             apart => apart,
@@ -323,6 +316,14 @@ impl Drive for Klipper {
 
     fn check_flow(&mut self, flow: &FlowMotion<'_>) -> Result<(), DriveError> {
         self.check_motion(flow.into())
+    }
+
+    fn board_share(&self, motion: PlannedMotion<'_>) -> Result<Option<BoardShare>, DriveError> {
+        let At::Met(board) = &self.at else { return Ok(None) };
+        if self.terms.opening.beside.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(Task::new(motion, board, self.full_steps)?.share(board)))
     }
 
     fn forget_plan(&mut self) {

@@ -1,12 +1,15 @@
 //! A board that was met: questions, its clock and its stepper.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
+use super::board_record::BoardRecord;
 use super::commands::Commands;
-use super::configuration::oid;
+use super::objects::Objects;
 use super::session_record::SessionRecord;
-use crate::drives::klipper::clock::{BoardClock, ClockBounds, ClockError, Reading};
+use super::shared_board::SharedBoard;
+use crate::drives::klipper::clock::{BoardClock, ClockBounds, ClockError, Reading, SharedClock};
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::fault::fault;
@@ -49,8 +52,11 @@ pub(in crate::drives::klipper) struct ConfigState {
 #[derive(Debug)]
 pub(in crate::drives::klipper) struct Talk {
     pub(in crate::drives::klipper) link: Link,
-    pub(in crate::drives::klipper) dictionary: Dictionary,
-    pub(in crate::drives::klipper) format: Commands,
+    pub(in crate::drives::klipper) shared: Arc<SharedBoard>,
+    pub(in crate::drives::klipper) dictionary: Arc<Dictionary>,
+    pub(in crate::drives::klipper) format: Arc<Commands>,
+    /// Objects of the motor.
+    pub(in crate::drives::klipper) objects: Objects,
 }
 
 impl Talk {
@@ -69,23 +75,23 @@ impl Talk {
         while self.link.take().is_some() {}
     }
 
-    /// Asks at rest, and returns the answer of this name for which `fits` holds, with the times between which the board
-    /// answered, if they are known.
+    /// Asks at rest, and returns the answer of this name that is of `object`, if it is of one, with the times between
+    /// which the board answered, if they are known.
     fn ask_for(
         &mut self,
         question: &Format,
         values: &[Value<'_>],
-        answer: &str,
+        (answer, object): (&str, Option<u8>),
         heeds_faults: bool,
     ) -> Result<(Message, Option<(Duration, Duration)>), KlipperError> {
-        let dictionary = &self.dictionary;
+        let dictionary = Arc::clone(&self.dictionary);
         self.link.ask(question, values, |link, number, arrival| {
             for message in dictionary.read(&arrival.content)? {
-                if message.name() == answer {
+                if message.name() == answer && is_of(&message, object) {
                     return Ok(Some((message, link.answered_within(number, arrival))));
                 }
                 if heeds_faults {
-                    fault(&message, dictionary)?.map_or(Ok(()), Err)?;
+                    fault(&message, &dictionary)?.map_or(Ok(()), Err)?;
                 }
             }
             Ok(None)
@@ -98,8 +104,28 @@ impl Talk {
         question: &Format,
         values: &[Value<'_>],
         answer: &str,
+        object: Option<u8>,
     ) -> Result<Message, KlipperError> {
-        Ok(self.ask_for(question, values, answer, true)?.0)
+        Ok(self.ask_for(question, values, (answer, object), true)?.0)
+    }
+
+    /// Takes the line to the stepper drivers. Returns false while another motor has it.
+    pub(super) fn take_line(&self) -> bool {
+        self.shared.take_line(self.link.number())
+    }
+
+    /// Waits for the line to the stepper drivers at rest. Another motor has it for some milliseconds.
+    pub(super) fn wait_for_line(&mut self) -> Result<(), KlipperError> {
+        while !self.take_line() {
+            self.link.sleep(BETWEEN / 5);
+            self.hear()?;
+        }
+        Ok(())
+    }
+
+    /// Gives the line to the stepper drivers back.
+    pub(in crate::drives::klipper) fn free_line(&self) {
+        self.shared.free_line(self.link.number());
     }
 
     /// Tells the board something at rest, which it has taken afterwards.
@@ -115,7 +141,7 @@ impl Talk {
     /// Returns the state of the configuration, in a shutdown too.
     pub(in crate::drives::klipper) fn config(&mut self) -> Result<ConfigState, KlipperError> {
         let question = self.format.get_config.clone();
-        let (answer, _) = self.ask_for(&question, &[], "config", false)?;
+        let (answer, _) = self.ask_for(&question, &[], ("config", None), false)?;
         Ok(ConfigState {
             is_configured: answer.number("is_config")? != 0,
             checksum: answer.unsigned("crc")?,
@@ -126,8 +152,8 @@ impl Talk {
 
     /// Returns the count of the stepper, by the levels of the direction pin.
     pub(in crate::drives::klipper) fn position(&mut self) -> Result<i64, KlipperError> {
-        let question = self.format.stepper_get_position.clone();
-        let answer = self.ask(&question, &[oid::STEPPER.into()], "stepper_position")?;
+        let (question, stepper) = (self.format.stepper_get_position.clone(), self.objects.stepper);
+        let answer = self.ask(&question, &[stepper.into()], "stepper_position", Some(stepper))?;
         Ok(answer.number("pos")?)
     }
 
@@ -135,8 +161,9 @@ impl Talk {
     /// the one that is given, unless it ended before.
     pub(in crate::drives::klipper) fn end_dead_man(&mut self, reason: u8) -> Result<u8, KlipperError> {
         let question = self.format.trsync_trigger.clone();
-        let values = [oid::DEAD_MAN.into(), reason.into()];
-        let answer = self.ask(&question, &values, "trsync_state")?;
+        let group = self.objects.dead_man;
+        let values = [group.into(), reason.into()];
+        let answer = self.ask(&question, &values, "trsync_state", Some(group))?;
         Ok(answer.unsigned("trigger_reason")?.try_into().unwrap_or(0))
     }
 
@@ -152,30 +179,35 @@ impl Talk {
     }
 
     /// Reads the clock anew, as of nothing known.
-    pub(in crate::drives::klipper) fn read_clock(&mut self, hz: u32) -> Result<BoardClock, KlipperError> {
+    pub(in crate::drives::klipper) fn read_clock(&mut self, hz: u32) -> Result<SharedClock, KlipperError> {
+        let clock = SharedClock::new(self.read_first(hz)?);
+        for _ in 0..READINGS {
+            self.link.sleep(BETWEEN);
+            self.follow_clock(&clock)?;
+        }
+        Ok(clock)
+    }
+
+    /// Reads the clock in full.
+    fn read_first(&mut self, hz: u32) -> Result<BoardClock, KlipperError> {
         let question = self.format.get_uptime.clone();
-        let mut clock = loop {
-            let (answer, times) = self.ask_for(&question, &[], "uptime", true)?;
+        loop {
+            let (answer, times) = self.ask_for(&question, &[], ("uptime", None), true)?;
             // A question that was asked twice has no times.
             let Some((from, to)) = times else { continue };
             let ticks = u64::from(answer.unsigned("high")?) << 32 | u64::from(answer.unsigned("clock")?);
-            break BoardClock::new(hz, ClockBounds::default(), Reading { from, to, ticks })?;
-        };
-        for _ in 0..READINGS {
-            self.link.sleep(BETWEEN);
-            self.follow_clock(&mut clock)?;
+            return Ok(BoardClock::new(hz, ClockBounds::default(), Reading { from, to, ticks })?);
         }
-        Ok(clock)
     }
 
     /// Takes a further reading of the clock.
     pub(in crate::drives::klipper) fn follow_clock(
         &mut self,
-        clock: &mut BoardClock,
+        clock: &SharedClock,
     ) -> Result<(), KlipperError> {
         let question = self.format.get_clock.clone();
         loop {
-            let (answer, times) = self.ask_for(&question, &[], "clock", true)?;
+            let (answer, times) = self.ask_for(&question, &[], ("clock", None), true)?;
             if let Some((from, to)) = times {
                 clock.take(Reading { from, to, ticks: answer.unsigned("clock")? })?;
                 return Ok(());
@@ -188,16 +220,20 @@ impl Talk {
 #[derive(Debug)]
 pub(in crate::drives::klipper) struct Board {
     pub(in crate::drives::klipper) talk: Talk,
-    pub(in crate::drives::klipper) clock: BoardClock,
+    pub(in crate::drives::klipper) clock: SharedClock,
     /// Ticks of a second.
     pub(in crate::drives::klipper) hz: u32,
     /// Commands that the queue holds.
     pub(in crate::drives::klipper) slots: u16,
     pub(in crate::drives::klipper) timer: StepTimer,
+    /// Most steps a second of several motors together.
+    pub(in crate::drives::klipper) all_steps_s: f64,
     /// Session as it is on record.
     pub(in crate::drives::klipper) record: SessionRecord,
     /// File of that record.
     pub(in crate::drives::klipper) path: Option<PathBuf>,
+    /// File of the record that the motors of the board share.
+    pub(super) shared_path: Option<PathBuf>,
     /// True if forward is the low level of the direction pin.
     pub(in crate::drives::klipper) is_reversed: bool,
     /// Level of the output that gives the motor current. `None` if the motor always has it.
@@ -223,7 +259,8 @@ impl Board {
     pub(in crate::drives::klipper) fn set_current(&mut self, is_on: bool) -> Result<(), KlipperError> {
         let Some(on) = self.current_on else { return Ok(()) };
         let command = self.talk.format.update_digital_out.clone();
-        self.talk.tell(&command, &[oid::ENABLE.into(), (on == is_on).into()])
+        let enable = self.talk.objects.enable;
+        self.talk.tell(&command, &[enable.into(), (on == is_on).into()])
     }
 
     /// Puts the session on record as it is now.
@@ -235,6 +272,17 @@ impl Board {
         self.path.as_ref().map_or(Ok(()), |path| record.write(path))
     }
 
+    /// Puts on record that a shutdown has taken the current away, which nothing else tells once it is ended. `is_new` is
+    /// true for one that is still to be ended.
+    pub(in crate::drives::klipper) fn note_cut(&mut self, is_new: bool) -> Result<(), KlipperError> {
+        let cuts = match is_new {
+            true => BoardRecord::note_cut(self.shared_path.as_deref(), self.record.cuts)?,
+            false => self.record.cuts,
+        };
+        let record = SessionRecord { has_current: false, cuts, ..self.record };
+        self.put_on_record(record)
+    }
+
     /// Reads the clock until its readings span so long that its drift moves no begin in common. A board that was met
     /// long ago has them.
     pub(in crate::drives::klipper) fn learn_drift(&mut self) -> Result<(), KlipperError> {
@@ -242,7 +290,7 @@ impl Board {
         // A clock forgets readings that tell nothing more, so its span alone may never be so long.
         while self.clock.span() < LEARNT && self.talk.link.now().saturating_sub(began) < LEARNT {
             self.talk.link.sleep(BETWEEN);
-            self.talk.follow_clock(&mut self.clock)?;
+            self.talk.follow_clock(&self.clock)?;
         }
         Ok(())
     }
@@ -255,12 +303,17 @@ impl Board {
         if !state.is_configured || state.checksum != self.record.checksum {
             return Err(KlipperError::Reset);
         }
-        match self.talk.follow_clock(&mut self.clock) {
+        match self.talk.follow_clock(&self.clock) {
             Err(KlipperError::Clock(ClockError::Stale { .. })) => {
-                self.clock = self.talk.read_clock(self.hz)?;
-                Ok(())
+                self.clock.renew(self.talk.read_first(self.hz)?);
+                self.talk.follow_clock(&self.clock)
             }
             followed => followed,
         }
     }
+}
+
+/// Returns true if a message is of an object, where one is named.
+fn is_of(message: &Message, object: Option<u8>) -> bool {
+    object.is_none_or(|object| message.number("oid").is_ok_and(|number| number == i64::from(object)))
 }

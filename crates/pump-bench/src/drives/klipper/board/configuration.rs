@@ -4,67 +4,75 @@
 
 use crc32fast::Hasher;
 
+use super::board_motor::BoardMotor;
 use super::commands::Commands;
+use super::driver_line;
+use super::objects::Objects;
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::pump_file::{KlipperTable, PinPull};
-
-/// Objects of a board, by their numbers. They never change, so that any configuration of this drive can be brought to
-/// rest.
-pub(in crate::drives::klipper) mod oid {
-    /// Stepper.
-    pub(in crate::drives::klipper) const STEPPER: u8 = 0;
-    /// Trigger group that stops the stepper when this computer falls silent.
-    pub(in crate::drives::klipper) const DEAD_MAN: u8 = 1;
-    /// Output that gives the motor current.
-    pub(in crate::drives::klipper) const ENABLE: u8 = 2;
-    /// Input of the index sensor.
-    pub(in crate::drives::klipper) const INDEX: u8 = 3;
-    /// Trigger group that tells of the index sensor, and stops nothing.
-    pub(in crate::drives::klipper) const INDEX_GROUP: u8 = 4;
-    /// Line to a stepper driver.
-    pub(in crate::drives::klipper) const DRIVER_LINE: u8 = 5;
-    /// Number of objects.
-    pub(super) const COUNT: u8 = 6;
-}
 
 /// Configuration of a board, as commands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::drives::klipper) struct Configuration {
     commands: Vec<Vec<u8>>,
-    /// True if forward is the low level of the direction pin. No command tells it, and the count hangs on it.
-    is_reversed: bool,
+    /// Objects of each motor.
+    objects: Vec<Objects>,
 }
 
 impl Configuration {
-    /// Makes the configuration of a motor at these pins. `inverts` swaps the directions once more.
+    /// Makes the configuration of these motors.
     pub(in crate::drives::klipper) fn new(
-        table: &KlipperTable,
-        inverts: bool,
+        motors: &[BoardMotor],
         dictionary: &Dictionary,
         format: &Commands,
         hz: u32,
     ) -> Result<Self, KlipperError> {
+        let count = (motors.len() as u8).saturating_mul(Objects::COUNT);
+        let mut made =
+            Self { commands: vec![format.allocate_oids.encode(&[count.into()])?], objects: Vec::new() };
+        for (place, motor) in motors.iter().enumerate() {
+            let shares_line = |other: &BoardMotor| {
+                let lines = other.pins.tmc.as_ref().zip(motor.pins.tmc.as_ref());
+                lines.is_some_and(|(other, own)| driver_line::is_shared(other, own))
+            };
+            let line = motors.iter().take(place).position(shares_line);
+            let objects = Objects::of(place as u8, line.unwrap_or(place) as u8);
+            made.add_motor(&motor.pins, objects, (dictionary, format), hz)?;
+            if line.is_none() {
+                let line = driver_line::command(motor.pins.tmc.as_ref(), objects, dictionary, hz)?;
+                made.commands.extend(line);
+            }
+            made.objects.push(objects);
+        }
+        Ok(made)
+    }
+
+    /// Adds the objects of a motor at these pins, but its stepper driver's line.
+    fn add_motor(
+        &mut self,
+        table: &KlipperTable,
+        objects: Objects,
+        (dictionary, format): (&Dictionary, &Commands),
+        hz: u32,
+    ) -> Result<(), KlipperError> {
         let pin = |name: &str| dictionary.pin(name);
         let pulse = (table.pulse_us() * f64::from(hz) * 1e-6).ceil() as u32;
         let (step, dir) = (pin(&table.step.name)?, pin(&table.dir.name)?);
-        let mut commands = vec![
-            format.allocate_oids.encode(&[oid::COUNT.into()])?,
-            format.config_stepper.encode(&[
-                oid::STEPPER.into(),
-                step.into(),
-                dir.into(),
-                table.step.inverted.into(),
-                pulse.into(),
-            ])?,
-            format.config_trsync.encode(&[oid::DEAD_MAN.into()])?,
-        ];
+        self.commands.push(format.config_stepper.encode(&[
+            objects.stepper.into(),
+            step.into(),
+            dir.into(),
+            table.step.inverted.into(),
+            pulse.into(),
+        ])?);
+        self.commands.push(format.config_trsync.encode(&[objects.dead_man.into()])?);
         if let Some(enable) = &table.enable {
             // Without current until the drive gives it, and after a shutdown. No longest time: the motor holds on after
             // the computer has gone, so that its count stays that of the rotor.
             let off = enable.inverted.into();
-            let values = [oid::ENABLE.into(), pin(&enable.name)?.into(), off, off, 0_u32.into()];
-            commands.push(format.config_digital_out.encode(&values)?);
+            let values = [objects.enable.into(), pin(&enable.name)?.into(), off, off, 0_u32.into()];
+            self.commands.push(format.config_digital_out.encode(&values)?);
         }
         if let Some(index) = &table.index {
             let pull = match index.pull {
@@ -73,16 +81,16 @@ impl Configuration {
                 // -1 as the board's 8 bits.
                 PinPull::Down => u8::MAX,
             };
-            let values = [oid::INDEX.into(), pin(&index.name)?.into(), pull.into()];
-            commands.push(format.config_endstop.encode(&values)?);
-            commands.push(format.config_trsync.encode(&[oid::INDEX_GROUP.into()])?);
+            let values = [objects.index.into(), pin(&index.name)?.into(), pull.into()];
+            self.commands.push(format.config_endstop.encode(&values)?);
+            self.commands.push(format.config_trsync.encode(&[objects.index_group.into()])?);
         }
-        Ok(Self { commands, is_reversed: table.dir.inverted != inverts })
+        Ok(())
     }
 
-    /// Adds the command of a further object.
-    pub(in crate::drives::klipper) fn push(&mut self, command: Vec<u8>) {
-        self.commands.push(command);
+    /// Returns the objects of the motor at a place.
+    pub(super) fn objects(&self, place: usize) -> Objects {
+        self.objects.get(place).copied().unwrap_or(Objects::of(0, 0))
     }
 
     /// Returns the commands in their order.
@@ -90,17 +98,11 @@ impl Configuration {
         &self.commands
     }
 
-    /// Returns true if forward is the low level of the direction pin.
-    pub(in crate::drives::klipper) fn is_reversed(&self) -> bool {
-        self.is_reversed
-    }
-
     /// Returns the checksum that the board keeps of this configuration. It is of the session too, so that a board which
     /// was reset and configured alike by another program is told from one that still counts.
     pub(in crate::drives::klipper) fn checksum(&self, session: u64) -> u32 {
         let mut hasher = Hasher::new();
         hasher.update(&session.to_le_bytes());
-        hasher.update(&[self.is_reversed.into()]);
         self.commands.iter().for_each(|command| hasher.update(command));
         // A board that is not configured says 0.
         hasher.finalize().max(1)

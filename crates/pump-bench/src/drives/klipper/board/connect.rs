@@ -1,16 +1,23 @@
 //! Meeting a board: who it is, how it is configured, and where its motor stands. Nothing moves.
 
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 use super::board::{Board, ConfigState, Talk, reason};
+use super::board_motor::motors_of;
+use super::board_record::BoardRecord;
 use super::commands::Commands;
 use super::configuration::Configuration;
 use super::driver_line;
+use super::objects::Objects;
 use super::session_record::SessionRecord;
-use super::step_rate::most_steps_s;
+use super::shared_board::{Known, SharedBoard};
+use super::step_rate::{SEVERAL, most_steps_s};
 use super::terms::Terms;
 use crate::drives::Disturbance;
+use crate::drives::klipper::clock::SharedClock;
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::link::Link;
@@ -60,19 +67,24 @@ struct Found {
     state: ConfigState,
     record: SessionRecord,
     disturbed: Option<Disturbance>,
-    is_reversed: bool,
+    /// File of the record that the motors of the board share.
+    shared_path: Option<PathBuf>,
 }
 
-/// Meets the board at the other end of `link`. Returns the link with an error, so that its port stays taken.
+/// Meets the board at the other end of `link`, which other motors of this process may have met. Returns the link with an
+/// error, so that its port stays taken.
 pub(in crate::drives::klipper) fn meet(
     mut link: Link,
     terms: &Terms,
+    shared: &Arc<SharedBoard>,
 ) -> Result<Met, (Box<Link>, KlipperError)> {
-    let (format, dictionary) = match identify(&mut link, terms) {
-        Ok(identified) => identified,
+    let met = meeting(&mut link, shared).and_then(|meeting| Ok((meeting, who(&mut link, terms, shared)?)));
+    let (_meeting, (format, dictionary, clock)) = match met {
+        Ok(met) => met,
         Err(error) => return Err((Box::new(link), error)),
     };
-    let mut talk = Talk { link, dictionary, format };
+    let objects = Objects::of(0, 0);
+    let mut talk = Talk { link, shared: Arc::clone(shared), dictionary, format, objects };
     let marks = marks(&talk, terms);
     let recognised = marks.compare(Some(&terms.port), &terms.opening).map_err(KlipperError::from);
     let found = recognised.and_then(|replaced| Ok((take_over(&mut talk, terms)?, replaced)));
@@ -80,22 +92,27 @@ pub(in crate::drives::klipper) fn meet(
         Ok(found) => found,
         Err(error) => return Err((Box::new(talk.link), error)),
     };
-    let Found { hz, state, record, disturbed, is_reversed } = found;
+    let Found { hz, state, record, disturbed, shared_path } = found;
     let chip = talk.dictionary.constant_text("MCU");
-    let ready = talk.read_clock(hz).and_then(|clock| Ok((clock, step_timer(hz, chip.as_deref(), terms)?)));
+    let clock = clock.map_or_else(|| talk.read_clock(hz), Ok);
+    let ready = clock.and_then(|clock| Ok((clock, step_timer(hz, chip.as_deref(), terms)?)));
     let (clock, timer) = match ready {
         Ok(ready) => ready,
         Err(error) => return Err((Box::new(talk.link), error)),
     };
+    let (dictionary, format) = (Arc::clone(&talk.dictionary), Arc::clone(&talk.format));
+    shared.note(Known { dictionary, format, clock: clock.clone() });
     let mut board = Board {
         talk,
         clock,
         hz,
         slots: state.slots,
         timer,
+        all_steps_s: SEVERAL * most_steps_s(chip.as_deref(), hz),
         record,
         path: terms.record.clone(),
-        is_reversed,
+        shared_path,
+        is_reversed: terms.pins.dir.inverted != terms.inverts,
         current_on: terms.pins.enable.as_ref().map(|enable| !enable.inverted),
         index_level: terms.pins.index.as_ref().is_some_and(|index| !index.inverted),
         bytes_s: terms.baud / BITS,
@@ -112,6 +129,29 @@ pub(in crate::drives::klipper) fn meet(
         }
         Err(error) => Err((Box::new(board.talk.link), error)),
     }
+}
+
+/// Waits until no other thread meets the board.
+fn meeting<'a>(link: &mut Link, shared: &'a SharedBoard) -> Result<MutexGuard<'a, ()>, KlipperError> {
+    loop {
+        if let Some(meeting) = shared.try_meeting() {
+            return Ok(meeting);
+        }
+        link.heed()?;
+        link.sleep(STILL / 30);
+    }
+}
+
+/// Commands, dictionary and clock of a board.
+type Who = (Arc<Commands>, Arc<Dictionary>, Option<SharedClock>);
+
+/// Returns who is at the port. A board that another motor of this process has met is known.
+fn who(link: &mut Link, terms: &Terms, shared: &SharedBoard) -> Result<Who, KlipperError> {
+    if let Some(Known { dictionary, format, clock }) = shared.known().filter(|_| link.is_met_by_others()) {
+        return Ok((format, dictionary, Some(clock)));
+    }
+    let (format, dictionary) = identify(link, terms)?;
+    Ok((Arc::new(format), Arc::new(dictionary), None))
 }
 
 /// Returns who is at the port, or refuses another firmware and one that lacks what is needed.
@@ -149,80 +189,106 @@ fn step_timer(hz: u32, chip: Option<&str>, terms: &Terms) -> Result<StepTimer, R
     StepTimer::new(hz, pulses.max(steps))
 }
 
-/// Brings the board to rest with the configuration of the pump, and without current if it was configured anew.
+/// Brings the board to rest with a configuration that has the pump's motor, and that without current if the board was
+/// configured anew.
 fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
     let hz = talk.dictionary.constant("CLOCK_FREQ", CLOCKS_HZ)?;
-    let mut configuration =
-        Configuration::new(&terms.pins, terms.inverts, &talk.dictionary, &talk.format, hz)?;
-    driver_line::add(&mut configuration, terms.pins.tmc.as_ref(), &talk.dictionary, hz)?;
-    let is_reversed = configuration.is_reversed();
-    let path = terms.record.as_deref();
-    let lenient = |read: Result<Option<SessionRecord>, KlipperError>| match read {
-        Err(_) if terms.opening.accept_settings => Ok(None),
-        read => read,
-    };
-    let own = lenient(path.map_or(Ok(None), SessionRecord::read))?.or(terms.last);
-    let shared = SessionRecord::of_board(&terms.opening, &terms.port);
-    let last = lenient(shared.as_deref().map_or(Ok(None), SessionRecord::read))?;
+    let (own, board) = records(terms)?;
+    let shared_path = BoardRecord::path(&terms.opening, &terms.port);
+    let (motors, place) = motors_of(terms, &board.motors, &talk.dictionary);
+    let configuration = Configuration::new(&motors, &talk.dictionary, &talk.format, hz)?;
+    talk.objects = configuration.objects(place);
     let state = talk.config()?;
-    let mine = own.filter(|own| {
-        state.is_configured
-            && own.checksum == state.checksum
-            && configuration.checksum(own.session) == own.checksum
-    });
-    if let Some(record) = mine
-        && let Some((record, disturbed)) = keep(talk, record, state)?
-    {
-        let state = talk.config()?;
-        return Ok(Found { hz, state, record, disturbed, is_reversed });
+    let has = |session: u64| state.is_configured && configuration.checksum(session) == state.checksum;
+    let sessions = [own.map(|own| own.session), Some(board.session)];
+    if let Some(session) = sessions.into_iter().flatten().find(|session| has(*session)) {
+        let mine = own.filter(|own| own.session == session);
+        if let Some((record, disturbed)) =
+            keep(talk, mine, (session, board.cuts), state, shared_path.as_deref())?
+        {
+            let state = talk.config()?;
+            return Ok(Found { hz, state, record, disturbed, shared_path });
+        }
     }
-    let is_of_bench = [own, last].into_iter().flatten().any(|record| record.checksum == state.checksum);
+    if talk.link.is_met_by_others() {
+        return Err(KlipperError::Shared { port: terms.port.clone() });
+    }
     if state.is_configured || state.is_shut_down {
-        let session = own.map_or(0, |own| own.session);
-        let wanted = configuration.checksum(session);
-        bring_to_rest(talk, state, is_of_bench || terms.opening.accept_settings, wanted)?;
+        let recorded = Configuration::new(&board.motors, &talk.dictionary, &talk.format, hz);
+        let of_board = recorded.ok().map(|recorded| recorded.checksum(board.session));
+        let is_of_bench = [own.map(|own| own.checksum), of_board].contains(&Some(state.checksum));
+        let wanted = configuration.checksum(own.map_or(0, |own| own.session));
+        let is_known = is_of_bench || terms.opening.accept_settings;
+        bring_to_rest(talk, state, is_known, (board.motors.len(), wanted))?;
         reset(talk)?;
     }
     let session = SessionRecord::draw();
     let checksum = configuration.checksum(session);
-    let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0 };
+    let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts: 0 };
     // The disk has the session before the board does.
-    for path in [shared.as_deref(), path].into_iter().flatten() {
-        record.write(path)?;
-    }
+    shared_path.as_ref().map_or(Ok(()), |path| BoardRecord { session, cuts: 0, motors }.write(path))?;
+    terms.record.as_ref().map_or(Ok(()), |path| record.write(path))?;
     let state = configure(talk, &configuration, checksum)?;
-    Ok(Found { hz, state, record, disturbed: Some(Disturbance::Reset), is_reversed })
+    talk.objects = configuration.objects(place);
+    Ok(Found { hz, state, record, disturbed: Some(Disturbance::Reset), shared_path })
 }
 
-/// Keeps the configuration of a board that has the pump's own, and ends what an earlier program has left. Returns
-/// `None` if the board has shut down and its firmware cannot go on without a reset.
+/// Returns the session of the pump on record, and the record of the board. One that cannot be read is none if a person
+/// accepts that.
+fn records(terms: &Terms) -> Result<(Option<SessionRecord>, BoardRecord), KlipperError> {
+    fn lenient<T>(read: Result<Option<T>, KlipperError>, accepts: bool) -> Result<Option<T>, KlipperError> {
+        match read {
+            Err(_) if accepts => Ok(None),
+            read => read,
+        }
+    }
+    let accepts = terms.opening.accept_settings;
+    let own = terms.record.as_deref().map_or(Ok(None), SessionRecord::read);
+    let shared_path = BoardRecord::path(&terms.opening, &terms.port);
+    let board = shared_path.as_deref().map_or(Ok(None), BoardRecord::read);
+    Ok((lenient(own, accepts)?.or(terms.last), lenient(board, accepts)?.unwrap_or_default()))
+}
+
+/// Keeps the configuration of a board that has the pump's motor under `session`, with so many shutdowns on record, and
+/// ends what an earlier program has left. `mine` is the record of the motor in that session. Returns `None` if the board
+/// has shut down and its firmware cannot go on without a reset.
 fn keep(
     talk: &mut Talk,
-    record: SessionRecord,
+    mine: Option<SessionRecord>,
+    (session, cuts): (u64, u32),
     state: ConfigState,
+    shared_path: Option<&Path>,
 ) -> Result<Option<(SessionRecord, Option<Disturbance>)>, KlipperError> {
+    let Some(record) = mine else {
+        // The board was reset since the motor moved last, and configured for it by another pump of this bench.
+        let checksum = state.checksum;
+        let fresh = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts };
+        let kept = keep(talk, Some(fresh), (session, cuts), state, shared_path)?;
+        return Ok(kept.map(|(record, _)| (record, Some(Disturbance::Reset))));
+    };
+    let halted = Disturbance::Halted { slip_steps: record.slip_steps };
     if state.is_shut_down {
+        let cuts = BoardRecord::note_cut(shared_path, cuts)?;
         if !talk.clear_shutdown()? {
             return Ok(None);
         }
         // A shutdown takes the current away, and stops a motor without a ramp.
         talk.end_dead_man(reason::MET)?;
-        let halted = Disturbance::Halted { slip_steps: record.slip_steps };
         let disturbed = if record.slip_steps > 0 { halted } else { Disturbance::Disabled };
-        return Ok(Some((SessionRecord { has_current: false, ..record }, Some(disturbed))));
+        return Ok(Some((SessionRecord { has_current: false, cuts, ..record }, Some(disturbed))));
     }
     be_still(talk)?;
     let ended = talk.end_dead_man(reason::MET)?;
     let was_cut_off = ended == reason::MET || ended == reason::EXPIRED;
-    let disturbed = match record {
+    // A shutdown that another pump has ended has taken the current of this motor too.
+    let has_current = record.has_current && record.cuts == cuts;
+    let disturbed = match record.slip_steps {
         // A motor that was let go at rest has no slip on record, and one without current otherwise had a shutdown.
-        SessionRecord { slip_steps, has_current, .. } if (was_cut_off || !has_current) && slip_steps > 0 => {
-            Some(Disturbance::Halted { slip_steps })
-        }
-        SessionRecord { has_current: false, .. } => Some(Disturbance::Disabled),
+        1.. if was_cut_off || !has_current => Some(halted),
+        _ if !has_current => Some(Disturbance::Disabled),
         _ => None,
     };
-    Ok(Some((record, disturbed)))
+    Ok(Some((SessionRecord { has_current, cuts, ..record }, disturbed)))
 }
 
 /// Waits until the count of the stepper stays as it is.
@@ -251,7 +317,7 @@ fn bring_to_rest(
     talk: &mut Talk,
     state: ConfigState,
     is_known: bool,
-    wanted: u32,
+    (motors, wanted): (usize, u32),
 ) -> Result<(), KlipperError> {
     if state.is_shut_down {
         return Ok(());
@@ -260,9 +326,14 @@ fn bring_to_rest(
         return Err(KlipperError::Configured { found: state.checksum, wanted });
     }
     // A board of another program may have no stepper of this number, and then shuts down, which is a rest too.
-    match be_still(talk) {
-        Ok(()) | Err(KlipperError::Shutdown { .. } | KlipperError::NoAnswer { .. }) => {}
-        Err(error) => return Err(error),
+    for place in 0..motors.max(1) {
+        let place = u8::try_from(place).unwrap_or(u8::MAX);
+        talk.objects = Objects::of(place, place);
+        match be_still(talk) {
+            Ok(()) => {}
+            Err(KlipperError::Shutdown { .. } | KlipperError::NoAnswer { .. }) => break,
+            Err(error) => return Err(error),
+        }
     }
     if !talk.config()?.is_shut_down {
         let stop = talk.format.emergency_stop.clone();

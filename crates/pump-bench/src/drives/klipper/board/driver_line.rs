@@ -1,11 +1,11 @@
 //! The line to a stepper driver, which the board's software serves.
 
 use super::board::Talk;
-use super::configuration::{Configuration, oid};
+use super::objects::Objects;
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::tmc::{ANSWER_LEN, Tmc, TmcLine, TmcSettings, TmcStatus, bit_ticks};
-use crate::pump_file::{PinPull, TmcTable};
+use crate::pump_file::{KlipperPin, PinPull, TmcTable};
 
 /// Command that makes the line.
 ///
@@ -16,26 +16,35 @@ const CONFIG: &str = "config_tmcuart oid=%c rx_pin=%u pull_up=%c tx_pin=%u bit_t
 const SEND: &str = "tmcuart_send oid=%c write=%*s read=%c";
 const RESPONSE: &str = "tmcuart_response oid=%c read=%*s";
 
-/// Adds the line of a driver to a configuration.
-pub(super) fn add(
-    configuration: &mut Configuration,
+/// Returns true if two drivers are at one line.
+pub(super) fn is_shared(one: &TmcTable, other: &TmcTable) -> bool {
+    let pins = |table: &TmcTable| (table.uart.name.clone(), writes(table).name.clone());
+    pins(one) == pins(other)
+}
+
+/// Returns the pin that writes the line of a driver.
+fn writes(table: &TmcTable) -> &KlipperPin {
+    table.tx.as_ref().unwrap_or(&table.uart)
+}
+
+/// Returns the command that makes the line of a driver.
+pub(super) fn command(
     table: Option<&TmcTable>,
+    objects: Objects,
     dictionary: &Dictionary,
     hz: u32,
-) -> Result<(), KlipperError> {
-    let Some(table) = table else { return Ok(()) };
+) -> Result<Option<Vec<u8>>, KlipperError> {
+    let Some(table) = table else { return Ok(None) };
     dictionary.command(SEND)?;
     dictionary.response(RESPONSE)?;
-    let writes = table.tx.as_ref().unwrap_or(&table.uart);
     let values = [
-        oid::DRIVER_LINE.into(),
+        objects.driver_line.into(),
         dictionary.pin(&table.uart.name)?.into(),
         (table.uart.pull == PinPull::Up).into(),
-        dictionary.pin(&writes.name)?.into(),
+        dictionary.pin(&writes(table).name)?.into(),
         bit_ticks(hz).into(),
     ];
-    configuration.push(dictionary.command(CONFIG)?.encode(&values)?);
-    Ok(())
+    Ok(Some(dictionary.command(CONFIG)?.encode(&values)?))
 }
 
 /// Writes the settings of a driver whose motor has no current. Returns what a person is to know of it.
@@ -53,12 +62,17 @@ pub(in crate::drives::klipper) fn check(
     Tmc::new(talk, address).check().map(warning)
 }
 
-/// Has the board put a question to a driver, and waits for no answer.
-pub(in crate::drives::klipper) fn ask(talk: &mut Talk, question: &[u8]) -> Result<(), KlipperError> {
+/// Has the board put a question to a driver, unless the line is taken by another motor's. Waits for no answer, after
+/// which [`Talk::free_line`] is to follow. Returns true if the question was put.
+pub(in crate::drives::klipper) fn ask(talk: &mut Talk, question: &[u8]) -> Result<bool, KlipperError> {
+    if !talk.take_line() {
+        return Ok(false);
+    }
     let size = u8::try_from(ANSWER_LEN).unwrap_or(u8::MAX);
     let send = talk.dictionary.command(SEND)?;
-    talk.link.queue(&send.encode(&[oid::DRIVER_LINE.into(), question.into(), size.into()])?)?;
-    Ok(())
+    let line = talk.objects.driver_line;
+    talk.link.queue(&send.encode(&[line.into(), question.into(), size.into()])?)?;
+    Ok(true)
 }
 
 fn warning(status: TmcStatus) -> Option<String> {
@@ -70,10 +84,13 @@ impl TmcLine for Talk {
 
     fn exchange(&mut self, bits: &[u8], answer: usize) -> Result<Vec<u8>, KlipperError> {
         self.hear()?;
-        let send = self.dictionary.command(SEND)?;
-        let size = u8::try_from(answer).unwrap_or(u8::MAX);
-        let message =
-            self.ask(&send, &[oid::DRIVER_LINE.into(), bits.into(), size.into()], "tmcuart_response")?;
-        Ok(message.bytes("read")?.to_vec())
+        self.wait_for_line()?;
+        let asked = self.dictionary.command(SEND).map_err(KlipperError::from).and_then(|send| {
+            let size = u8::try_from(answer).unwrap_or(u8::MAX);
+            let line = self.objects.driver_line;
+            self.ask(&send, &[line.into(), bits.into(), size.into()], "tmcuart_response", Some(line))
+        });
+        self.free_line();
+        Ok(asked?.bytes("read")?.to_vec())
     }
 }

@@ -1,17 +1,21 @@
 //! The board of a motor: how it is met, configured and asked.
 
 mod board;
+mod board_motor;
+mod board_record;
 mod commands;
 mod configuration;
 mod connect;
 mod driver_line;
+mod objects;
 mod session_record;
+mod shared_board;
 mod step_rate;
 mod terms;
 
-pub(super) use board::{Board, reason};
-pub(super) use configuration::oid;
+pub(super) use board::{Board, Talk, reason};
 pub(super) use connect::{Met, be_still, marks, meet};
 pub(super) use driver_line::{ask as ask_driver, check as check_driver};
 pub(super) use session_record::SessionRecord;
+pub(super) use shared_board::SharedBoard;
 pub(super) use terms::Terms;

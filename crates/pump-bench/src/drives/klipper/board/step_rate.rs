@@ -1,9 +1,9 @@
 //! The most steps a second that a board is asked for.
 //!
-//! Source: Klipper3d/klipper, `docs/Features.md`, "Step Benchmarks", column "1 stepper active": a board of this drive
-//! turns one motor at a time. `docs/Benchmarks.md` tells how they are measured: the board does nothing else, and most
-//! of them make a step at each edge of the pulse. A step of this drive takes both edges, and half of the time is left
-//! for the rest of the firmware. So a board is asked for a quarter of its benchmark.
+//! Source: Klipper3d/klipper, `docs/Features.md`, "Step Benchmarks", column "1 stepper active". `docs/Benchmarks.md`
+//! tells how they are measured: the board does nothing else, and most of them make a step at each edge of the pulse. A
+//! step of this drive takes both edges, and half of the time is left for the rest of the firmware. So a board is asked
+//! for a quarter of its benchmark.
 
 /// Benchmarks by the start of the microcontroller's name, in steps/s. The first that fits counts.
 const BENCHMARKS: [(&str, f64); 16] = [
@@ -29,6 +29,10 @@ const BENCHMARKS: [(&str, f64); 16] = [
 /// clock: 157,000 steps/s at 16 MHz, and 196,000 at 20 MHz.
 const AVR: [&str; 2] = ["atmega", "at90usb"];
 const AVR_STEPS_PER_TICK: f64 = 157e3 / 16e6;
+
+/// Part of the rate of one motor that several make together. The column "3 steppers active" has 0.61 times the other
+/// (SAMD51) to 0.82 times (SAM4S8).
+pub(super) const SEVERAL: f64 = 0.6;
 
 /// Part of its benchmark that a board is asked for.
 const SHARE: f64 = 0.25;

@@ -73,6 +73,11 @@ impl Link {
         Self { trunk, lane, place, stop, is_deaf: false, quiet: QUIET }
     }
 
+    /// Returns the number of the link, which no other link of the trunk has.
+    pub(in crate::drives::klipper) fn number(&self) -> u64 {
+        self.lane
+    }
+
     /// Returns the number of links that share the trunk.
     pub(in crate::drives::klipper) fn links(&self) -> usize {
         self.trunk.lock().lanes()
@@ -277,7 +282,7 @@ impl Link {
     }
 
     /// Refuses to go on at rest if the user asked to stop.
-    fn heed(&self) -> Result<(), KlipperError> {
+    pub(in crate::drives::klipper) fn heed(&self) -> Result<(), KlipperError> {
         if self.stop.is_made() && !self.is_deaf { Err(KlipperError::Interrupted) } else { Ok(()) }
     }
 }

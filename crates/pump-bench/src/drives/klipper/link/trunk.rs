@@ -165,6 +165,7 @@ impl Trunk {
     }
 
     /// Returns the number of blocks that were sent and not confirmed.
+    #[cfg(test)]
     pub(super) fn under_way(&self) -> usize {
         self.window.under_way()
     }

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use crate::drives::klipper::board::{Board, ask_driver};
+use crate::drives::klipper::board::{Board, Talk, ask_driver};
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::protocol::Message;
 use crate::drives::klipper::tmc::{Inquiry, TmcError};
@@ -42,29 +42,30 @@ impl DriverWatch {
     pub(super) fn go_on(&mut self, board: &mut Board, made: u64) -> Result<(), KlipperError> {
         let now = board.talk.link.now();
         if self.asked_at.is_some_and(|asked| now.saturating_sub(asked) > ANSWER) {
-            self.take(&[])?;
+            self.take(&board.talk, &[])?;
         }
         let is_time = self.inquired_at.is_none_or(|at| now.saturating_sub(at) >= EVERY);
         if !self.inquires && is_time {
             (self.inquires, self.made, self.inquired_at) = (true, made, Some(now));
         }
-        if self.inquires && self.asked_at.is_none() {
-            ask_driver(&mut board.talk, &self.inquiry.question())?;
+        if self.inquires && self.asked_at.is_none() && ask_driver(&mut board.talk, &self.inquiry.question())?
+        {
             self.asked_at = Some(now);
         }
         Ok(())
     }
 
     /// Takes the board's answer.
-    pub(super) fn hear(&mut self, message: &Message) -> Result<(), KlipperError> {
+    pub(super) fn hear(&mut self, talk: &Talk, message: &Message) -> Result<(), KlipperError> {
         if self.asked_at.is_some() {
-            self.take(message.bytes("read")?)?;
+            self.take(talk, message.bytes("read")?)?;
         }
         Ok(())
     }
 
-    fn take(&mut self, bits: &[u8]) -> Result<(), TmcError> {
+    fn take(&mut self, talk: &Talk, bits: &[u8]) -> Result<(), TmcError> {
         self.asked_at = None;
+        talk.free_line();
         if self.inquiry.take(bits)?.is_some() {
             (self.inquires, self.sure) = (false, self.made);
         }

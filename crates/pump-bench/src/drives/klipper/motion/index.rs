@@ -2,7 +2,7 @@
 //!
 //! Source: Klipper3d/klipper, `docs/MCU_Commands.md`, `endstop_home` and the trigger synchronisation commands.
 
-use crate::drives::klipper::board::{Board, oid, reason};
+use crate::drives::klipper::board::{Board, reason};
 use crate::drives::klipper::error::KlipperError;
 
 /// Samples that must agree, and the time between two of them, in parts of a second: 15 us.
@@ -29,21 +29,21 @@ impl Index {
     /// Has the board wait for the sensor's level of this phase, from a tick on.
     pub(super) fn arm(self, board: &mut Board, tick: u64) -> Result<Self, KlipperError> {
         let level = if self == Self::Finds { board.index_level } else { !board.index_level };
-        let (hz, format) = (board.hz, &board.talk.format);
+        let (hz, format, objects) = (board.hz, &board.talk.format, board.talk.objects);
         let start = format.trsync_start.encode(&[
-            oid::INDEX_GROUP.into(),
+            objects.index_group.into(),
             (tick as u32).into(),
             0_u32.into(),
             reason::EXPIRED.into(),
         ])?;
         let home = format.endstop_home.encode(&[
-            oid::INDEX.into(),
+            objects.index.into(),
             (tick as u32).into(),
             (hz / SAMPLE_PARTS).into(),
             SAMPLES.into(),
             (hz / REST_PARTS).into(),
             level.into(),
-            oid::INDEX_GROUP.into(),
+            objects.index_group.into(),
             reason::INDEX.into(),
         ])?;
         board.talk.link.queue(&start)?;
@@ -58,7 +58,7 @@ impl Index {
             Self::Finds => true,
             other => return Ok(other),
         };
-        let question = board.talk.format.endstop_query_state.encode(&[oid::INDEX.into()])?;
+        let question = board.talk.format.endstop_query_state.encode(&[board.talk.objects.index.into()])?;
         board.talk.link.queue(&question)?;
         Ok(Self::Asked { finds })
     }
@@ -66,7 +66,8 @@ impl Index {
     /// Ends the search.
     pub(super) fn disarm(board: &mut Board) -> Result<(), KlipperError> {
         let zero = || 0_u32.into();
-        let values = [oid::INDEX.into(), zero(), zero(), zero(), zero(), zero(), zero(), zero()];
+        let values =
+            [board.talk.objects.index.into(), zero(), zero(), zero(), zero(), zero(), zero(), zero()];
         let end = board.talk.format.endstop_home.encode(&values)?;
         board.talk.link.queue(&end)?;
         Ok(())

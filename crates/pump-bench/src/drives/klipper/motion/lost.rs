@@ -1,10 +1,11 @@
 //! The end of a motion whose board is out of reach, was reset, or has shut down.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::motion::Motion;
 use super::outcome::Fault;
-use crate::drives::klipper::board::{SessionRecord, be_still, reason};
+use crate::drives::klipper::board::{be_still, reason};
 use crate::drives::klipper::error::KlipperError;
 
 /// Longest search for a silent board, and the time for which it is asked at once. Its queue has ended by then, and its
@@ -18,6 +19,11 @@ impl Motion<'_> {
     pub(super) fn lost(&mut self, error: KlipperError) -> Fault {
         let sent = self.made + self.feed.as_ref().map_or(0, |feed| feed.pushed);
         let heard = self.heard.min(sent);
+        if matches!(error, KlipperError::Shutdown { .. }) {
+            // The shutdown has taken the current away, and another motor's thread may end it. If the disk cannot note it,
+            // the board's record does, or the next meeting finds the board shut down.
+            let _ = self.board.note_cut(false);
+        }
         let found = match &error {
             KlipperError::Reset | KlipperError::Gone(_) => None,
             KlipperError::Shutdown { .. } => self.count_again(false).ok().flatten(),
@@ -49,6 +55,8 @@ impl Motion<'_> {
 
     /// Returns the count of a board that stands, or `None` if it has lost it.
     fn count_again(&mut self, connects: bool) -> Result<Option<u64>, KlipperError> {
+        let shared = Arc::clone(&self.board.talk.shared);
+        let _meeting = shared.meeting();
         let talk = &mut self.board.talk;
         if connects {
             talk.link.connect(ASK)?;
@@ -59,9 +67,8 @@ impl Motion<'_> {
             return Ok(None);
         }
         if state.is_shut_down {
-            // The shutdown has taken the current away, and nothing but the record tells that afterwards.
-            let record = SessionRecord { has_current: false, ..self.board.record };
-            self.board.put_on_record(record)?;
+            // Nothing but the record tells that afterwards.
+            self.board.note_cut(true)?;
             if !self.board.talk.clear_shutdown()? {
                 return Ok(None);
             }

@@ -11,7 +11,7 @@ use super::index::Index;
 use super::outcome::{Ended, Fault, Made};
 use super::ramp::{ramp, steps as ramp_steps};
 use super::task::{Task, times_of};
-use crate::drives::klipper::board::{Board, check_driver, oid, reason};
+use crate::drives::klipper::board::{Board, check_driver, reason};
 use crate::drives::klipper::clock::Reading;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::fault::fault;
@@ -181,7 +181,8 @@ impl<'a> Motion<'a> {
         };
         let is_forward = (self.plan.direction().sign() > 0) != self.board.is_reversed;
         let format = &self.board.talk.format;
-        let (stepper, dead_man) = (oid::STEPPER.into(), oid::DEAD_MAN.into());
+        let objects = self.board.talk.objects;
+        let (stepper, dead_man) = (objects.stepper.into(), objects.dead_man.into());
         let low = |tick: u64| (tick as u32).into();
         let commands = [
             format.trsync_start.encode(&[dead_man, low(base), 0_u32.into(), reason::EXPIRED.into()])?,
@@ -212,7 +213,7 @@ impl<'a> Motion<'a> {
             Met::At(at) => at,
         };
         self.place = None;
-        let base = self.board.clock.at(self.board.talk.link.steady_at(at)).value;
+        let base = self.board.clock.tick_at(at, self.board.talk.link.steady_at(at));
         let late = now.value as f64 + now.within + LATE_S * hz;
         if (base as f64) < late { Err(KlipperError::BeginMissed) } else { Ok(Some(base)) }
     }
@@ -304,6 +305,7 @@ impl<'a> Motion<'a> {
     fn push(&mut self, feed: &mut Feed<'a>, reach: u64, low: u64, high: u64) -> Result<(), KlipperError> {
         let late = high + (LATE_S * f64::from(self.board.hz)) as u64;
         let format = self.board.talk.format.queue_step.clone();
+        let stepper = self.board.talk.objects.stepper;
         while feed.pushed < reach
             && self.board.talk.link.waiting() < WAITING_MOST
             && feed.held_at(low) < self.task.slots
@@ -318,11 +320,11 @@ impl<'a> Motion<'a> {
                 return Ok(());
             };
             if let Some(tick) = reset {
-                let values = [oid::STEPPER.into(), (tick as u32).into()];
+                let values = [stepper.into(), (tick as u32).into()];
                 let reset = self.board.talk.format.reset_step_clock.encode(&values)?;
                 self.board.talk.link.queue(&reset)?;
             }
-            let values = [oid::STEPPER.into(), interval.into(), count.into(), add.into()];
+            let values = [stepper.into(), interval.into(), count.into(), add.into()];
             self.board.talk.link.queue(&format.encode(&values)?)?;
         }
         Ok(())
@@ -335,7 +337,7 @@ impl<'a> Motion<'a> {
         let now = self.board.clock.at(link.steady_now());
         let least = self.board.dead_man.as_secs_f64() + BEGIN_S;
         let end = now.value + now.within as u64 + (least * f64::from(self.board.hz)) as u64;
-        let values = [oid::DEAD_MAN.into(), (end as u32).into()];
+        let values = [self.board.talk.objects.dead_man.into(), (end as u32).into()];
         let command = self.board.talk.format.trsync_set_timeout.encode(&values)?;
         self.board.talk.link.queue(&command)?;
         Ok(())
@@ -346,20 +348,24 @@ impl<'a> Motion<'a> {
         while let Some(arrival) = self.board.talk.link.take() {
             for message in self.board.talk.dictionary.read(&arrival.content)? {
                 fault(&message, &self.board.talk.dictionary)?.map_or(Ok(()), Err)?;
+                let objects = self.board.talk.objects;
                 let is_of = |oid: u8| message.number("oid").is_ok_and(|number| number == i64::from(oid));
                 match message.name() {
                     "clock" => self.note_clock(&arrival, message.unsigned("clock")?)?,
                     "trsync_state" if message.number("can_trigger")? == 0 => {
-                        if is_of(oid::INDEX_GROUP) {
+                        if is_of(objects.index_group) {
                             self.index = self.index.triggered(self.board)?;
-                        } else if is_of(oid::DEAD_MAN) && self.feed.is_some() {
+                        } else if is_of(objects.dead_man) && self.feed.is_some() {
                             let dead_man_ms = self.board.dead_man.as_millis();
                             return Err(KlipperError::DeadMan { dead_man_ms });
                         }
                     }
-                    "endstop_state" => self.note_index(message.unsigned("next_clock")?)?,
-                    "tmcuart_response" if self.failed.is_none() => {
-                        self.driver.as_mut().map_or(Ok(()), |driver| driver.hear(&message))?;
+                    "endstop_state" if is_of(objects.index) => {
+                        self.note_index(message.unsigned("next_clock")?)?;
+                    }
+                    "tmcuart_response" if self.failed.is_none() && is_of(objects.driver_line) => {
+                        let talk = &self.board.talk;
+                        self.driver.as_mut().map_or(Ok(()), |driver| driver.hear(talk, &message))?;
                     }
                     _ => {}
                 }
@@ -370,8 +376,10 @@ impl<'a> Motion<'a> {
 
     /// Notes a reading of the clock.
     fn note_clock(&mut self, arrival: &Arrival, ticks: u32) -> Result<(), KlipperError> {
-        let Some(number) = self.asked.take() else { return Ok(()) };
+        let Some(number) = self.asked else { return Ok(()) };
+        // The clock of another motor's question is of no use: it tells no time at which it was asked.
         let Some((from, to)) = self.board.talk.link.answered_within(number, arrival) else { return Ok(()) };
+        self.asked = None;
         let now = self.board.clock.take(Reading { from, to, ticks })?;
         if let Some(feed) = &self.feed {
             self.heard = self.made + feed.made_at(now);
@@ -434,7 +442,7 @@ impl<'a> Motion<'a> {
         }
         if matches!(self.failed, Some(KlipperError::DeadMan { .. })) {
             // A clock that has jumped ends the dead-man time too, and this computer was not silent.
-            let followed = self.board.talk.follow_clock(&mut self.board.clock);
+            let followed = self.board.talk.follow_clock(&self.board.clock);
             self.failed = followed.err().filter(KlipperError::is_of_clock).or(self.failed.take());
         }
         let is_cut = ended == reason::EXPIRED;

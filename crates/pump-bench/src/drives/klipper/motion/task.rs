@@ -7,6 +7,7 @@ use pump_ctl::plan::PlannedMotion;
 
 use super::ramp;
 use super::run::AHEAD;
+use crate::drives::BoardShare;
 use crate::drives::klipper::board::Board;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::refit::{Refit, RefitError, StepTimer};
@@ -36,6 +37,9 @@ pub(in crate::drives::klipper) struct Task {
     pub(in crate::drives::klipper) slots: usize,
     /// Most steps by which the motor may slip if it is stopped without a ramp. 0 if the plan is slow enough to be.
     pub(in crate::drives::klipper) slip_steps: u32,
+    /// Most steps a second of the plan, and most bytes a second of its commands.
+    pub(in crate::drives::klipper) steps_s: u32,
+    pub(in crate::drives::klipper) bytes_s: u32,
 }
 
 impl Task {
@@ -48,10 +52,12 @@ impl Task {
         let speed = plan.peak_rad_s() / plan.step_rad();
         let deceleration = plan.acceleration_rad_s2() / plan.step_rad();
         let brake_steps = ramp::steps(speed, deceleration);
-        let slots = board.slots.saturating_sub(SPARE_SLOTS);
+        // Motors that share the board share its queue.
+        let links = u16::try_from(board.talk.link.links()).unwrap_or(u16::MAX).max(1);
+        let slots = (board.slots / links).saturating_sub(SPARE_SLOTS);
         let (commands, needed) = commands_ahead(plan, board.timer)?;
         if commands > usize::from(slots) {
-            let (within_s, slots) = (AHEAD.sent_s, board.slots);
+            let (within_s, slots) = (AHEAD.sent_s, board.slots / links);
             return Err(KlipperError::Queue { commands, within_s, slots });
         }
         let allowed_bytes_s = (f64::from(board.bytes_s) * SHARE) as u32;
@@ -63,7 +69,24 @@ impl Task {
         let period = u64::from(4 * full_steps).max(1);
         let slip = if brake_steps == 0 { 0 } else { brake_steps.div_ceil(period) * period };
         let slip_steps = u32::try_from(slip).unwrap_or(u32::MAX);
-        Ok(Self { brake_steps: brake_steps + 2, deceleration, slots: slots.into(), slip_steps })
+        Ok(Self {
+            brake_steps: brake_steps + 2,
+            deceleration,
+            slots: slots.into(),
+            slip_steps,
+            steps_s: speed.ceil() as u32,
+            bytes_s: needed_bytes_s,
+        })
+    }
+
+    /// Returns what the motion takes of a board that several motors share.
+    pub(in crate::drives::klipper) fn share(&self, board: &Board) -> BoardShare {
+        BoardShare {
+            steps_s: self.steps_s,
+            all_steps_s: board.all_steps_s as u32,
+            bytes_s: self.bytes_s,
+            all_bytes_s: (f64::from(board.bytes_s) * SHARE) as u32,
+        }
     }
 }
 

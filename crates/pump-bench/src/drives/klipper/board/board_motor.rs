@@ -1,0 +1,56 @@
+//! The motors of a board, as its configuration has them.
+
+use serde::{Deserialize, Serialize};
+
+use super::terms::Terms;
+use crate::drives::klipper::dictionary::Dictionary;
+use crate::pump_file::KlipperTable;
+
+/// Most motors of a board. Each has six of its 255 objects.
+const MOTORS_MOST: usize = 16;
+
+/// Motor of a board, with the pump that it turns.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(in crate::drives::klipper) struct BoardMotor {
+    /// Id of the pump. `None` if the drive was opened for no pump of a bench.
+    pub(super) pump: Option<String>,
+    pub(super) pins: KlipperTable,
+}
+
+impl BoardMotor {
+    /// Returns true if this motor and another one cannot be in one configuration: they turn one pump, or claim one pin.
+    fn displaces(&self, other: &Self) -> bool {
+        let is_one_pump = self.pump.is_some() && self.pump == other.pump;
+        is_one_pump || self.pins.clash(&other.pins).is_some()
+    }
+}
+
+/// Returns the motors that the board of these terms is configured with, and the place of the pump's own: beside it those
+/// of the pumps that use the board at the same time, and those on record that are in no other one's way. So pumps that
+/// take turns at a board find it as they left it.
+pub(super) fn motors_of(
+    terms: &Terms,
+    recorded: &[BoardMotor],
+    dictionary: &Dictionary,
+) -> (Vec<BoardMotor>, usize) {
+    let own = BoardMotor { pump: terms.opening.pump.clone(), pins: terms.pins.clone() };
+    let step = own.pins.step.name.clone();
+    let beside = terms.opening.beside.iter().filter_map(|(pump, table)| {
+        Some(BoardMotor { pump: Some(pump.clone()), pins: table.klipper.clone()? })
+    });
+    let mut motors = vec![own];
+    for motor in beside.chain(recorded.iter().cloned()) {
+        let tmc = motor.pins.tmc.iter().flat_map(|tmc| [Some(&tmc.uart), tmc.tx.as_ref()]).flatten();
+        let is_there =
+            motor.pins.motor_pins().into_iter().chain(tmc).all(|pin| dictionary.pin(&pin.name).is_ok());
+        let is_free = motors.iter().all(|other| !other.displaces(&motor));
+        if is_there && is_free && motors.len() < MOTORS_MOST {
+            motors.push(motor);
+        }
+    }
+    // Pumps of one process find the same order, whichever comes first.
+    motors.sort_by(|one, other| one.pins.step.name.cmp(&other.pins.step.name));
+    let place = motors.iter().position(|motor| motor.pins.step.name == step).unwrap_or(0);
+    (motors, place)
+}

@@ -1,0 +1,69 @@
+//! The record of a board, which its pumps share: the motors that it is configured with.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::board_motor::BoardMotor;
+use super::session_record::{check_schema, hexadecimal, read_json, write_json};
+use crate::drives::Opening;
+use crate::drives::klipper::error::KlipperError;
+
+/// Form of the record.
+const SCHEMA: &str = "klipper-board/1";
+
+/// Record as a file holds it.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Recorded {
+    schema: String,
+    session: String,
+    cuts: u32,
+    motors: Vec<BoardMotor>,
+}
+
+/// Record of a board.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct BoardRecord {
+    /// Number of the session, which is drawn whenever the board is configured.
+    pub(super) session: u64,
+    /// Shutdowns of the session that this bench has ended. Each has taken the current of every motor.
+    pub(super) cuts: u32,
+    /// Motors of the configuration.
+    pub(super) motors: Vec<BoardMotor>,
+}
+
+impl BoardRecord {
+    /// Returns the place of the record of the board at `port`. `None` where pumps share no records.
+    pub(super) fn path(opening: &Opening, port: &Path) -> Option<PathBuf> {
+        let device = port.canonicalize().unwrap_or_else(|_| port.to_owned());
+        let device = device.to_string_lossy();
+        let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+        let name = format!("klipper-{}.json", device.chars().map(plain).collect::<String>());
+        opening.boards.as_ref().map(|folder| folder.join(name))
+    }
+
+    /// Returns the record at `path`. There is none before a board was first met.
+    pub(super) fn read(path: &Path) -> Result<Option<Self>, KlipperError> {
+        let Some(recorded) = read_json::<Recorded>(path)? else { return Ok(None) };
+        check_schema(path, &recorded.schema, SCHEMA)?;
+        let Recorded { session, cuts, motors, .. } = recorded;
+        Ok(Some(Self { session: hexadecimal(path, &session)?, cuts, motors }))
+    }
+
+    /// Writes the record to `path`. The disk has it afterwards.
+    pub(super) fn write(&self, path: &Path) -> Result<(), KlipperError> {
+        let Self { session, cuts, motors } = self.clone();
+        let session = format!("{session:016x}");
+        write_json(path, &Recorded { schema: SCHEMA.to_owned(), session, cuts, motors })
+    }
+
+    /// Notes one more shutdown on the record at `path`, before it is ended. Returns the number of all.
+    pub(super) fn note_cut(path: Option<&Path>, known: u32) -> Result<u32, KlipperError> {
+        let Some(path) = path else { return Ok(known + 1) };
+        let Some(record) = Self::read(path)? else { return Ok(known + 1) };
+        let record = Self { cuts: record.cuts + 1, ..record };
+        record.write(path)?;
+        Ok(record.cuts)
+    }
+}
