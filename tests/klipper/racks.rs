@@ -1,4 +1,4 @@
-//! Racks with Klipper boards: one pump at each, and never two at one. They begin together.
+//! Racks with Klipper boards, one pump or several at each. They begin together.
 
 use std::fs;
 use std::path::Path;
@@ -39,12 +39,31 @@ fn runs_rack(rig: &Rig) -> (Option<i32>, String) {
 }
 
 #[test]
-fn two_pumps_at_one_board_are_refused_and_nothing_moves() {
-    let rig = Rig::new(Character::default());
+fn two_pumps_at_one_board_begin_at_one_tick_and_find_it_as_they_left_it() {
+    let rig = Rig::new(Character { drift_ppm: 60.0, ..Character::default() });
     let (code, said) = runs(&rig, rig.board.path(), rig.board.path());
-    assert!(code != Some(0), "{said}");
-    assert!(said.contains("a board with the Klipper firmware turns one pump at a time"), "{said}");
-    assert_eq!(rig.board.truth().steps, [0; 4]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(!said.contains("late"), "{said}");
+    let truth = rig.board.truth();
+    assert!(truth.steps[0] > 500 && truth.steps[1].abs_diff(truth.steps[0]) < 20, "{truth:?}");
+    assert_eq!((truth.stray, truth.shutdown), (0, None));
+    let first = |socket| rig.steps_of(socket)[0].0;
+    // Each is within 2 us of its own plan, and both plans begin at one tick.
+    assert!(first("X").abs_diff(first("Y")) <= 4 * 72, "{} {}", first("X"), first("Y"));
+    // The board is met again with the counts and the angles of both: nothing was reset.
+    let (code, said) = runs_rack(&rig);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(!said.contains("reset") && !said.contains("angle is known less well"), "{said}");
+    for pump in ["red", "blue"] {
+        let mut command = crate::rig::command(
+            rig.folder.path(),
+            &rig.folder.path().join(format!("{pump}.toml")),
+            rig.board.path(),
+            &["0.5mL"],
+        );
+        let (code, said) = ended(command.spawn().unwrap());
+        assert!(code == Some(0) && !said.contains("reset"), "{said}");
+    }
 }
 
 /// Returns the instant of the first step that the board of a rig has made at a socket.
@@ -81,13 +100,15 @@ fn two_boards_at_uarts_begin_within_the_time_that_a_question_takes() {
 #[test]
 fn two_pumps_at_one_step_pin_are_refused_with_its_name() {
     let rig = Rig::new(Character::default());
-    let (_, said) = runs(&rig, rig.board.path(), rig.board.path());
-    assert!(!said.contains("step pin"), "{said}");
+    let other = Rig::new(Character::default());
+    let (_, said) = runs(&rig, rig.board.path(), other.board.path());
+    assert!(!said.contains("both by"), "{said}");
+    let red = fs::read_to_string(rig.folder.path().join("red.toml")).unwrap();
+    let steps = rig.board.truth().steps;
     let blue = rig.folder.path().join("blue.toml");
-    let text = fs::read_to_string(&blue).unwrap().replace("PB10", "PB13");
-    fs::write(&blue, text).unwrap();
+    fs::write(&blue, red.replace("id = \"red\"", "id = \"blue\"")).unwrap();
     let (code, said) = runs_rack(&rig);
-    assert!(code != Some(0) && said.contains("both at the step pin PB13, and"), "{said}");
+    assert!(code != Some(0) && said.contains("and both by the pin PB13;"), "{said}");
     assert!(said.contains("red") && said.contains("blue"), "{said}");
-    assert_eq!(rig.board.truth().steps, [0; 4]);
+    assert_eq!(rig.board.truth().steps, steps);
 }

@@ -71,6 +71,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::board_share(self, motion)
     }
 
+    fn begin_lead_s(&self) -> f64 {
+        T::begin_lead_s(self)
+    }
+
     fn displaces(&mut self, correction: Correction) {
         T::displaces(self, correction);
     }

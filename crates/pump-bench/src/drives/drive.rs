@@ -279,6 +279,12 @@ pub trait Drive: Debug + Send {
         Ok(None)
     }
 
+    /// Returns the time from the leave for the first steps to the first of them, in s, where the device is given the
+    /// steps before they begin. A rack gives the leave earlier by so much.
+    fn begin_lead_s(&self) -> f64 {
+        0.0
+    }
+
     /// Forgets the plan that was checked last, because it is not run. A device that several pumps share has kept a
     /// part of itself for it.
     fn forget_plan(&mut self) {}

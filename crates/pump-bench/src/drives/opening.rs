@@ -35,6 +35,9 @@ pub struct Opening {
     /// Other pumps that use the board at the same time: the id of each, and its drive table. A board that takes one
     /// configuration for all of its motors is configured for them too.
     pub beside: Vec<(String, DriveTable)>,
+    /// True if the pump is one of a rack, so that its motions begin together with others. A device whose clock is to be
+    /// known well for that is asked for it at once.
+    pub in_rack: bool,
     /// Request that ends every wait at rest.
     pub stop: StopRequest,
 }

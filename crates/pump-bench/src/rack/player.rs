@@ -274,6 +274,7 @@ impl Part<'_> {
             session.before_motion(move || clock.meet(pump, step, &pumps));
         }
         let (mut late_s, mut is_begun): (Option<f64>, bool) = (None, false);
+        let lead_s = session.begin_lead_s();
         let delivered = session.run_motion(prepared, |made| {
             // A flow may make its first step long after its begin, so the first steps tell the lateness best.
             if late_s.is_none() || (made > 0 && !is_begun) {
@@ -281,7 +282,7 @@ impl Part<'_> {
                 is_begun = made > 0;
             }
             if made == 0 || is_simulated {
-                clock.reach(player.pump, begin_s + prepared.time_of(made))?;
+                clock.reach(player.pump, begin_s + prepared.time_of(made) - lead_s)?;
             }
             if made > 0 {
                 self.last_s.set(Some(begin_s + late_s.unwrap_or(0.0).max(0.0) + prepared.time_of(made)));

@@ -102,7 +102,7 @@ pub(super) fn beside_each_other(members: Vec<Member>) -> Vec<Member> {
         })
         .collect();
     let pairs = members.into_iter().zip(beside);
-    pairs.map(|(Member { name, bench }, others)| Member { name, bench: bench.beside(others) }).collect()
+    pairs.map(|(Member { name, bench }, others)| Member { name, bench: bench.in_rack(others) }).collect()
 }
 
 /// Returns true if boards at one port turn both pumps. No board turns a simulated pump.

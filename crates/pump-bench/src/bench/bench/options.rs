@@ -56,10 +56,10 @@ impl Bench {
         self
     }
 
-    /// Returns the bench of a pump whose board other pumps use at the same time: the id of each, and its drive table.
+    /// Returns the bench of a pump of a rack. Its board turns these others too: the id of each, and its drive table.
     #[must_use]
-    pub(crate) fn beside(mut self, others: Vec<(String, DriveTable)>) -> Self {
-        self.opening.beside = others;
+    pub(crate) fn in_rack(mut self, beside: Vec<(String, DriveTable)>) -> Self {
+        (self.opening.in_rack, self.opening.beside) = (true, beside);
         self
     }
 

@@ -121,6 +121,11 @@ impl Session<'_> {
         motion.with_motion(|motion| device.drive.board_share(motion)).map_err(DoseError::Connection)
     }
 
+    /// Returns the time from the leave for the first steps of a motion to the first of them, in s.
+    pub(crate) fn begin_lead_s(&self) -> f64 {
+        self.device.as_ref().map_or(0.0, |device| device.drive.begin_lead_s())
+    }
+
     /// Plans a series of motions, each from where the one before would leave the pump, within the limits of the
     /// device. Moves nothing. The notes of the device stay in the session. The safety limits are
     /// [`Session::keep_series_safe`]'s.

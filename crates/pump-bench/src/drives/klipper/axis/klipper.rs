@@ -123,7 +123,7 @@ impl Klipper {
                 board.talk.link.note_met(true);
                 self.at = At::Met(Box::new(board));
                 (self.stands, self.disturbed) = (Some(position), disturbed);
-                Ok(())
+                self.learn_drift(self.terms.opening.in_rack)
             }
             Err((link, error)) => {
                 self.at = At::Apart(link);
@@ -324,6 +324,10 @@ impl Drive for Klipper {
             return Ok(None);
         }
         Ok(Some(Task::new(motion, board, self.full_steps)?.share(board)))
+    }
+
+    fn begin_lead_s(&self) -> f64 {
+        motion::BEGIN_LEAD.as_secs_f64()
     }
 
     fn forget_plan(&mut self) {

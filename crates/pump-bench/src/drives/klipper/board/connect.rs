@@ -85,6 +85,8 @@ pub(in crate::drives::klipper) fn meet(
     };
     let objects = Objects::of(0, 0);
     let mut talk = Talk { link, shared: Arc::clone(shared), dictionary, format, objects };
+    // What came for other motors before tells nothing now.
+    talk.forget();
     let marks = marks(&talk, terms);
     let recognised = marks.compare(Some(&terms.port), &terms.opening).map_err(KlipperError::from);
     let found = recognised.and_then(|replaced| Ok((take_over(&mut talk, terms)?, replaced)));

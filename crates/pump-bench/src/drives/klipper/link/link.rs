@@ -253,7 +253,10 @@ impl Link {
                 self.heed()?;
                 self.turn(HEED)?;
                 while let Some(arrival) = self.take() {
-                    answered = answer(self, number, &arrival)?;
+                    // An answer that was on its way before is that to another question, perhaps of another motor.
+                    if arrival.taken.is_none_or(|taken| taken >= number) {
+                        answered = answer(self, number, &arrival)?;
+                    }
                     if answered.is_some() {
                         break;
                     }

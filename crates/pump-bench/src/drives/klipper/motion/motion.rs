@@ -24,9 +24,9 @@ use crate::drives::{BeginPlace, Met};
 /// Time from the first command of a move to its begin, s. The queue is loaded meanwhile.
 const BEGIN_S: f64 = 0.15;
 
-/// Time from the moment at which the motions of several boards are ready to the instant at which all begin. Each thread
+/// Time from the moment at which the motions of several motors are ready to the instant at which all begin. Each thread
 /// looks within some milliseconds, and then loads its board.
-const COMMON_BEGIN: Duration = Duration::from_millis(200);
+pub(in crate::drives::klipper) const BEGIN_LEAD: Duration = Duration::from_millis(200);
 
 /// Time before the end of the queue at which the way to rest is queued, if no further step may follow yet, s. Blocks
 /// that are lost are sent again within it.
@@ -207,7 +207,7 @@ impl<'a> Motion<'a> {
         let hz = f64::from(self.board.hz);
         let now = self.board.clock.at(self.board.talk.link.steady_now());
         let Some(place) = &mut self.place else { return Ok(Some(now.value + (BEGIN_S * hz) as u64)) };
-        let at = match place.meet(Instant::now(), COMMON_BEGIN) {
+        let at = match place.meet(Instant::now(), BEGIN_LEAD) {
             Met::Waits => return Ok(None),
             Met::Failed(error) => return Err(error.into()),
             Met::At(at) => at,
