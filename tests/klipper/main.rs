@@ -15,6 +15,7 @@ mod flows;
 mod kills;
 mod racks;
 mod rig;
+mod several;
 #[allow(dead_code, reason = "each user of the board needs a part of it")]
 #[path = "../../examples/simulated_klipper/simulated_klipper/mod.rs"]
 mod simulated_klipper;
