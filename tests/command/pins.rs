@@ -21,7 +21,8 @@ fn the_pins_are_those_of_a_drv8825_unless_the_file_gives_others() {
     let (code, said) = check(&user, NODE);
     assert_eq!(code, 0, "{said}");
     let usual = "step high for 1.9 us, then 1.9 us off; direction 0.65 us before and 0.65 us after a step; enable low, \
-                 1.7 ms before a step; index high; stepper driver's fault not connected; dead-man 500 ms";
+                 1.7 ms before a step; index sensor not connected; \
+                 stepper driver's fault not connected; dead-man 500 ms";
     assert!(said.contains(usual), "{said}");
     let assumed = said.lines().find(|line| line.trim_start().starts_with("assumed")).unwrap();
     assert!(assumed.contains("step pulse, step pause") && assumed.contains("dead-man time"), "{assumed}");

@@ -1,4 +1,5 @@
-//! Several motors at one board, each with a drive of its own in a thread of its own, and pumps that take turns at a board.
+//! Several motors at one board, each with a drive of its own in a thread of its own, and pumps that take turns at a
+//! board.
 
 use std::thread::{scope, sleep};
 use std::time::{Duration, Instant};

@@ -73,7 +73,27 @@ impl<'a> Session<'a> {
                 registry::open(bench.drive(), bench.file(), bench.model(), &opening)
             }
         };
-        self.take(drive.map_err(DoseError::Connection)?)
+        match drive {
+            Ok(drive) => self.take(drive),
+            Err(error) => {
+                self.note_event(&error)?;
+                Err(DoseError::Connection(error))
+            }
+        }
+    }
+
+    /// Puts on record what a device that refuses to be used tells of the rotor: it may have forgotten it the next time.
+    /// A motion that was cut off waits for the device's count, and is left as it is.
+    fn note_event(&mut self, error: &DriveError) -> Result<(), DoseError> {
+        let (stands, model) = (self.stands(), self.bench.model());
+        let Some(event) = error.tells_event().filter(|_| self.cut_off.is_none() && self.state.is_some())
+        else {
+            return Ok(());
+        };
+        if !stands.phase().is_known(model.pitch_rad()) {
+            return Ok(());
+        }
+        Ok(self.rest(Why::Met, after_event(stands, event, self.bench.fall_rad(), model))?)
     }
 
     /// Takes `drive` into use and compares its count with the record.
@@ -81,6 +101,7 @@ impl<'a> Session<'a> {
         let bench = self.bench;
         if let Err(error) = drive.connect() {
             self.put_away(drive);
+            self.note_event(&error)?;
             return Err(DoseError::Connection(error));
         }
         let limits = drive.limits();
@@ -153,7 +174,8 @@ impl<'a> Session<'a> {
         } else if let Some(event) = event {
             met = self.meet_disturbed(event, count, notes);
         } else if let Some((part, moved)) = lost_and_found(&stands, count) {
-            met = stands.recounted(&part, moved * part.intent.steps.signum(), model);
+            let made = moved * part.intent.steps.signum();
+            met = stands.recounted(&part, made, self.bench.fall_rad(), model);
         } else if let (Some(before), Some(now)) = (stands.count, count) {
             let moved = now - before;
             met = match self.cut_off {

@@ -152,7 +152,7 @@ impl Bench {
             Some((before, part)) => {
                 before.count.map(|_| before.after(&part.intent, made, made, self.model()))
             }
-            None => dose.count_before.map(|_| state.recounted(dose, made, self.model())),
+            None => dose.count_before.map(|_| state.recounted(dose, made, self.fall_rad(), self.model())),
         };
         Ok(counted.and_then(|state| Some((state, state.unfinished?))))
     }

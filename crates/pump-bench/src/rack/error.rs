@@ -114,8 +114,9 @@ pub enum RackError {
     },
     /// Pumps that run at once need more than their board has.
     #[error(
-        "pumps of the rack that run at once need {needed} {unit}, and the board at {} has {all} for all its axes: {}; \
-         run them more slowly, with fewer microsteps, or one after another", .port.display(), .pumps.join(", ")
+        "the fastest moments of pumps of the rack that run at once add up to {needed} {unit}, and the board at {} has \
+         {all} for all its axes: {}; run them more slowly, with fewer microsteps, or one after another; a smooth flow \
+         is faster in its moments than a plain one", .port.display(), .pumps.join(", ")
     )]
     BoardFull {
         /// Port of the board.

@@ -180,8 +180,8 @@ impl PumpState {
         self.head.zip(head).is_some_and(|(then, now)| then != now)
     }
 
-    /// Returns the state as a motor with steps of `step_rad` takes it. If the motions on record were of other steps, they
-    /// were wrong by the pump file of then or are by that of now, so nobody knows where they led.
+    /// Returns the state as a motor with steps of `step_rad` takes it. If the motions on record were of other steps,
+    /// they were wrong by the pump file of then or are by that of now, so nobody knows where they led.
     #[must_use]
     pub(crate) fn of_steps(self, step_rad: f64, pump: &Pump) -> Self {
         if !self.is_of_other_steps(step_rad) {
@@ -232,17 +232,21 @@ impl PumpState {
         self.after(intent, most.min(0), most.max(0), pump).lost(pump)
     }
 
-    /// Returns the state once a lost device reports that it made `made` steps of the unfinished dose `part`.
+    /// Returns the state once a lost device reports that it made `made` steps of the unfinished dose `part`. A rotor
+    /// that was disturbed may have fallen by `fall_rad`.
     ///
-    /// Any other uncertainty of the angle stays, and an angle that is unknown stays unknown.
-    pub(crate) fn recounted(self, part: &Unfinished, made: i64, pump: &Pump) -> Self {
+    /// Any other uncertainty of the angle stays, and an angle that is unknown stays unknown, unless the bounds of the
+    /// steps alone have made it so.
+    pub(crate) fn recounted(self, part: &Unfinished, made: i64, fall_rad: f64, pump: &Pump) -> Self {
         let exact = Unfinished { made_least: made, made_most: made, count_before: None, ..*part };
-        let disturbed_rad = (self.half_width_rad - part.phase().half_width_rad()).max(0.0);
-        let counted = exact.phase();
-        let phase = if self.phase().is_known(pump.pitch_rad()) {
-            Phase::within(counted.angle_rad(), counted.half_width_rad() + disturbed_rad)
-        } else {
-            self.phase()
+        let (bounded, counted) = (part.phase(), exact.phase());
+        let knows = |phase: Phase| phase.is_known(pump.pitch_rad());
+        let is_as_left = wrap(bounded.angle_rad(), TURN_RAD) == self.angle_rad && self.disturbances < 2;
+        let wider = |by_rad| Phase::within(counted.angle_rad(), counted.half_width_rad() + by_rad);
+        let phase = match () {
+            () if knows(self.phase()) => wider((self.half_width_rad - bounded.half_width_rad()).max(0.0)),
+            () if is_as_left && !knows(bounded) => wider(f64::from(self.disturbances) * fall_rad),
+            () => self.phase(),
         };
         let all = part.intent.steps.abs();
         let closed = self.closed(pump);
@@ -456,11 +460,36 @@ mod tests {
             // The cable is pulled in motion, and the device tells its count when it is met again.
             let lost = state.after(&intent, 300, 700, &pump).disturbed(FALL_RAD, &pump);
             let part = Unfinished { count_before: Some(0), ..lost.unfinished.unwrap() };
-            state = lost.recounted(&part, 500, &pump);
+            state = lost.recounted(&part, 500, FALL_RAD, &pump);
         }
         assert!(!state.phase().is_known(PITCH_RAD), "{state:?}");
         let found = state.found(Some(Phase::known(2.0)), PhaseSource::Mark, &pump);
         assert!(found.phase().is_known(PITCH_RAD), "found");
+    }
+
+    #[test]
+    fn bounds_of_a_pitch_and_more_hide_the_angle_until_the_device_tells_its_count() {
+        let pump = Pump::three_roller();
+        let state = PumpState::fresh(Phase::within(1.0, 0.01), PhaseSource::Home);
+        let intent = Intent { purpose: Purpose::Dose, steps: 8000, half_width_rad: 0.01, ..TURN };
+        let recounted = |lost: PumpState| {
+            let lost = lost.as_recorded(PITCH_RAD);
+            assert!(!lost.phase().is_known(PITCH_RAD), "{lost:?}");
+            let part = Unfinished { count_before: Some(0), ..lost.unfinished.unwrap() };
+            lost.recounted(&part, 4000, FALL_RAD, &pump)
+        };
+        let lost = state.after(&intent, 500, 7500, &pump);
+        let found = recounted(lost);
+        assert!(
+            (found.angle_rad - 5.0).abs() < 1e-12 && (found.half_width_rad - 0.01).abs() < 1e-12,
+            "{found:?}"
+        );
+        assert_eq!((found.unfinished.unwrap().made_least, found.unfinished.unwrap().made_most), (4000, 4000));
+        let fell = recounted(lost.disturbed(FALL_RAD, &pump));
+        assert!((fell.half_width_rad - 0.01 - FALL_RAD).abs() < 1e-12, "{fell:?}");
+        for unknown in [lost.lost(&pump), lost.disturbed(FALL_RAD, &pump).disturbed(FALL_RAD, &pump)] {
+            assert!(!recounted(unknown).phase().is_known(PITCH_RAD));
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use pump_bench::drives::Node;
+use pump_bench::drives::{Drive, Node};
 use pump_bench::pump_file::{DriverFault, PinsTable};
 use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::report::Status;
@@ -241,4 +241,56 @@ fn a_fault_that_stays_is_one_disturbance_and_an_emergency_stop_at_rest_makes_the
     );
     set(0.0);
     assert!(dose(true).0.unwrap().completed);
+}
+
+#[test]
+fn a_stop_that_a_refused_command_has_seen_is_kept_and_one_that_a_dose_has_told_is_not_told_again() {
+    let rig = Rig::new();
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), &rig.open());
+    let press = |is_pressed: bool| {
+        rig.world.hardware(|hardware| hardware.estop = is_pressed);
+        rig.world.pass(10);
+    };
+    let home = || {
+        let mut drive = rig.open();
+        Session::with_drive(&bench, Box::new(&mut drive))
+            .unwrap()
+            .set_angle(Some(Phase::known(0.5)))
+            .unwrap();
+    };
+    let is_known = || Status::of(&bench).unwrap().angle_known;
+    home();
+    let mut drive = rig.open();
+    press(true);
+    drive.check(&crate::rig::dose(0.2, 1.0, false)).unwrap_err();
+    assert!(drive.disturbed().is_some(), "a drive that a command opens anew has not seen it");
+    Session::with_drive(&bench, Box::new(&mut drive)).unwrap().connect().unwrap_err();
+    drop(drive);
+    assert!(!is_known(), "the refused command has seen the stop");
+    press(false);
+    rig.world.plan(0, Event::Reset);
+    rig.world.pass(10);
+    let mut drive = rig.open();
+    {
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        session.connect().unwrap();
+        assert!(!is_known(), "the board has forgotten it");
+    }
+    // A stop in motion is told by the dose.
+    home();
+    {
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        let prepared = session.prepare(request()).unwrap();
+        rig.world.plan(700, Event::Estop);
+        session.run(&prepared, |_| ControlFlow::Continue(())).unwrap_err();
+    }
+    drop(drive);
+    press(false);
+    let mut drive = rig.open();
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+    session.connect().unwrap();
+    let notes = session.notes();
+    assert!(!notes.iter().any(|note| note.text().contains("counted faults")), "{notes:?}");
+    assert!(session.state().unwrap().unfinished.is_some() && !is_known());
 }

@@ -137,8 +137,8 @@ pub enum KlipperError {
     NoPins,
     /// The board would have to be configured anew, and turns another pump of this process.
     #[error(
-        "the board at {} turns another pump of this program, and is configured without the pins of this one, which only \
-         a reset changes; run one after the other once, or name both in one rack", .port.display()
+        "the board at {} turns another pump of this program, and is configured without the pins of this one, which \
+         only a reset changes; run one after the other once, or name both in one rack", .port.display()
     )]
     Shared {
         /// Path of the port.

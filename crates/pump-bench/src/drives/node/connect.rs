@@ -402,3 +402,12 @@ pub(super) fn confirm(board: &mut Board, status: &AxisStatus) -> Result<(), Node
     }
     Ok(())
 }
+
+/// Confirms the faults that an axis has counted, which are on record: a board that is met again tells them as new
+/// otherwise.
+pub(super) fn confirm_faults(link: &mut Link, axis: u8) -> Result<(), NodeError> {
+    if let Answer::Status(status) = link.ask(&Request::Status { axis })?.answer {
+        link.ask(&Request::FaultsRead { axis, read: status.faults })?;
+    }
+    Ok(())
+}

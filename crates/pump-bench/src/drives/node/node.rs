@@ -51,6 +51,8 @@ pub struct Node {
     /// True if the record says that the pump's journal counts by this axis.
     is_axis_recorded: bool,
     notes: Vec<Notice>,
+    /// True if the last motion has told a fault that the board has counted too.
+    tells_fault: bool,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
     /// The needs of the plan that was looked at last.
@@ -119,6 +121,7 @@ impl Node {
             current: Current::Held,
             is_axis_recorded: false,
             notes: Vec::new(),
+            tells_fault: false,
             place: None,
             last_asked: LastAsked::default(),
         };
@@ -277,6 +280,7 @@ impl Node {
         self.stands = self.stands.zip(known).map(|(before, made)| before + direction * made);
         made.map_err(|fault| {
             self.part();
+            self.tells_fault = matches!(fault.error, NodeError::Estop | NodeError::Driver);
             fault.of_drive()
         })
     }
@@ -322,6 +326,10 @@ impl Drive for Node {
         if let (false, At::Met { board, .. }) = (self.is_axis_recorded, &self.at) {
             // An axis that is not on record is told again, which makes the angle less sure and never too sure.
             self.is_axis_recorded = connect::record_axis(board, &self.terms).is_ok();
+        }
+        if let (true, At::Apart(link)) = (std::mem::take(&mut self.tells_fault), &mut self.at) {
+            // A board that is out of reach tells the fault once more when it is met, which is no harm.
+            let _ = connect::confirm_faults(link, self.terms.axis as u8);
         }
     }
 

@@ -105,8 +105,8 @@ impl KlipperTable {
         [&self.step, &self.dir].map(|pin| format!("pin {}", pin.name)).into_iter().chain(driver).collect()
     }
 
-    /// Returns a pin, or the stepper driver, that this motor and another one of the board both claim, in words. `None` if
-    /// they can turn side by side: the line to their stepper drivers may be one.
+    /// Returns a pin, or the stepper driver, that this motor and another one of the board both claim, in words. `None`
+    /// if they can turn side by side: the line to their stepper drivers may be one.
     pub(crate) fn clash(&self, other: &Self) -> Option<String> {
         let (mine, theirs) = (self.motor_pins(), other.motor_pins());
         let lines = |table: &Self| {

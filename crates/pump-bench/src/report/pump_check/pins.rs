@@ -15,6 +15,7 @@ pub(super) fn pins_text(file: &PumpFile) -> Option<String> {
     let level = |is_low: bool| if is_low { "low" } else { "high" };
     let [step, enable, index] =
         [pins.step_active_low, pins.enable_active_low, pins.index_active_low].map(level);
+    let index = if drive.index_angle_deg.is_some() { index } else { "sensor not connected" };
     let fault = match pins.driver_fault {
         DriverFault::None => "not connected",
         DriverFault::Low => "low in a fault",

@@ -272,8 +272,8 @@ impl Board {
         self.path.as_ref().map_or(Ok(()), |path| record.write(path))
     }
 
-    /// Puts on record that a shutdown has taken the current away, which nothing else tells once it is ended. `is_new` is
-    /// true for one that is still to be ended.
+    /// Puts on record that a shutdown has taken the current away, which nothing else tells once it is ended. `is_new`
+    /// is true for one that is still to be ended.
     pub(in crate::drives::klipper) fn note_cut(&mut self, is_new: bool) -> Result<(), KlipperError> {
         let cuts = match is_new {
             true => BoardRecord::note_cut(self.shared_path.as_deref(), self.record.cuts)?,

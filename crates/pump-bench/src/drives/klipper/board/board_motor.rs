@@ -26,9 +26,9 @@ impl BoardMotor {
     }
 }
 
-/// Returns the motors that the board of these terms is configured with, and the place of the pump's own: beside it those
-/// of the pumps that use the board at the same time, and those on record that are in no other one's way. So pumps that
-/// take turns at a board find it as they left it.
+/// Returns the motors that the board of these terms is configured with, and the place of the pump's own: beside it
+/// those of the pumps that use the board at the same time, and those on record that are in no other one's way. So pumps
+/// that take turns at a board find it as they left it.
 pub(super) fn motors_of(
     terms: &Terms,
     recorded: &[BoardMotor],

@@ -71,8 +71,8 @@ struct Found {
     shared_path: Option<PathBuf>,
 }
 
-/// Meets the board at the other end of `link`, which other motors of this process may have met. Returns the link with an
-/// error, so that its port stays taken.
+/// Meets the board at the other end of `link`, which other motors of this process may have met. Returns the link with
+/// an error, so that its port stays taken.
 pub(in crate::drives::klipper) fn meet(
     mut link: Link,
     terms: &Terms,
@@ -252,8 +252,8 @@ fn records(terms: &Terms) -> Result<(Option<SessionRecord>, BoardRecord), Klippe
 }
 
 /// Keeps the configuration of a board that has the pump's motor under `session`, with so many shutdowns on record, and
-/// ends what an earlier program has left. `mine` is the record of the motor in that session. Returns `None` if the board
-/// has shut down and its firmware cannot go on without a reset.
+/// ends what an earlier program has left. `mine` is the record of the motor in that session. Returns `None` if the
+/// board has shut down and its firmware cannot go on without a reset.
 fn keep(
     talk: &mut Talk,
     mine: Option<SessionRecord>,

@@ -1,7 +1,7 @@
 //! The objects of a motor at a board, by their numbers.
 
-/// Objects of a motor, by their numbers. Those of the motor at a place among the motors of a board never change, so that
-/// any configuration of this drive can be brought to rest.
+/// Objects of a motor, by their numbers. Those of the motor at a place among the motors of a board never change, so
+/// that any configuration of this drive can be brought to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::drives::klipper) struct Objects {
     /// Stepper.

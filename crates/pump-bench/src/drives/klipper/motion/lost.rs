@@ -20,8 +20,8 @@ impl Motion<'_> {
         let sent = self.made + self.feed.as_ref().map_or(0, |feed| feed.pushed);
         let heard = self.heard.min(sent);
         if matches!(error, KlipperError::Shutdown { .. }) {
-            // The shutdown has taken the current away, and another motor's thread may end it. If the disk cannot note it,
-            // the board's record does, or the next meeting finds the board shut down.
+            // The shutdown has taken the current away, and another motor's thread may end it. If the disk cannot note
+            // it, the board's record does, or the next meeting finds the board shut down.
             let _ = self.board.note_cut(false);
         }
         let found = match &error {
