@@ -11,7 +11,9 @@ use super::trunk::HEED;
 use crate::drives::StopRequest;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::protocol::{Format, Value};
-use crate::drives::wire::{AskClock, Wire};
+use crate::drives::wire::AskClock;
+#[cfg(any(test, all(feature = "grbl", feature = "node")))]
+use crate::drives::wire::Wire;
 
 /// Longest time without a confirmation at rest. A computer under load may hold the board's bytes back for as long.
 const QUIET: Duration = Duration::from_secs(3);
@@ -63,6 +65,7 @@ impl Drop for Link {
 
 impl Link {
     /// Makes the only link over a wire to the board at a place. [`Self::connect`] comes next.
+    #[cfg(any(test, all(feature = "grbl", feature = "node")))]
     pub(in crate::drives::klipper) fn new(wire: Box<dyn Wire>, place: Place, stop: StopRequest) -> Self {
         Self::over(Arc::new(SharedTrunk::new(wire)), place, stop)
     }
