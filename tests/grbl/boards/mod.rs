@@ -134,7 +134,10 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_where_boards_have_ma
     drop(open("acid", "ttyUSB0", false).unwrap());
     let refused = open("base", "ttyUSB0", false).unwrap_err();
     let (remedies, said) = (refused.remedies(), grbl_error(refused).to_string());
-    assert!(said.contains("turns pump `acid` by the record; give pump `base` one of its own"), "{said}");
+    assert!(
+        said.contains("belongs to pump `acid` by the record; name another one in the file of pump `base`"),
+        "{said}"
+    );
     assert_eq!(remedies, [Remedy::WriteSettingsAnew]);
     drop(open("base", "ttyUSB0", true).unwrap());
     assert!(open("acid", "ttyUSB0", false).is_err());

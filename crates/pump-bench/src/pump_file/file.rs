@@ -154,7 +154,13 @@ impl PumpFile {
 
     /// Returns the file as TOML.
     pub fn to_toml(&self) -> String {
-        toml::to_string(self).unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"))
+        let text = toml::to_string(self)
+            .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
+        match &self.drive {
+            // The pins of such a board say which motor turns, and it has no axes.
+            Some(drive) if drive.driver == DriverName::Klipper => text.replacen("\naxis = \"X\"\n", "\n", 1),
+            _ => text,
+        }
     }
 
     /// Returns the dimensions of the pump head. A dimension that is not known is 0, and the model refuses it.

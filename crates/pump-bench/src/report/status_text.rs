@@ -45,8 +45,8 @@ impl Status {
 
     fn disturbed(&self) -> Option<String> {
         (self.disturbances == 1 && self.angle_known).then(|| {
-            "the motor was without current once, or its device was reset, since the rollers' angle was found; a second \
-             time makes the angle unknown"
+            "the rotor may have moved unseen once since its angle was found: by a reset, without current, or in a \
+             stop without a ramp; a second time makes the angle unknown"
                 .to_owned()
         })
     }

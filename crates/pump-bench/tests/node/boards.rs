@@ -116,7 +116,10 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted
     drop(open("base", Axis::Y, false).unwrap());
     let refused = open("other", Axis::X, false).unwrap_err();
     let said = node_error(&refused).to_string();
-    assert!(said.contains("turns pump `acid` by the record; give pump `other` one of its own"), "{said}");
+    assert!(
+        said.contains("belongs to pump `acid` by the record; name another one in the file of pump `other`"),
+        "{said}"
+    );
     assert_eq!(refused.remedies(), [Remedy::WriteSettingsAnew]);
     assert_eq!(refused.facts().value.as_deref(), Some("axis X"));
     let notes = open("other", Axis::X, true).unwrap().notes();
@@ -128,7 +131,7 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted
     drop(open("other", Axis::X, false).unwrap());
     drop(open("base", Axis::Y, false).unwrap());
     let refused = open("acid", Axis::X, false).unwrap_err();
-    assert!(node_error(&refused).to_string().contains("turns pump `other`"), "{refused}");
+    assert!(node_error(&refused).to_string().contains("belongs to pump `other`"), "{refused}");
     drop(open("acid", Axis::Z, false).unwrap());
     assert!(world.rises().is_empty());
 }

@@ -99,7 +99,15 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
     };
     let found = course.board.clone();
     let fitting: Vec<_> = PrinterBoard::with_chip(chip).collect();
+    let is_unlisted = fitting.is_empty() && !chip.is_empty();
     let boards = if fitting.is_empty() { PrinterBoard::all().iter().collect() } else { fitting };
+    let boards = if is_unlisted { Vec::new() } else { boards };
+    if is_unlisted {
+        tell_person(&format!(
+            "  no board of this program's list has its microcontroller, {chip}: say the pins, from the board's file of \
+             Klipper's folder config"
+        ));
+    }
     for board in &boards {
         let sockets = board.sockets().collect::<Vec<_>>().join(", ");
         tell_person(&format!("  {}: the {}, with the sockets {sockets}", board.name, board.title));
@@ -111,8 +119,14 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
         tell_person(&format!("  {} has the motor at {pin} of this board", other.name));
     }
     let question = Question {
-        text: "Board and socket of the motor, as skr-mini-e3-v3:X, or its pins",
-        option: "--socket skr-mini-e3-v3:X",
+        text: match is_unlisted {
+            true => "Pins of the motor, as step=PB13,dir=PB12,enable=!PB14",
+            false => "Board and socket of the motor, as skr-mini-e3-v3:X, or its pins",
+        },
+        option: match is_unlisted {
+            true => "--socket step=PB13,dir=PB12,enable=!PB14",
+            false => "--socket skr-mini-e3-v3:X",
+        },
         usual: course.former(|before| before.socket.as_ref().map(ToString::to_string)),
         help: "the board's name is printed on it, and the socket's beside the motor's plug; the pins of any other \
                board are in its file of Klipper's folder config, as step=PB13,dir=PB12,enable=!PB14, and \

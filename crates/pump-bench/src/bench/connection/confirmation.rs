@@ -46,7 +46,10 @@ impl Bench {
         }
         if file.drive.is_none() || motor.direction_confirmed == Some(false) {
             let way = if self.drive().invert { "in reverse" } else { "forward" };
-            values.push(format!("{way} as axis {:?} counts up", self.drive().axis));
+            values.push(match &self.drive().klipper {
+                Some(pins) => format!("{way} with the direction pin {} active", pins.dir),
+                None => format!("{way} as axis {:?} counts up", self.drive().axis),
+            });
         }
         let is_head = |known: &PumpFile| {
             (&known.tube, &known.rollers, &known.backplate) == (&file.tube, &file.rollers, &file.backplate)

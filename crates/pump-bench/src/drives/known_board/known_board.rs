@@ -126,8 +126,8 @@ pub(in crate::drives) enum BoardError {
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 #[error(
-    "the {place} of the board at {} ({board}) turns pump `{other}` by the record; give {} one of its own; if it has \
-     taken the place of `{other}`, or both files describe one pump, the record is to say so",
+    "the {place} of the board at {} ({board}) belongs to pump `{other}` by the record; name another one in the file of \
+     {1}, or let {1} take the place of `{other}`",
     .port.display(), pump_in_words(.pump.as_deref())
 )]
 pub struct PlaceTaken {

@@ -65,11 +65,22 @@ impl FromStr for KlipperPin {
         let (inverted, name) = rest.strip_prefix('!').map_or((false, rest), |name| (true, name));
         // Names are PB13, gpio4, P1.22, ar54 and, of a Linux board, gpiochip0/gpio17.
         let is_letter = |letter: char| letter.is_ascii_alphanumeric() || "._/".contains(letter);
-        if name.is_empty() || !name.chars().all(is_letter) {
+        if name.is_empty() || !name.chars().all(is_letter) || is_beyond_ports(name) {
             return Err(KlipperPinError { text: text.to_owned() });
         }
         Ok(Self { name: name.to_owned(), inverted, pull })
     }
+}
+
+/// Returns true for a name such as PQ7 or PB42: no microcontroller of that firmware has a port beyond PL, or more than
+/// 32 pins of one.
+///
+/// Source: Klipper3d/klipper, `src/avr/Kconfig` (the ATmega2560 has PA to PL), `src/stm32/Kconfig` (PA to PK),
+/// `src/atsam/Kconfig` (32 pins a port).
+fn is_beyond_ports(name: &str) -> bool {
+    let port = name.strip_prefix('P').and_then(|rest| rest.chars().next()).filter(char::is_ascii_uppercase);
+    let number = name.get(2..).and_then(|digits| digits.parse::<u32>().ok());
+    port.zip(number).is_some_and(|(port, number)| port > 'L' || number > 31)
 }
 
 impl Display for KlipperPin {
@@ -107,7 +118,7 @@ mod tests {
         for text in ["PB13", "!PB14", "^PC0", "^!PC0", "~gpio17", "P1.22", "gpiochip0/gpio17"] {
             assert_eq!(read(text).unwrap().to_string(), text);
         }
-        for text in ["", "!", "^", "PB 13", "!^PC0", "!!PB1", "PB13;", "mcu:PB13"] {
+        for text in ["", "!", "^", "PB 13", "!^PC0", "!!PB1", "PB13;", "mcu:PB13", "PQ7", "PB32"] {
             let said = read(text).unwrap_err().to_string();
             assert!(said.starts_with(&format!("`{text}` is no pin of a board; allowed: ")), "{said}");
         }

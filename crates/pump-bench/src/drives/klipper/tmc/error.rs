@@ -27,6 +27,17 @@ pub enum TmcError {
         /// Number of questions.
         tries: u32,
     },
+    /// The driver has answered, and does so no more in the middle of a motion.
+    #[error(
+        "the TMC2209 at address {address} of its wire answers no more, asked {tries} times, and it has answered \
+         before: its motor supply was cut, as by an emergency stop, or its wire came off"
+    )]
+    FellSilent {
+        /// Address of the driver.
+        address: u8,
+        /// Number of questions.
+        tries: u32,
+    },
     /// The answers are damaged.
     #[error(
         "the answers of the TMC2209 at address {address} are damaged ({damaged} of {tries} tries); check its wire, and \

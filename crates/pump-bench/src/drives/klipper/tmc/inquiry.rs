@@ -45,7 +45,7 @@ impl Inquiry {
     ///
     /// # Errors
     ///
-    /// [`TmcError::Reset`] or [`TmcError::Off`] if the motor has lost its current. [`TmcError::Silent`] or
+    /// [`TmcError::Reset`] or [`TmcError::Off`] if the motor has lost its current. [`TmcError::FellSilent`] or
     /// [`TmcError::Damaged`] if no question in a row of them has brought an answer.
     pub(in crate::drives::klipper) fn take(&mut self, bits: &[u8]) -> Result<Option<TmcStatus>, TmcError> {
         let Some(value) = value_of(bits, self.register()) else {
@@ -54,7 +54,10 @@ impl Inquiry {
             return if self.failed < TRIES_IN_MOTION {
                 Ok(None)
             } else {
-                Err(TmcError::unanswered(self.address, self.damaged, self.failed))
+                Err(match self.damaged {
+                    0 => TmcError::FellSilent { address: self.address, tries: self.failed },
+                    damaged => TmcError::unanswered(self.address, damaged, self.failed),
+                })
             };
         };
         (self.failed, self.damaged) = (0, 0);
@@ -106,6 +109,6 @@ mod tests {
         }
         let taken: Vec<_> = (0..6).map(|_| inquiry.take(&[])).collect();
         assert_eq!(taken[..5], [const { Ok(None) }; 5]);
-        assert_eq!(taken[5], Err(TmcError::Silent { address: 0, tries: 6 }));
+        assert_eq!(taken[5], Err(TmcError::FellSilent { address: 0, tries: 6 }));
     }
 }
