@@ -74,7 +74,12 @@ impl StatusArgs {
     }
 
     fn tell_rows(&self, rows: &[NamedRow]) -> Result<(), Failure> {
-        tell_rows(rows, self.format.json(), StatusRow::text)
+        let told = tell_rows(rows, self.format.json(), StatusRow::text);
+        let is_left = |status: &Status| status.unfinished.is_some() && status.in_use_by.is_none();
+        if !self.format.json() && rows.iter().any(|named| named.row.status.as_ref().is_some_and(is_left)) {
+            tell("`dose resume --pump <NAME>` makes the rest, `dose accept --pump <NAME>` leaves it\n")?;
+        }
+        told
     }
 }
 

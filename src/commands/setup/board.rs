@@ -364,7 +364,12 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
         text: "Axis of the board that turns this pump",
         option: "--axis X",
         usual: former.or_else(|| free.map(|axis| Usual::new(axis.as_str()))),
-        help: "the letter at the board's plug, X, Y, Z, A, B or C; a node's axes 0 to 3 are X, Y, Z and A",
+        help: match course.answers.driver {
+            Some(DriverName::Node) => {
+                "a node's axes 0 to 3 are X, Y, Z and A; docs/node.md says which pins each has"
+            }
+            _ => "the letter at the board's plug, X, Y, Z, A, B or C",
+        },
     };
     let read = |answer: &str| {
         let axis = axis(answer)?;

@@ -56,7 +56,11 @@ impl StatusRow {
         let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
             (Some(holder), Some(dose), _) => Some(format!("in motion, by {holder}: {}", dose.made(true))),
             (Some(holder), None, _) => Some(format!("in use by {holder}")),
-            (None, Some(dose), _) => Some(format!("unfinished: {}", dose.made(false))),
+            (None, Some(dose), _) => {
+                let is_exact = dose.steps_are_exact && dose.delivered_least_ml < dose.delivered_most_ml;
+                let exact = if is_exact { " (the steps are exact)" } else { "" };
+                Some(format!("unfinished: {}{exact}", dose.made(false)))
+            }
             (None, None, Some(_)) => Some("unfinished calibration".to_owned()),
             (None, None, None) if !status.recorded => Some("nothing on record".to_owned()),
             // A pump that stands is not ready.
