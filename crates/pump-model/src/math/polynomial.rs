@@ -71,6 +71,13 @@ impl<const C: usize> Polynomial<C> {
         Self { c }
     }
 
+    /// Returns the integral from 0 to `x`.
+    #[cfg(feature = "experimental")]
+    pub(crate) fn integral_to(&self, x: f64) -> f64 {
+        let terms = self.c.iter().enumerate().rev();
+        terms.fold(0.0, |sum, (order, c)| (sum + c / (order + 1) as f64) * x)
+    }
+
     /// Returns `factor p(x)`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {

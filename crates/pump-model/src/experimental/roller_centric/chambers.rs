@@ -1,5 +1,7 @@
 //! Equations of the chambers and the lines.
 
+use core::cell::RefCell;
+
 use crate::circuit::Loss;
 use crate::circuit::lumped::flow_scale_ml_s;
 use crate::circuit::resistance::Deceleration;
@@ -7,26 +9,22 @@ use crate::integrator::{Ode, Options};
 use crate::line::line::Line;
 use crate::motion::leg::Leg;
 
-use super::contacts::{Contacts, MAX_CONTACTS, MAX_SEGMENTS};
+use super::contacts::{Contacts, MAX_SEGMENTS};
 use super::parameters::RollerCentric;
 
 /// Index of the inlet's pressure in the state.
 ///
-/// Pressures are above ambient, kPa; flows are in the lines, mL/s; volumes are through the lines, mL.
-/// Segments follow from the outlet to the inlet, and absent segments keep their value.
+/// Pressures are above ambient, kPa; flows are in the lines, mL/s. Segments follow from the outlet to the inlet, and
+/// absent segments keep their value. The volumes through the lines are no states, since nothing depends on them: they
+/// are integrals of the flows.
 pub(super) const INLET_KPA: usize = 0;
 pub(super) const INLET_ML_S: usize = 1;
 pub(super) const OUTLET_KPA: usize = 2;
 pub(super) const OUTLET_ML_S: usize = 3;
-pub(super) const TAKEN_ML: usize = 4;
-pub(super) const DELIVERED_ML: usize = 5;
-pub(super) const SEGMENTS: usize = 6;
+pub(super) const SEGMENTS: usize = 4;
 
 /// Number of states.
 pub(super) const STATES: usize = SEGMENTS + MAX_SEGMENTS;
-
-/// Largest number of chambers: outlet, segments and inlet.
-const MAX_CHAMBERS: usize = MAX_CONTACTS + 1;
 
 pub(super) type StateVector = [f64; STATES];
 
@@ -85,22 +83,22 @@ pub(super) struct Chambers<'a> {
     pub(super) offset_rad: f64,
 }
 
-/// Quantities that depend on the angle alone, at one time.
-struct Moment {
+/// Quantities that depend on the angle alone, at one time. There are fewer chambers than N states.
+struct Moment<const N: usize> {
     speed: f64,
     acceleration: f64,
     /// Number of rollers in contact; there is one chamber more.
     contacts: usize,
     /// Conductance G_k past each roller, mL/(s kPa), and its slope over the angle.
-    conductance: [[f64; 2]; MAX_CONTACTS],
+    conductance: [[f64; 2]; N],
     /// Volume V0 of each chamber, mL, and its first two slopes over the angle.
-    volume: [[f64; 3]; MAX_CHAMBERS],
-    /// Capacity C + D V0 of each chamber, mL/kPa.
-    capacity: [f64; MAX_CHAMBERS],
+    volume: [[f64; 3]; N],
+    /// Reciprocal of the capacity C + D V0 of each chamber, kPa/mL.
+    per_capacity: [f64; N],
 }
 
 impl Chambers<'_> {
-    fn at(&self, t: f64) -> Moment {
+    fn at<const N: usize>(&self, t: f64) -> Moment<N> {
         let elapsed = t - self.leg.start_s;
         let turned = self.offset_rad + self.leg.turned(elapsed);
         let contacts = self.contacts.as_slice();
@@ -110,9 +108,9 @@ impl Chambers<'_> {
             speed: self.leg.speed_at(t),
             acceleration: self.leg.acceleration_rad_s2,
             contacts: contacts.len(),
-            conductance: [[0.0; 2]; MAX_CONTACTS],
-            volume: [[*pitch_ml, 0.0, 0.0]; MAX_CHAMBERS],
-            capacity: [0.0; MAX_CHAMBERS],
+            conductance: [[0.0; 2]; N],
+            volume: [[*pitch_ml, 0.0, 0.0]; N],
+            per_capacity: [0.0; N],
         };
         moment.volume[0] = [tube_ml_rad * (outlet_rad - turned), -tube_ml_rad, 0.0];
         moment.volume[contacts.len()] = [tube_ml_rad * (inlet_rad + turned), *tube_ml_rad, 0.0];
@@ -127,17 +125,19 @@ impl Chambers<'_> {
             let square = opening * opening / model.valve_resistance_kpa_s_ml;
             moment.conductance[k] = [square * opening, 3.0 * square * slope];
         }
-        for (capacity, volume) in moment.capacity.iter_mut().zip(&moment.volume) {
-            *capacity = model.distensibility_per_kpa * volume[0];
+        let last = contacts.len();
+        let chambers = moment.per_capacity.iter_mut().zip(&moment.volume).take(last + 1);
+        for (chamber, (per_capacity, volume)) in chambers.enumerate() {
+            let of_outlet = if chamber == 0 { outlet.compliance_ml_kpa } else { 0.0 };
+            let of_inlet = if chamber == last { inlet.compliance_ml_kpa } else { 0.0 };
+            *per_capacity = 1.0 / (model.distensibility_per_kpa * volume[0] + of_outlet + of_inlet);
         }
-        moment.capacity[0] += outlet.compliance_ml_kpa;
-        moment.capacity[contacts.len()] += inlet.compliance_ml_kpa;
         moment
     }
 
     /// Returns the flow that the rollers let into a chamber less the flow that they let out, mL/s. With
     /// `over` 1 it is the slope over the angle, mL/(s rad).
-    fn leaks(&self, moment: &Moment, y: &[f64], chamber: usize, over: usize) -> f64 {
+    fn leaks<const N: usize>(&self, moment: &Moment<N>, y: &[f64], chamber: usize, over: usize) -> f64 {
         let kpa = |chamber| y[pressure_of(chamber, moment.contacts)];
         let past = |k: usize| moment.conductance[k][over] * (kpa(k + 1) - kpa(k));
         let behind = if chamber < moment.contacts { past(chamber) } else { 0.0 };
@@ -146,12 +146,12 @@ impl Chambers<'_> {
     }
 
     /// Returns the swelling of a chamber, 1 + D (P - P_atm).
-    fn swelling(&self, moment: &Moment, y: &[f64], chamber: usize) -> f64 {
+    fn swelling<const N: usize>(&self, moment: &Moment<N>, y: &[f64], chamber: usize) -> f64 {
         1.0 + self.plant.model.distensibility_per_kpa * y[pressure_of(chamber, moment.contacts)]
     }
 
     /// Returns the flow into a chamber that its pressure must take up, mL/s.
-    fn net(&self, moment: &Moment, y: &[f64], chamber: usize) -> f64 {
+    fn net<const N: usize>(&self, moment: &Moment<N>, y: &[f64], chamber: usize) -> f64 {
         let mut net = self.leaks(moment, y, chamber, 0)
             - moment.volume[chamber][1] * moment.speed * self.swelling(moment, y, chamber);
         if chamber == 0 {
@@ -165,7 +165,7 @@ impl Chambers<'_> {
 
     /// Returns the volume that tube and lines hold at time `t`, mL, up to a constant.
     pub(super) fn stored_ml(&self, t: f64, y: &StateVector) -> f64 {
-        let moment = self.at(t);
+        let moment = self.at::<STATES>(t);
         let Plant { inlet, outlet, .. } = self.plant;
         let tube: f64 =
             (0..=moment.contacts).map(|c| moment.volume[c][0] * self.swelling(&moment, y, c)).sum();
@@ -173,32 +173,64 @@ impl Chambers<'_> {
     }
 }
 
-/// The equations, in any size that has room for the segments in contact.
-impl<const N: usize> Ode<N> for Chambers<'_> {
+/// The equations, in any size that has room for the segments in contact. Several stages of a step, and the start of the
+/// next, are at one time, whose moment is found once.
+pub(super) struct Equations<'a, const N: usize> {
+    chambers: &'a Chambers<'a>,
+    last: RefCell<Option<(f64, Moment<N>)>>,
+}
+
+impl<'a, const N: usize> Equations<'a, N> {
+    pub(super) fn new(chambers: &'a Chambers<'a>) -> Self {
+        Self { chambers, last: RefCell::new(None) }
+    }
+
+    /// Returns what `of` makes of the moment at a time.
+    fn at<T>(&self, t: f64, of: impl FnOnce(&Chambers<'a>, &Moment<N>) -> T) -> T {
+        let mut last = self.last.borrow_mut();
+        let (_, moment) = match last.take() {
+            Some(known) if known.0 == t => last.insert(known),
+            _ => last.insert((t, self.chambers.at(t))),
+        };
+        of(self.chambers, moment)
+    }
+}
+
+impl<const N: usize> Ode<N> for Equations<'_, N> {
     fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
-        let moment = self.at(t);
+        self.at(t, |chambers, moment| chambers.derivative(moment, y))
+    }
+
+    fn jacobian(&self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
+        self.at(t, |chambers, moment| chambers.jacobian(moment, y))
+    }
+
+    fn time_derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
+        self.at(t, |chambers, moment| chambers.time_derivative(moment, y))
+    }
+}
+
+impl Chambers<'_> {
+    fn derivative<const N: usize>(&self, moment: &Moment<N>, y: &[f64; N]) -> [f64; N] {
         let Plant { inlet, outlet, .. } = self.plant;
         let mut dy = [0.0; N];
         for chamber in 0..=moment.contacts {
             dy[pressure_of(chamber, moment.contacts)] =
-                self.net(&moment, y, chamber) / moment.capacity[chamber];
+                self.net(moment, y, chamber) * moment.per_capacity[chamber];
         }
         dy[INLET_ML_S] = inlet.per_inertance * (inlet.reservoir_kpa - y[INLET_KPA])
             - inlet.deceleration.at_ml_s2(y[INLET_ML_S]);
         dy[OUTLET_ML_S] = outlet.per_inertance * (y[OUTLET_KPA] - outlet.reservoir_kpa)
             - outlet.deceleration.at_ml_s2(y[OUTLET_ML_S]);
-        dy[TAKEN_ML] = y[INLET_ML_S];
-        dy[DELIVERED_ML] = y[OUTLET_ML_S];
         dy
     }
 
-    fn jacobian(&self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
-        let moment = self.at(t);
+    fn jacobian<const N: usize>(&self, moment: &Moment<N>, y: &[f64; N]) -> [[f64; N]; N] {
         let Plant { model, inlet, outlet, .. } = self.plant;
         let mut j = [[0.0; N]; N];
         for chamber in 0..=moment.contacts {
             let row = pressure_of(chamber, moment.contacts);
-            let per_capacity = 1.0 / moment.capacity[chamber];
+            let per_capacity = moment.per_capacity[chamber];
             let mut own = moment.volume[chamber][1] * moment.speed * model.distensibility_per_kpa;
             if chamber < moment.contacts {
                 let [behind, _] = moment.conductance[chamber];
@@ -220,36 +252,32 @@ impl<const N: usize> Ode<N> for Chambers<'_> {
         j[INLET_ML_S][INLET_ML_S] = -inlet.deceleration.damping_per_s(y[INLET_ML_S]);
         j[OUTLET_ML_S][OUTLET_KPA] = outlet.per_inertance;
         j[OUTLET_ML_S][OUTLET_ML_S] = -outlet.deceleration.damping_per_s(y[OUTLET_ML_S]);
-        j[TAKEN_ML][INLET_ML_S] = 1.0;
-        j[DELIVERED_ML][OUTLET_ML_S] = 1.0;
         j
     }
 
-    fn time_derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
-        let moment = self.at(t);
-        let Moment { speed, acceleration, .. } = moment;
+    fn time_derivative<const N: usize>(&self, moment: &Moment<N>, y: &[f64; N]) -> [f64; N] {
+        let Moment { speed, acceleration, .. } = *moment;
         let mut ft = [0.0; N];
         for chamber in 0..=moment.contacts {
             let [_, slope, curvature] = moment.volume[chamber];
-            let capacity = moment.capacity[chamber];
+            let per_capacity = moment.per_capacity[chamber];
             let capacity_rate = self.plant.model.distensibility_per_kpa * slope * speed;
-            let net_rate = self.leaks(&moment, y, chamber, 1) * speed
-                - (curvature * speed * speed + slope * acceleration) * self.swelling(&moment, y, chamber);
+            let net_rate = self.leaks(moment, y, chamber, 1) * speed
+                - (curvature * speed * speed + slope * acceleration) * self.swelling(moment, y, chamber);
+            let net = self.net(moment, y, chamber);
             ft[pressure_of(chamber, moment.contacts)] =
-                (net_rate - self.net(&moment, y, chamber) * capacity_rate / capacity) / capacity;
+                (net_rate - net * capacity_rate * per_capacity) * per_capacity;
         }
         ft
     }
 }
 
-/// Returns the errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|. Flow and volume may err by
-/// the amounts that carry the same energy, as in the flow-centric circuit.
+/// Returns the errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|. A flow may err by the amount that
+/// carries the same energy, as in the flow-centric circuit.
 pub(super) fn options<const N: usize>(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<N> {
     let mut options = Options::equal(tolerance);
-    for (line, flow, volume) in [(inlet, INLET_ML_S, TAKEN_ML), (outlet, OUTLET_ML_S, DELIVERED_ML)] {
+    for (line, flow) in [(inlet, INLET_ML_S), (outlet, OUTLET_ML_S)] {
         options.absolute[flow] = tolerance * flow_scale_ml_s(line);
-        options.absolute[volume] = tolerance * line.compliance_ml_kpa;
-        options.relative[volume] = 0.0;
     }
     options
 }
@@ -281,6 +309,7 @@ mod tests {
                     Contacts::of(&pump, &model, &edges, edges.pitches_before(&passage), passage.piece);
                 let offset_rad = passage.offset_rad;
                 let chambers = Chambers { plant: &plant, contacts: &contacts, leg, offset_rad };
+                let chambers = Equations::<STATES>::new(&chambers);
                 let t = 0.5 * (passage.start_s + passage.end_s);
                 let close = |found: SVector<f64, STATES>, expected: StateVector, what: &str| {
                     let expected = SVector::from(expected);

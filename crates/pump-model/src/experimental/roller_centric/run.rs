@@ -9,8 +9,8 @@ use crate::motion::walk::{Passage, Walk};
 use crate::pump::pump::Pump;
 
 use super::chambers::{
-    Chambers, DELIVERED_ML, INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S, Plant, PortLine, SEGMENTS,
-    STATES, StateVector, TAKEN_ML, pressure_of,
+    Chambers, INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S, Plant, PortLine, SEGMENTS, STATES, StateVector,
+    pressure_of,
 };
 use super::contacts::{Contacts, Edges, MAX_SEGMENTS, Way};
 use super::parameters::RollerCentric;
@@ -60,6 +60,9 @@ pub struct RollerRun<'a, M> {
     contacts: Contacts,
     solver: Solver,
     last: Option<Step>,
+    /// Volumes that have passed the inlet line and the outlet line before the last step, and after it, mL.
+    before_ml: [f64; 2],
+    passed_ml: [f64; 2],
 }
 
 impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
@@ -116,7 +119,8 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         let state = at_rest(&plant, &contacts);
         let segments = (Way::of(pump).contacts() as usize).saturating_sub(1);
         let solver = Solver::new(segments, start_s, &state, [pump.inlet(), pump.outlet()], tolerance)?;
-        Ok(Self { pump, plant, edges, walk, passage, contacts, solver, last: None })
+        let (last, before_ml, passed_ml) = (None, [0.0; 2], [0.0; 2]);
+        Ok(Self { pump, plant, edges, walk, passage, contacts, solver, last, before_ml, passed_ml })
     }
 
     /// Makes one step that ends at `stop_s` at the latest. Returns none once that time is reached.
@@ -141,6 +145,8 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         };
         let step = self.solver.step(&chambers, passage.end_s.min(stop_s))?;
         self.last = Some(step);
+        self.before_ml = self.passed_ml;
+        self.passed_ml = self.passed_ml_at(&step, 1.0);
         Ok(Some(step))
     }
 
@@ -153,24 +159,37 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
     pub fn at(&mut self, t_s: f64) -> Result<RollerSample, IntegrationError> {
         while (self.last.is_none() || self.solver.time_s() < t_s) && self.step(f64::INFINITY)?.is_some() {}
         let Some(step) = &self.last else {
-            return Ok(self.sample(&self.solver.state(), [0.0; 2]));
+            return Ok(self.sample(&self.solver.state(), [0.0; 2], self.passed_ml));
         };
         let (start_s, length_s) = (step.start_s(), step.length_s());
         let state = if t_s < start_s + length_s { step.at(t_s) } else { self.solver.state() };
         let x = ((t_s - start_s) / length_s).min(1.0);
         let rates = [INLET_KPA, OUTLET_KPA].map(|port| step.polynomial(port).derivative().at(x) / length_s);
-        Ok(self.sample(&state, rates))
+        let passed_ml = if x < 1.0 { self.passed_ml_at(step, x) } else { self.passed_ml };
+        Ok(self.sample(&state, rates, passed_ml))
     }
 
-    fn sample(&self, state: &StateVector, [inlet_kpa_s, outlet_kpa_s]: [f64; 2]) -> RollerSample {
+    /// Returns the volumes that have passed the inlet line and the outlet line at a part `x` of the last step, mL.
+    fn passed_ml_at(&self, step: &Step, x: f64) -> [f64; 2] {
+        let [taken_ml, delivered_ml] = self.before_ml;
+        let through = |flow: usize| step.length_s() * step.polynomial(flow).integral_to(x);
+        [taken_ml + through(INLET_ML_S), delivered_ml + through(OUTLET_ML_S)]
+    }
+
+    fn sample(
+        &self,
+        state: &StateVector,
+        [inlet_kpa_s, outlet_kpa_s]: [f64; 2],
+        [taken_ml, delivered_ml]: [f64; 2],
+    ) -> RollerSample {
         let Plant { model, inlet, outlet, .. } = &self.plant;
         RollerSample {
             inlet_kpa: state[INLET_KPA] + model.ambient_kpa,
             outlet_kpa: state[OUTLET_KPA] + model.ambient_kpa,
             inlet_ml_s: state[INLET_ML_S] - inlet.compliance_ml_kpa * inlet_kpa_s,
             outlet_ml_s: state[OUTLET_ML_S] + outlet.compliance_ml_kpa * outlet_kpa_s,
-            taken_ml: state[TAKEN_ML],
-            delivered_ml: state[DELIVERED_ML],
+            taken_ml,
+            delivered_ml,
         }
     }
 
@@ -223,6 +242,12 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
     /// Returns the state reached.
     pub(super) fn state(&self) -> StateVector {
         self.solver.state()
+    }
+
+    /// Returns the volume that has passed the outlet line, mL.
+    pub(super) fn delivered_ml(&self) -> f64 {
+        let [_, delivered_ml] = self.passed_ml;
+        delivered_ml
     }
 
     /// Goes on into a passage. Segments join a port whose last roller left, and are cut off from one where a

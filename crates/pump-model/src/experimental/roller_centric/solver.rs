@@ -5,7 +5,7 @@ use crate::integrator::{COEFFICIENTS, DenseStep, Rodas5p, Statistics};
 use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
 
-use super::chambers::{Chambers, SEGMENTS, STATES, StateVector, options};
+use super::chambers::{Chambers, Equations, SEGMENTS, STATES, StateVector, options};
 
 /// Number of states with two segments at most, as a pump with three rollers has them.
 const FEW: usize = SEGMENTS + 2;
@@ -83,8 +83,8 @@ impl Solver {
     /// Makes one accepted step that ends at `stop_s` at the latest.
     pub(super) fn step(&mut self, chambers: &Chambers<'_>, stop_s: f64) -> Result<Step, IntegrationError> {
         Ok(match self {
-            Self::Few(solver) => Step::Few(solver.step(chambers, stop_s)?),
-            Self::Many(solver) => Step::Many(solver.step(chambers, stop_s)?),
+            Self::Few(solver) => Step::Few(solver.step(&Equations::new(chambers), stop_s)?),
+            Self::Many(solver) => Step::Many(solver.step(&Equations::new(chambers), stop_s)?),
         })
     }
 }

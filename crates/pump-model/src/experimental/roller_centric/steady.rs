@@ -9,7 +9,7 @@ use crate::port::Port;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::{SteadyState, moving};
 
-use super::chambers::{DELIVERED_ML, INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S};
+use super::chambers::{INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S};
 use super::parameters::RollerCentric;
 use super::run::RollerRun;
 use super::tally::Tally;
@@ -49,7 +49,7 @@ impl RollerCentric {
         let start_s = run.first_middle_s();
         run.run_to(start_s)?;
         let (inlet, outlet, volume_ml) = repeated(|number| {
-            let before_ml = run.state()[DELIVERED_ML];
+            let before_ml = run.delivered_ml();
             let mut inlet = Tally::new(inlet_line, Port::Inlet);
             let mut outlet = Tally::new(outlet_line, Port::Outlet);
             while let Some(step) = run.step(start_s + f64::from(number) * period_s)? {
@@ -64,7 +64,7 @@ impl RollerCentric {
                 end[OUTLET_ML_S] / flow_scale_ml_s(outlet_line),
                 run.stored_ml() / inlet_line.compliance_ml_kpa.min(outlet_line.compliance_ml_kpa),
             ];
-            Ok(((inlet, outlet, end[DELIVERED_ML] - before_ml), ends_kpa))
+            Ok(((inlet, outlet, run.delivered_ml() - before_ml), ends_kpa))
         })?;
         let mean_flow_ml_s = volume_ml / period_s;
         Ok(SteadyState {
