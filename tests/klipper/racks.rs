@@ -5,6 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use pump_bench::Bench;
+use pump_bench::pump_file::{DriverName, PumpFile};
+
 use crate::rig::{Rig, ended};
 use crate::simulated_klipper::Character;
 
@@ -111,4 +114,42 @@ fn two_pumps_at_one_step_pin_are_refused_with_its_name() {
     assert!(code != Some(0) && said.contains("and both by the pin PB13;"), "{said}");
     assert!(said.contains("red") && said.contains("blue"), "{said}");
     assert_eq!(rig.board.truth().steps, steps);
+}
+
+#[test]
+fn a_board_that_is_out_of_reach_stops_the_pumps_at_other_boards_within_seconds() {
+    let (rig, far) = (Rig::new(Character::default()), Rig::new(Character::default()));
+    let (code, said) = runs(&rig, rig.board.path(), far.board.path());
+    assert_eq!(code, Some(0), "{said}");
+    let folder = rig.folder.path();
+    fs::write(folder.join("rack.toml"), RACK.replace("2mL\"\nrate", "40mL\"\nrate")).unwrap();
+    let before = [&rig, &far].map(|rig| rig.board.truth().steps.iter().sum::<i64>());
+    let made = || {
+        let now = [&rig, &far].map(|rig| rig.board.truth().steps.iter().sum::<i64>());
+        [now[0] - before[0], now[1] - before[1]]
+    };
+    let (code, said) = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let until = Instant::now() + Duration::from_secs(20);
+            while made()[1] < 300 && Instant::now() < until {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            far.board.touch("pull").unwrap();
+        });
+        runs_rack(&rig)
+    });
+    assert!(code == Some(1) && said.contains("out of reach") || said.contains("confirmed nothing"), "{said}");
+    // 20 mL at 1 mL/s each are 12,000 steps in 20 s.
+    let made = made();
+    assert!(made[0] < 3500, "{made:?}: {said}");
+    // The next command asks the board, and the log has its count.
+    far.board.touch("plug").unwrap();
+    let blue = folder.join("blue.toml");
+    let accept = crate::rig::command(folder, &blue, far.board.path(), &["accept"]).spawn().unwrap();
+    let (code, said) = ended(accept);
+    assert_eq!(code, Some(0), "{said}");
+    let file = PumpFile::read(&blue).unwrap();
+    let bench = Bench::new(file, Some(DriverName::Klipper), &folder.join("state")).unwrap();
+    let last = bench.last_logged().unwrap().unwrap();
+    assert_eq!((last.steps, last.delivered_range_ml), (Some(made[1]), None), "{said}");
 }

@@ -89,20 +89,27 @@ fn shared(one: &Bench, other: &Bench) -> Option<(String, &'static str)> {
     None
 }
 
-/// Has each pump know of the others that the same board turns.
+/// Has each pump know of the others that the same board turns, and of other boards.
 pub(super) fn beside_each_other(members: Vec<Member>) -> Vec<Member> {
-    let beside: Vec<_> = (0..members.len())
+    let known: Vec<_> = (0..members.len())
         .map(|number| {
-            let others = members.iter().enumerate().filter(|(other, member)| {
-                *other != number && is_one_board(&member.bench, &members[number].bench)
-            });
-            others
-                .map(|(_, member)| (member.bench.file().pump.id.clone(), member.bench.drive().clone()))
-                .collect()
+            let real = |member: &&Member| !member.bench.is_simulated();
+            let others = members.iter().enumerate().filter(|(other, _)| *other != number);
+            let (here, elsewhere): (Vec<_>, Vec<_>) = others
+                .map(|(_, member)| member)
+                .filter(real)
+                .partition(|other| is_one_board(&other.bench, &members[number].bench));
+            let table = |other: &Member| (other.bench.file().pump.id.clone(), other.bench.drive().clone());
+            (here.into_iter().map(table).collect(), !elsewhere.is_empty())
         })
         .collect();
-    let pairs = members.into_iter().zip(beside);
-    pairs.map(|(Member { name, bench }, others)| Member { name, bench: bench.in_rack(others) }).collect()
+    let pairs = members.into_iter().zip(known);
+    pairs
+        .map(|(Member { name, bench }, (here, elsewhere))| Member {
+            name,
+            bench: bench.in_rack(here, elsewhere),
+        })
+        .collect()
 }
 
 /// Returns true if boards at one port turn both pumps. No board turns a simulated pump.

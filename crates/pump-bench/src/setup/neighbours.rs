@@ -49,7 +49,8 @@ impl Answers {
     /// [`SetupError::Axis`] with the pump that has the axis.
     pub fn check_axis(&self, neighbours: &[Neighbour]) -> Result<(), SetupError> {
         let (Some(port), Some(axis)) = (&self.port, self.axis) else { return Ok(()) };
-        if self.driver == Some(DriverName::Sim) {
+        // A Klipper board has no axes.
+        if matches!(self.driver, Some(DriverName::Sim | DriverName::Klipper)) || self.socket.is_some() {
             return Ok(());
         }
         match neighbours.iter().find(|other| other.axis == axis && other.is_at(port)) {

@@ -15,7 +15,13 @@ impl Answers {
     /// Refuses a current or microsteps that the stepper driver at the motor's socket does not make.
     pub(super) fn check_stepper_driver(&self) -> Result<(), SetupError> {
         if !self.sets_stepper_driver() {
-            return Ok(());
+            let is_klipper = self.driver == Some(DriverName::Klipper) && self.socket.is_some();
+            let current_a = self.current_a.or(self.hold_a).filter(|_| is_klipper);
+            let allowed = "no current, because the socket names no wire to a TMC2209: its own screw or jumper sets the \
+                           stepper driver; or the wire beside its pins, as uart=PC11,tx=PC10,address=0";
+            return current_a.map_or(Ok(()), |current_a| {
+                Err(SetupError::Current { what: "current", current_a, allowed: allowed.to_owned() })
+            });
         }
         if let Some(run_a) = self.current_a {
             check_current("current", run_a, self.hold_a)?;

@@ -58,8 +58,8 @@ impl Bench {
 
     /// Returns the bench of a pump of a rack. Its board turns these others too: the id of each, and its drive table.
     #[must_use]
-    pub(crate) fn in_rack(mut self, beside: Vec<(String, DriveTable)>) -> Self {
-        (self.opening.in_rack, self.opening.beside) = (true, beside);
+    pub(crate) fn in_rack(mut self, beside: Vec<(String, DriveTable)>, with_other_boards: bool) -> Self {
+        (self.opening.with_other_boards, self.opening.beside) = (with_other_boards, beside);
         self
     }
 

@@ -223,16 +223,18 @@ pub enum KlipperError {
     Steps(#[from] RefitError),
     /// The plan has more commands than the board's queue holds.
     #[error(
-        "the plan has {commands} commands within {within_s} s, and the board's queue holds {slots}; dose more slowly, \
-         or use a board with more memory"
+        "the plan has {commands} commands within {within_s} s, and the board's queue of {slots} has room for {room} of \
+         them; dose more slowly, or use a board with more memory"
     )]
     Queue {
         /// Most commands of the plan within that time.
         commands: usize,
         /// Time for which the queue is filled, in s.
         within_s: f64,
-        /// Commands that the queue holds.
+        /// Commands that the queue holds for all motors of the board.
         slots: u16,
+        /// Commands that it holds of a plan. Some slots stay free.
+        room: u16,
     },
     /// The plan needs more bytes than the line carries.
     #[error(

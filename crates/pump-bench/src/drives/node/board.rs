@@ -1,5 +1,7 @@
 //! A board that was met: its link, its identity and its axis.
 
+use std::time::Duration;
+
 use pump_ctl::step::TickRate;
 use pump_link::message::{AXES, Answer, AxisStatus, Identity, Request};
 
@@ -23,6 +25,8 @@ pub(super) struct Board {
     pub(super) baud: u32,
     /// Dead-man time, ms.
     pub(super) dead_man_ms: u16,
+    /// Longest search for the board once it is silent in motion.
+    pub(super) patience: Duration,
 }
 
 impl Board {

@@ -15,7 +15,7 @@ use super::board::Board;
 use super::board_record::BoardRecord;
 use super::error::NodeError;
 use super::line::Line;
-use super::link::Link;
+use super::link::{Link, PATIENCE};
 use super::session_record::SessionRecord;
 use crate::drives::known_board::{KnownBoard, MadePlace};
 use crate::drives::{Disturbance, Opening};
@@ -26,6 +26,9 @@ const ANSWER_LIMIT: Duration = Duration::from_secs(3);
 
 /// Longest wait for a motion that is under way at the start. An earlier process's ends by the dead-man time.
 const REST_LIMIT: Duration = Duration::from_secs(15);
+
+/// Longest search for a silent board in motion while pumps at other boards wait for its end to stop.
+const SHORT_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Time between two questions to a board that moves.
 const POLL: Duration = Duration::from_millis(20);
@@ -164,7 +167,11 @@ pub(super) fn meet(
     let dead_man_ms = line.dead_man_ms().unwrap_or(terms.dead_man_ms);
     drop(line);
     let baud = terms.baud;
-    let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
+    // While pumps at other boards wait for its end to stop, the search is short: the next meeting finds the count.
+    let patience = if terms.opening.with_other_boards { SHORT_PATIENCE } else { PATIENCE };
+    let (move_number, revision) = (0, 0);
+    let mut board =
+        Board { link, identity, tick_rate, axis, move_number, revision, baud, dead_man_ms, patience };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
             let is_elsewhere = counted_by.is_some_and(|axis| axis != terms.axis);

@@ -117,13 +117,13 @@ impl Klipper {
             }
         };
         match meet(link, &self.terms, &self.shared) {
-            Ok(Met { board, position, disturbed, replaced, of_driver }) => {
+            Ok(Met { board, position, disturbed, replaced, of_board }) => {
                 self.notes.extend(replaced.notes());
-                self.notes.extend(of_driver.into_iter().map(Notice::from));
+                self.notes.extend(of_board.into_iter().map(Notice::from));
                 board.talk.link.note_met(true);
                 self.at = At::Met(Box::new(board));
                 (self.stands, self.disturbed) = (Some(position), disturbed);
-                self.learn_drift(self.terms.opening.in_rack)
+                self.learn_drift(self.terms.opening.with_other_boards)
             }
             Err((link, error)) => {
                 self.at = At::Apart(link);
@@ -188,7 +188,10 @@ impl Klipper {
         self.be_deaf(true);
         let made = self.task(plan).and_then(|task| {
             self.announce(task)?;
-            self.learn_drift(place.is_some())?;
+            // Motors of one board begin at one tick of its clock, whatever that is.
+            let is_of_one_board =
+                !self.terms.opening.beside.is_empty() && !self.terms.opening.with_other_boards;
+            self.learn_drift(place.is_some() && !is_of_one_board)?;
             Ok(task)
         });
         let start = self.stands.unwrap_or(0);

@@ -244,6 +244,8 @@ pub(in crate::drives::klipper) struct Board {
     pub(in crate::drives::klipper) bytes_s: u32,
     /// Time without a word of this program after which the board stops the motor.
     pub(in crate::drives::klipper) dead_man: Duration,
+    /// Longest search for the board once it is silent in motion.
+    pub(in crate::drives::klipper) search: Duration,
     /// Address of the stepper driver, if its settings are written over its line.
     pub(in crate::drives::klipper) driver: Option<u8>,
 }

@@ -21,8 +21,11 @@ pub(in crate::drives::klipper) struct BoardMotor {
 impl BoardMotor {
     /// Returns true if this motor and another one cannot be in one configuration: they turn one pump, or claim one pin.
     fn displaces(&self, other: &Self) -> bool {
-        let is_one_pump = self.pump.is_some() && self.pump == other.pump;
-        is_one_pump || self.pins.clash(&other.pins).is_some()
+        self.is_of_pump_of(other) || self.pins.clash(&other.pins).is_some()
+    }
+
+    fn is_of_pump_of(&self, other: &Self) -> bool {
+        self.pump.is_some() && self.pump == other.pump
     }
 }
 
@@ -53,4 +56,17 @@ pub(super) fn motors_of(
     motors.sort_by(|one, other| one.pins.step.name.cmp(&other.pins.step.name));
     let place = motors.iter().position(|motor| motor.pins.step.name == step).unwrap_or(0);
     (motors, place)
+}
+
+/// Tells of a motor on record that has to leave the configuration for these motors, because both claim a pin.
+pub(super) fn displaced(motors: &[BoardMotor], recorded: &[BoardMotor]) -> Option<String> {
+    let mut left = recorded.iter().filter(|motor| !motors.contains(motor));
+    left.find_map(|motor| {
+        let other = motors.iter().find(|other| !other.is_of_pump_of(motor) && other.displaces(motor))?;
+        let (pin, pump) = (other.pins.clash(&motor.pins)?, motor.pump.as_deref()?);
+        Some(format!(
+            "pump `{pump}` on record claims the {pin} of the board too, so the board is reset whenever one follows the \
+             other, and its motors are without current meanwhile; give each pump pins of its own"
+        ))
+    })
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 use super::board::{Board, ConfigState, Talk, reason};
-use super::board_motor::motors_of;
+use super::board_motor::{displaced, motors_of};
 use super::board_record::BoardRecord;
 use super::commands::Commands;
 use super::configuration::Configuration;
@@ -37,6 +37,11 @@ const STILL: Duration = Duration::from_millis(150);
 /// Time that a board takes to start after a reset.
 const START: Duration = Duration::from_millis(500);
 
+/// Longest search for a silent board in motion. Its queue has ended by then, and its count is exact. The search is
+/// short while pumps at other boards wait for its end to stop: the next meeting finds the count.
+const SEARCH: Duration = Duration::from_secs(6);
+const SHORT_SEARCH: Duration = Duration::from_millis(500);
+
 /// Name of the firmware.
 const APP: &str = "Klipper";
 
@@ -57,8 +62,8 @@ pub(in crate::drives::klipper) struct Met {
     pub(in crate::drives::klipper) disturbed: Option<Disturbance>,
     /// Board that was on record in the place of this one, if that was accepted.
     pub(in crate::drives::klipper) replaced: MadePlace,
-    /// Notes on the stepper driver, for a person.
-    pub(in crate::drives::klipper) of_driver: Vec<String>,
+    /// Notes on the stepper driver and on the board's other motors, for a person.
+    pub(in crate::drives::klipper) of_board: Vec<String>,
 }
 
 /// Board as it was found, with what is known of it beside its link.
@@ -69,6 +74,8 @@ struct Found {
     disturbed: Option<Disturbance>,
     /// File of the record that the motors of the board share.
     shared_path: Option<PathBuf>,
+    /// Motor on record that has to leave the configuration, in words.
+    displaced: Option<String>,
 }
 
 /// Meets the board at the other end of `link`, which other motors of this process may have met. Returns the link with
@@ -94,7 +101,7 @@ pub(in crate::drives::klipper) fn meet(
         Ok(found) => found,
         Err(error) => return Err((Box::new(talk.link), error)),
     };
-    let Found { hz, state, record, disturbed, shared_path } = found;
+    let Found { hz, state, record, disturbed, shared_path, displaced } = found;
     let chip = talk.dictionary.constant_text("MCU");
     let clock = clock.map_or_else(|| talk.read_clock(hz), Ok);
     let ready = clock.and_then(|clock| Ok((clock, step_timer(hz, chip.as_deref(), terms)?)));
@@ -119,15 +126,17 @@ pub(in crate::drives::klipper) fn meet(
         index_level: terms.pins.index.as_ref().is_some_and(|index| !index.inverted),
         bytes_s: terms.baud / BITS,
         dead_man: terms.dead_man,
+        search: if terms.opening.with_other_boards { SHORT_SEARCH } else { SEARCH },
         driver: terms.driver.as_ref().map(|(address, _)| *address),
     };
     let ready = energise(&mut board, terms);
     // A board whose stepper driver is not reached takes no pump's place.
     let settled = ready.and_then(|ready| Ok((ready, marks.settle(&replaced, &terms.opening)?).0));
     match settled {
-        Ok((position, of_driver, was_off)) => {
+        Ok((position, mut of_board, was_off)) => {
+            of_board.extend(displaced);
             let disturbed = if was_off { Some(Disturbance::CurrentLost) } else { disturbed };
-            Ok(Met { board, position, disturbed, replaced, of_driver })
+            Ok(Met { board, position, disturbed, replaced, of_board })
         }
         Err(error) => Err((Box::new(board.talk.link), error)),
     }
@@ -209,7 +218,7 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
             keep(talk, mine, (session, board.cuts), state, shared_path.as_deref())?
         {
             let state = talk.config()?;
-            return Ok(Found { hz, state, record, disturbed, shared_path });
+            return Ok(Found { hz, state, record, disturbed, shared_path, displaced: None });
         }
     }
     if talk.link.is_met_by_others() {
@@ -224,6 +233,7 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
         bring_to_rest(talk, state, is_known, (board.motors.len(), wanted))?;
         reset(talk)?;
     }
+    let displaced = displaced(&motors, &board.motors);
     let session = SessionRecord::draw();
     let checksum = configuration.checksum(session);
     let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts: 0 };
@@ -232,7 +242,8 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
     terms.record.as_ref().map_or(Ok(()), |path| record.write(path))?;
     let state = configure(talk, &configuration, checksum)?;
     talk.objects = configuration.objects(place);
-    Ok(Found { hz, state, record, disturbed: Some(Disturbance::Reset), shared_path })
+    let disturbed = Some(Disturbance::Reset);
+    Ok(Found { hz, state, record, disturbed, shared_path, displaced })
 }
 
 /// Returns the session of the pump on record, and the record of the board. One that cannot be read is none if a person

@@ -8,9 +8,7 @@ use super::outcome::Fault;
 use crate::drives::klipper::board::{be_still, reason};
 use crate::drives::klipper::error::KlipperError;
 
-/// Longest search for a silent board, and the time for which it is asked at once. Its queue has ended by then, and its
-/// count is exact.
-const SEARCH: Duration = Duration::from_secs(6);
+/// Time for which a silent board is asked at once.
 const ASK: Duration = Duration::from_millis(500);
 
 impl Motion<'_> {
@@ -47,7 +45,9 @@ impl Motion<'_> {
             match self.count_again(true) {
                 Ok(counted) => return counted,
                 Err(KlipperError::Gone(_)) => return None,
-                Err(_) if self.board.talk.link.now().saturating_sub(began) > SEARCH => return None,
+                Err(_) if self.board.talk.link.now().saturating_sub(began) > self.board.search => {
+                    return None;
+                }
                 Err(_) => self.board.talk.link.sleep(ASK / 10),
             }
         }

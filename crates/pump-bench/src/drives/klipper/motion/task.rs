@@ -57,8 +57,8 @@ impl Task {
         let slots = (board.slots / links).saturating_sub(SPARE_SLOTS);
         let (commands, needed) = commands_ahead(plan, board.timer)?;
         if commands > usize::from(slots) {
-            let (within_s, slots) = (AHEAD.sent_s, board.slots / links);
-            return Err(KlipperError::Queue { commands, within_s, slots });
+            let (within_s, room) = (AHEAD.sent_s, slots);
+            return Err(KlipperError::Queue { commands, within_s, slots: board.slots, room });
         }
         let allowed_bytes_s = (f64::from(board.bytes_s) * SHARE) as u32;
         let needed_bytes_s = needed.saturating_mul(COMMAND_BYTES);

@@ -371,7 +371,7 @@ impl<'a> Motion<'a> {
         if matches!(error, NodeError::Quiet { .. }) && self.search.is_none() {
             // The search asks for the state alone. What the board has of the rest, its state tells.
             self.board.link.clear();
-            self.search = Some(Search::new(now));
+            self.search = Some(Search::new(now, self.board.patience));
             return None;
         }
         let error = match self.failed.take() {

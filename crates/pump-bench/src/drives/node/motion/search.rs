@@ -2,8 +2,6 @@
 
 use std::time::Duration;
 
-use crate::drives::node::link::PATIENCE;
-
 /// Longest time for which a silent board is sought after the motion was to stop. A board that still runs tells its
 /// count within it, if the line or a computer under load holds the answer back.
 const STOP_LIMIT: Duration = Duration::from_millis(500);
@@ -15,6 +13,8 @@ const KNOCK: Duration = Duration::from_millis(200);
 #[derive(Debug)]
 pub(super) struct Search {
     began: Duration,
+    /// Longest time for which the board is sought.
+    patience: Duration,
     /// Time of the last question.
     knocked_at: Option<Duration>,
     /// Time at which the motion was first to stop.
@@ -23,8 +23,8 @@ pub(super) struct Search {
 
 impl Search {
     /// Begins a search at a time of the wire.
-    pub(super) fn new(now: Duration) -> Self {
-        Self { began: now, knocked_at: None, stopped_at: None }
+    pub(super) fn new(now: Duration, patience: Duration) -> Self {
+        Self { began: now, patience, knocked_at: None, stopped_at: None }
     }
 
     /// Returns true if the search is given up at `now`. `stops` tells that the motion is to end. A board that has told
@@ -32,7 +32,7 @@ impl Search {
     pub(super) fn is_over(&self, now: Duration, heard_at: Duration, stops: bool) -> bool {
         let silent_since = |at: Duration| now.saturating_sub(at.max(heard_at));
         let stopped = self.stopped_at.is_some_and(|at| stops && silent_since(at) > STOP_LIMIT);
-        stopped || silent_since(self.began) > PATIENCE
+        stopped || silent_since(self.began) > self.patience
     }
 
     /// Returns true if the board is to be asked now. A wish to stop is told to it at once.
