@@ -231,7 +231,13 @@ impl Bench {
 
     /// Returns what a journal tells of this pump with the motor of its file.
     pub(super) fn told(&self, story: Story) -> Story {
-        story.of_steps(self.file.limits().motor.step_rad(), &self.model)
+        story.of_steps(self.way_rad(), &self.model)
+    }
+
+    /// Returns the angle of a motor step, in rad, negative if the pump file turns the motor's direction round.
+    pub(super) fn way_rad(&self) -> f64 {
+        let step_rad = self.file.limits().motor.step_rad();
+        if self.drive.invert { -step_rad } else { step_rad }
     }
 
     /// Returns the state of the pump by its journal, or its fresh state without one.

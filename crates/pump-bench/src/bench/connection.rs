@@ -42,7 +42,7 @@ fn moved_elsewhere(before: i64, now: i64) -> Notice {
 /// at most.
 pub(super) fn after_event(state: PumpState, event: Disturbance, fall_rad: f64, pump: &Pump) -> PumpState {
     match event {
-        Disturbance::EmergencyStop => state.lost(pump),
+        Disturbance::EmergencyStop | Disturbance::TakenOver => state.lost(pump),
         _ => state.disturbed(fall_rad, pump),
     }
 }
@@ -168,7 +168,10 @@ impl<'a> Session<'a> {
         let is_unheard = !drive.abilities().tells_resets && count == Some(0);
         let starts_anew = is_unheard && stands.count.is_some_and(|before| before != 0 || cut_off);
         let event = told.or(starts_anew.then_some(Disturbance::Reset));
-        let counts_anyhow = matches!(event, Some(Disturbance::OtherAxis | Disturbance::EmergencyStop));
+        let counts_anyhow = matches!(
+            event,
+            Some(Disturbance::OtherAxis | Disturbance::EmergencyStop | Disturbance::TakenOver)
+        );
         if stands.released && !counts_anyhow {
             met = self.meet_released(count, notes);
         } else if let Some(event) = event {
@@ -201,7 +204,7 @@ impl<'a> Session<'a> {
             notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
         }
         // A motion that was cut off and counted since was of the steps of its own day.
-        let met = met.of_steps(self.file().limits().motor.step_rad(), model);
+        let met = met.of_steps(self.bench.way_rad(), model);
         PumpState { count, released: false, ..met }
     }
 
@@ -228,6 +231,7 @@ impl<'a> Session<'a> {
             let now = match event {
                 _ if in_motion.is_some() => "unknown, because nobody knows which steps the motor has made",
                 _ if met.phase().is_known(pitch_rad) => "known less well, by two full steps of the motor",
+                Disturbance::TakenOver => "unknown, because it may have turned the rotor meanwhile",
                 Disturbance::EmergencyStop => "unknown, because people may have turned the rotor meanwhile",
                 _ if met.disturbances > 1 => "unknown: that was the second time since it was found",
                 _ => "unknown: two full steps of the motor more, and it may be any angle of a pitch",

@@ -203,6 +203,7 @@ impl<'a> Session<'a> {
             }
         };
         intent.told = self.told(motion, now);
+        intent.inverted = self.bench.drive().invert;
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
         intent.whole = motion.whole;

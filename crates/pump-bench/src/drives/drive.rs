@@ -75,8 +75,9 @@ impl DriveLimits {
 
 /// Event that the rotor's angle may not have survived.
 ///
-/// Each event but two widens the angle by two full steps of the motor: a released rotor may fall that far before it
-/// is caught again. After an emergency stop the angle is unknown. A motor that was halted may have slipped farther.
+/// Each event but three widens the angle by two full steps of the motor: a released rotor may fall that far before it
+/// is caught again. After an emergency stop, and after another program has had the device, the angle is unknown. A
+/// motor that was halted may have slipped farther.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Disturbance {
     /// The device was reset, or switched on.
@@ -96,6 +97,9 @@ pub enum Disturbance {
         /// Most steps by which the motor may have slipped.
         slip_steps: u32,
     },
+    /// Another program has had the device, or the device was exchanged for another one, since the motor moved last.
+    /// Nobody knows what has turned meanwhile.
+    TakenOver,
     /// Another axis of the device turns the motor than before. Its count says nothing of this rotor, which was without
     /// current while it was connected to the other axis.
     OtherAxis,
@@ -110,6 +114,9 @@ impl Display for Disturbance {
             Self::LinkLost => "the device was out of reach in motion",
             Self::EmergencyStop => {
                 "the emergency stop was pressed, and each motor of the board was without current"
+            }
+            Self::TakenOver => {
+                "another program has had the board, or it is another board, since the motor moved last"
             }
             Self::Halted { .. } => "the motor was stopped in motion without a ramp, and may have slipped",
             Self::OtherAxis => {

@@ -38,6 +38,9 @@ pub struct Intent {
     pub steps: i64,
     /// Angle of a step, in rad.
     pub(crate) step_rad: f64,
+    /// True if the motor's direction was turned round by the pump file of that day.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) inverted: bool,
     /// Duration of the motion, in s.
     pub(crate) motion_s: f64,
     /// Cruise speed, in rad/s, positive. 0 in an entry of an early version, which does not tell it.
@@ -69,6 +72,11 @@ impl Intent {
     /// Returns the angle of the rotor at the start, with its half width.
     pub(crate) fn start(&self) -> Phase {
         Phase::within(self.start_angle_rad, self.half_width_rad)
+    }
+
+    /// Returns the angle of a step by the motor of that day, in rad, negative if its direction was turned round.
+    pub(super) fn way_rad(&self) -> f64 {
+        if self.inverted { -self.step_rad } else { self.step_rad }
     }
 
     /// Returns the angle after `made` net steps, in rad, unwrapped. It equals the plan's.
@@ -166,6 +174,7 @@ impl Intent {
             turned: None,
             steps: flow.steps(),
             step_rad: flow.step_rad(),
+            inverted: false,
             motion_s: flow.duration_s(),
             speed_rad_s: turn_rad / flow.duration_s(),
             retract_ml: None,
@@ -197,6 +206,7 @@ impl Intent {
             turned: (plan.turned() != Turned::at(plan.start())).then_some(plan.turned()),
             steps: plan.steps(),
             step_rad: plan.step_rad(),
+            inverted: false,
             motion_s: plan.profile().duration_s(),
             speed_rad_s: plan.profile().cruise_rad_s().abs(),
             retract_ml: None,

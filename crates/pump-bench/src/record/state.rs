@@ -71,8 +71,8 @@ pub struct PumpState {
     /// Print of the head that the angle is of. `None` in a record of an early version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) head: Option<u32>,
-    /// Angle of a motor step of the motions since the angle was last found, in rad. `None` before the first, and in a
-    /// record of an early version.
+    /// Angle of a motor step of the motions since the angle was last found, in rad, negative if the pump file turned
+    /// the motor's direction round. `None` before the first, and in a record of an early version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) step_rad: Option<f64>,
     /// Flow that still arrives after a stop, as doses by weight have found. `None` before the first.
@@ -353,7 +353,7 @@ impl PumpState {
             unfinished,
             last: LastDose::after(self.last, intent, made_least, made_most),
             source: PhaseSource::Recorded,
-            step_rad: Some(intent.step_rad),
+            step_rad: Some(intent.way_rad()),
             safety: Some(self.safety_after(&part, lasted_s, pump)),
             ..self.booked(&part, pump)
         }
@@ -412,6 +412,7 @@ mod tests {
         turned: None,
         steps: -1000,
         step_rad: 0.001,
+        inverted: false,
         motion_s: 1.0,
         speed_rad_s: 1.0,
         retract_ml: None,

@@ -1,5 +1,6 @@
 //! The accounts of angle, volume and carry.
 
+use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::report::Status;
 use pump_bench::{DoseError, DoseRequest, Rehearsal};
 use pump_ctl::plan::{Phase, PlanError, Ramps};
@@ -178,6 +179,10 @@ fn an_angle_that_was_counted_by_other_steps_is_unknown_until_it_is_found() {
     assert!(!is_known() && is_told());
     let smooth = finer.prepare(DoseRequest::dose(1.0).with_smooth(true));
     assert!(matches!(smooth, Err(DoseError::Plan(PlanError::SmoothWithoutAngle { .. }))), "{smooth:?}");
+    // So is one that was counted in the other direction.
+    let mut round = file();
+    round.drive = Some(DriveTable::of(DriverName::Sim).with_invert(true));
+    assert!(!Status::of(&lab.with_file(round)).unwrap().angle_known);
     // The file as it was has the angle as it was.
     assert!(Status::of(&lab.bench).unwrap().angle_known);
     finer.set_angle(Some(Phase::known(2.0))).unwrap();

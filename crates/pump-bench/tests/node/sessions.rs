@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use pump_bench::drives::{Drive, Node};
+use pump_bench::drives::{Drive, Node, Opening};
 use pump_bench::pump_file::{DriverFault, PinsTable};
 use pump_bench::record::{LogEnd, LogEntry, LogLine};
 use pump_bench::report::Status;
@@ -293,4 +293,39 @@ fn a_stop_that_a_refused_command_has_seen_is_kept_and_one_that_a_dose_has_told_i
     let notes = session.notes();
     assert!(!notes.iter().any(|note| note.text().contains("counted faults")), "{notes:?}");
     assert!(session.state().unwrap().unfinished.is_some() && !is_known());
+}
+
+#[test]
+fn a_board_that_another_program_has_had_tells_no_angle_and_one_that_was_reset_tells_it_less_well() {
+    for (is_taken, is_known) in [(true, false), (false, true)] {
+        let rig = Rig::new();
+        let folder = tempfile::tempdir().unwrap();
+        let mut drive = rig.open();
+        let bench = bench(folder.path(), &drive);
+        {
+            let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+            session.connect().unwrap();
+            session.set_angle(Some(Phase::known(0.0))).unwrap();
+            let prepared = session.prepare(request()).unwrap();
+            session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
+        }
+        drop(drive);
+        if is_taken {
+            let elsewhere = tempfile::tempdir().unwrap();
+            let record = Some(elsewhere.path().join("board-settings.json"));
+            let opening = Opening { settings_record: record, ..rig.opening() };
+            let mut other = rig.open_by(&Rig::table(), &opening).unwrap();
+            crate::rig::run(&mut other, &crate::rig::dose(0.5, 2.0, false));
+        } else {
+            rig.world.plan(0, Event::Reset);
+            rig.world.pass(10);
+        }
+        let mut drive = rig.open();
+        let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
+        session.connect().unwrap();
+        let notes = session.notes();
+        let told = if is_taken { "another program has had the board" } else { "the device was reset" };
+        assert!(notes.iter().any(|note| note.text().contains(told)), "{notes:?}");
+        assert_eq!(Status::of(&bench).unwrap().angle_known, is_known);
+    }
 }

@@ -174,6 +174,11 @@ pub(super) fn meet(
         Board { link, identity, tick_rate, axis, move_number, revision, baud, dead_man_ms, patience };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
+            let is_taken = held != 0 && !holds || replaced.board.is_some();
+            let disturbed = match disturbed {
+                Some(Disturbance::Reset) if is_taken => Some(Disturbance::TakenOver),
+                disturbed => disturbed,
+            };
             let is_elsewhere = counted_by.is_some_and(|axis| axis != terms.axis);
             let disturbed = if holds && is_elsewhere { Some(Disturbance::OtherAxis) } else { disturbed };
             let (position, unread) = (status.position, status.unread);

@@ -69,7 +69,8 @@ pub struct Story {
     pub state: Option<PumpState>,
     /// True if the record is of another head than the pump's: the state has an unknown angle then.
     pub(crate) other_head: bool,
-    /// True if the record is of a motor with other steps than the pump's: the state has an unknown angle then.
+    /// True if the record is of a motor with other steps than the pump's, or that is turned round, so that the angle is
+    /// unknown that was known then.
     pub(crate) other_steps: bool,
     /// State before the last motion, and that motion, if the process ended during it. `None` if the rotor
     /// stood.
@@ -91,7 +92,9 @@ impl Story {
     /// Returns the story as a motor with steps of `step_rad` takes it.
     #[must_use]
     pub(crate) fn of_steps(self, step_rad: f64, pump: &Pump) -> Self {
-        let other_steps = self.state.is_some_and(|state| state.is_of_other_steps(step_rad));
+        let is_lost =
+            |state: PumpState| state.phase().is_known(pump.pitch_rad()) && state.is_of_other_steps(step_rad);
+        let other_steps = self.state.is_some_and(is_lost);
         Self { state: self.state.map(|state| state.of_steps(step_rad, pump)), other_steps, ..self }
     }
 
