@@ -340,7 +340,8 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
     for other in &others {
         tell_person(&format!("  {} has the axis {} of this board", other.name, other.axis));
     }
-    for (pump, axis) in course.recorded_at(course.board.as_ref(), &port) {
+    let recorded = course.recorded_at(course.board.as_ref(), &port);
+    for (pump, axis) in &recorded {
         tell_person(&format!(
             "  {pump} has the axis {axis} of this board by its record; the new pump takes its place if you name that \
              axis"
@@ -359,11 +360,13 @@ fn ask_axis(course: &mut Course) -> Asked<bool> {
     let former = course.former(|before| {
         before.axis.filter(|_| before.port.as_ref() == Some(&port)).map(|axis| axis.as_str().to_owned())
     });
+    let is_new = |axis: &&Axis| recorded.iter().all(|(_, other)| other != *axis);
     let whose = if course.answers.driver == Some(DriverName::Node) { "a node" } else { "this board" };
     let question = Question {
         text: "Axis of the board that turns this pump",
         option: "--axis X",
-        usual: former.or_else(|| free.map(|axis| Usual::new(axis.as_str()))),
+        // Nobody takes the place of another pump by the Enter key alone.
+        usual: former.or_else(|| free.filter(|axis| is_new(axis)).map(|axis| Usual::new(axis.as_str()))),
         help: match course.answers.driver {
             Some(DriverName::Node) => {
                 "a node's axes 0 to 3 are X, Y, Z and A; docs/node.md says which pins each has"

@@ -219,6 +219,9 @@ impl Bench {
         let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml).map_err(DoseError::of_rest)?;
         prepared.warnings.extend(searched(dose));
         prepared.warnings.extend(self.unsure_rest(dose, &prepared));
+        if intent.terms.until_stopped {
+            prepared.warnings.push("the rest of a run goes on until it is stopped, as the run did".into());
+        }
         if intent.terms.by_weight {
             let text = format!(
                 "a balance was to end this dose; its rest is made by volume, up to {} mL by the model",

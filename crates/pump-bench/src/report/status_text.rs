@@ -72,8 +72,11 @@ impl Status {
             (false, true) => Remedy::Accept,
             (false, false) => Remedy::FinishOrLeave,
         };
-        let no_rest =
-            if dose.over_time { "; no rest of it can be made, as its times have passed" } else { "" };
+        let no_rest = match (dose.over_time, dose.until_stopped) {
+            (true, _) => "; no rest of it can be made, as its times have passed",
+            (false, true) => "; its rest goes on until it is stopped",
+            (false, false) => "",
+        };
         let by_angle = if dose.steps_are_exact && dose.delivered_least_ml < dose.delivered_most_ml {
             " (the steps are exact: the bounds are those of the rollers' angle)"
         } else if !dose.steps_are_exact && dose.board_may_tell {

@@ -172,10 +172,10 @@ pub enum PlanError {
     },
     /// The angle is so uncertain that a speed that follows it could make the flow less smooth.
     #[error(
-        "a smooth flow needs the rollers' angle, which is {}: a speed that follows it could make a ripple of \
-         {ripple_percent:.0} % (RMS), and constant speed makes {constant_percent:.0} %; find the angle first, or dose \
-         at constant speed",
-        Known(*half_width_deg)
+        "a smooth flow needs the rollers' angle, which is {}: at this rate a speed that follows it could make a ripple \
+         of {ripple_percent:.0} % (RMS), and constant speed makes {constant_percent:.0} %; {}, or dose at constant \
+         speed",
+        Known(*half_width_deg), Way(*half_width_deg)
     )]
     SmoothWithoutAngle {
         /// Half width of the start angle, deg.
@@ -320,10 +320,20 @@ struct Known(f64);
 
 impl fmt::Display for Known {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0 < 180.0 {
-            write!(f, "known within {:.1} degrees only", self.0)
+        if self.0 < 180.0 { write!(f, "known within {:.1} degrees", self.0) } else { f.write_str("unknown") }
+    }
+}
+
+/// Way to a smooth flow from an angle of this half width, in degrees. At a rate that leaves the motor no room the speed
+/// can hardly follow an angle, however well that is known.
+struct Way(f64);
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0 < 180.0 {
+            "dose more slowly, which leaves the speed room to follow, find the angle better"
         } else {
-            f.write_str("unknown")
-        }
+            "find the angle first"
+        })
     }
 }
