@@ -58,7 +58,11 @@ impl StatusRow {
             (Some(holder), None, _) => Some(format!("in use by {holder}")),
             (None, Some(dose), _) => {
                 let is_exact = dose.steps_are_exact && dose.delivered_least_ml < dose.delivered_most_ml;
-                let exact = if is_exact { " (the steps are exact)" } else { "" };
+                let exact = match (is_exact, dose.board_may_tell && !dose.steps_are_exact) {
+                    (true, _) => " (the steps are exact)",
+                    (false, true) => " (by the record alone: the board may know the exact steps)",
+                    (false, false) => "",
+                };
                 Some(format!("unfinished: {}{exact}", dose.made(false)))
             }
             (None, None, Some(_)) => Some("unfinished calibration".to_owned()),
