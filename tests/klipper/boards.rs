@@ -88,7 +88,7 @@ fn a_queue_that_is_too_small_and_a_motor_that_is_too_fast_are_refused_before_the
     let rig = board(Character { slots: 24, ..Character::default() });
     let mut drive = rig.open();
     let words = said(&drive.check(&dose(6.0, 8.0, true)).unwrap_err());
-    assert!(words.contains("commands within 0.3 s, and the board's queue holds 24"), "{words}");
+    assert!(words.contains("commands within 0.3 s, and the board's queue of 24 has room for 8"), "{words}");
     assert_eq!(rig.board.truth().steps[0], 0);
 }
 

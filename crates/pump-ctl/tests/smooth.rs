@@ -127,9 +127,9 @@ fn a_smooth_flow_from_an_angle_that_nobody_knows_is_refused() {
     assert!(matches!(refused, PlanError::SmoothWithoutAngle { .. }), "{refused}");
     assert!(matches!(with(0.2), Err(PlanError::SmoothWithoutAngle { .. })));
     // Half a turn to either side is every angle there is.
-    assert!(with(0.2).unwrap_err().to_string().contains("which is known within 11.5 degrees only: a speed"));
+    assert!(with(0.2).unwrap_err().to_string().contains("which is known within 11.5 degrees: at this"));
     let nobody = with(3.2).unwrap_err().to_string();
-    assert!(nobody.contains("the rollers' angle, which is unknown: a speed that follows it"), "{nobody}");
+    assert!(nobody.contains("the rollers' angle, which is unknown: at this rate a speed that"), "{nobody}");
     // An angle known to two full motor steps still makes the flow smoother, and the worst ripple is reported.
     let uncertain = with(0.01).unwrap().ripples(&pump);
     let certain = with(0.0).unwrap().ripples(&pump);

@@ -127,12 +127,7 @@ fn a_suck_back_is_warned_of_and_refused_with_the_names_of_its_own_ports() {
 #[test]
 fn a_rehearsed_dose_is_warned_of_as_a_single_one() {
     let lab = Lab::new();
-    let grbl = pump_bench::Bench::new(
-        file(),
-        Some(pump_bench::pump_file::DriverName::Grbl),
-        lab.bench.folder().path(),
-    )
-    .unwrap();
+    let grbl = pump_bench::Bench::new(file(), Some(DriverName::Grbl), lab.bench.folder().path()).unwrap();
     let request = DoseRequest::dose(5.0).with_start_angle(0.2, 0.0);
     let single = grbl.prepare(request).unwrap();
     let mut rehearsal = Rehearsal::new(&grbl).unwrap();

@@ -101,6 +101,11 @@ pub enum KlipperError {
         /// Number of the block that the board asks for, modulo 16.
         told: u8,
     },
+    /// Another motor of this process has lost the board and found it anew, and this one's commands with it.
+    #[error(
+        "the line to the board was begun anew for another pump of it, which had lost it; check its cable and power"
+    )]
+    FoundAnew,
     /// A question was not answered.
     #[error("the board has not answered `{question}` for {waited_s:.1} s; check its cable and power")]
     NoAnswer {
@@ -308,6 +313,7 @@ impl KlipperError {
                 | Self::Quiet { .. }
                 | Self::Garbled { .. }
                 | Self::OutOfStep { .. }
+                | Self::FoundAnew
                 | Self::NoAnswer { .. }
         )
     }

@@ -3,7 +3,7 @@
 mod axis_record;
 mod known_board;
 
-#[cfg(all(feature = "grbl", feature = "node"))]
+#[cfg(any(all(feature = "grbl", feature = "node"), feature = "klipper"))]
 pub(super) use axis_record::RecordedPump;
 #[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use known_board::MadePlace;

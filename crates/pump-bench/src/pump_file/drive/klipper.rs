@@ -118,6 +118,10 @@ impl KlipperTable {
         let pin = own
             .or_else(|| lines(self).into_iter().find(|name| has(&theirs, name)))
             .or_else(|| lines(other).into_iter().find(|name| has(&mine, name)));
+        // A line is shared as a whole, or not at all.
+        let (own_line, other_line) = (lines(self), lines(other));
+        let is_one_line = own_line == other_line;
+        let pin = pin.or_else(|| own_line.into_iter().find(|name| !is_one_line && other_line.contains(name)));
         let drivers = self.tmc.as_ref().zip(other.tmc.as_ref());
         let driver =
             drivers.filter(|(one, other)| (&one.uart.name, one.address) == (&other.uart.name, other.address));

@@ -120,7 +120,6 @@ impl Klipper {
             Ok(Met { board, position, disturbed, replaced, of_board }) => {
                 self.notes.extend(replaced.notes());
                 self.notes.extend(of_board.into_iter().map(Notice::from));
-                board.talk.link.note_met(true);
                 self.at = At::Met(Box::new(board));
                 (self.stands, self.disturbed) = (Some(position), disturbed);
                 self.learn_drift(self.terms.opening.with_other_boards)
@@ -135,7 +134,7 @@ impl Klipper {
     /// Has the board met anew before it moves again.
     fn part(&mut self) {
         self.at = match std::mem::replace(&mut self.at, At::Nowhere) {
-            At::Met(board) => {
+            At::Met(mut board) => {
                 self.terms.last = Some(board.record);
                 board.talk.link.note_met(false);
                 At::Apart(Box::new(board.talk.link))

@@ -172,6 +172,8 @@ impl Talk {
         if !self.dictionary.has_command("clear_shutdown") {
             return Ok(false);
         }
+        // Each other motor of this process has lost its current too, and nothing else tells it afterwards.
+        self.shared.note_cut();
         let command = self.dictionary.command("clear_shutdown")?;
         self.tell(&command, &[])?;
         self.forget();
@@ -226,8 +228,12 @@ pub(in crate::drives::klipper) struct Board {
     /// Commands that the queue holds.
     pub(in crate::drives::klipper) slots: u16,
     pub(in crate::drives::klipper) timer: StepTimer,
+    /// Motors of this process that the board turns, this one among them.
+    pub(in crate::drives::klipper) motors: usize,
     /// Most steps a second of several motors together.
     pub(in crate::drives::klipper) all_steps_s: f64,
+    /// Shutdowns that motors of this process had ended when the board was met.
+    pub(super) cuts: u32,
     /// Session as it is on record.
     pub(in crate::drives::klipper) record: SessionRecord,
     /// File of that record.
@@ -297,10 +303,19 @@ impl Board {
         Ok(())
     }
 
+    /// Refuses a board of which another motor of this process has ended a shutdown since this one met it.
+    pub(in crate::drives::klipper) fn check_current(&self) -> Result<(), KlipperError> {
+        if self.talk.shared.cuts() == self.cuts {
+            return Ok(());
+        }
+        Err(KlipperError::Shutdown { reason: "in a motion of another pump of the board".to_owned() })
+    }
+
     /// Refuses a board that was reset, shut down or configured by another program since it was met. Follows its clock.
     pub(in crate::drives::klipper) fn check(&mut self) -> Result<(), KlipperError> {
         self.talk.link.turn(Duration::ZERO)?;
         self.talk.hear()?;
+        self.check_current()?;
         let state = self.talk.config()?;
         if !state.is_configured || state.checksum != self.record.checksum {
             return Err(KlipperError::Reset);

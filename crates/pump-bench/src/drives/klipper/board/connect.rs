@@ -6,7 +6,7 @@ use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 use super::board::{Board, ConfigState, Talk, reason};
-use super::board_motor::{displaced, motors_of};
+use super::board_motor::{BoardMotor, displaced, motors_of};
 use super::board_record::BoardRecord;
 use super::commands::Commands;
 use super::configuration::Configuration;
@@ -23,7 +23,7 @@ use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::link::Link;
 use crate::drives::klipper::refit::{RefitError, StepTimer};
 use crate::drives::klipper::tmc::TmcError;
-use crate::drives::known_board::{KnownBoard, MadePlace};
+use crate::drives::known_board::{KnownBoard, MadePlace, RecordedPump};
 
 /// Longest wait for a first answer.
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
@@ -117,7 +117,9 @@ pub(in crate::drives::klipper) fn meet(
         hz,
         slots: state.slots,
         timer,
+        motors: terms.opening.beside.len() + 1,
         all_steps_s: SEVERAL * most_steps_s(chip.as_deref(), hz),
+        cuts: shared.cuts(),
         record,
         path: terms.record.clone(),
         shared_path,
@@ -135,10 +137,22 @@ pub(in crate::drives::klipper) fn meet(
     match settled {
         Ok((position, mut of_board, was_off)) => {
             of_board.extend(displaced);
-            let disturbed = if was_off { Some(Disturbance::CurrentLost) } else { disturbed };
+            let disturbed = told_of(disturbed, replaced.board.is_some(), was_off);
+            // Before another motor meets the board: it need not find it anew then.
+            board.talk.link.note_met(true);
             Ok(Met { board, position, disturbed, replaced, of_board })
         }
         Err(error) => Err((Box::new(board.talk.link), error)),
+    }
+}
+
+/// Returns what a meeting tells of the rotor: more than how the board was found if it was exchanged for another one, or
+/// if its stepper driver has lost the current.
+fn told_of(found: Option<Disturbance>, is_exchanged: bool, was_off: bool) -> Option<Disturbance> {
+    match found {
+        Some(Disturbance::Reset) if is_exchanged => Some(Disturbance::TakenOver),
+        _ if was_off => Some(Disturbance::CurrentLost),
+        found => found,
     }
 }
 
@@ -205,8 +219,9 @@ fn step_timer(hz: u32, chip: Option<&str>, terms: &Terms) -> Result<StepTimer, R
 fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
     let hz = talk.dictionary.constant("CLOCK_FREQ", CLOCKS_HZ)?;
     let (own, board) = records(terms)?;
+    let recorded = claimed(&board.motors, &marks(talk, terms), terms);
     let shared_path = BoardRecord::path(&terms.opening, &terms.port);
-    let (motors, place) = motors_of(terms, &board.motors, &talk.dictionary);
+    let (motors, place) = motors_of(terms, &recorded, &talk.dictionary);
     let configuration = Configuration::new(&motors, &talk.dictionary, &talk.format, hz)?;
     talk.objects = configuration.objects(place);
     let state = talk.config()?;
@@ -224,16 +239,19 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
     if talk.link.is_met_by_others() {
         return Err(KlipperError::Shared { port: terms.port.clone() });
     }
+    let mut is_foreign = false;
     if state.is_configured || state.is_shut_down {
-        let recorded = Configuration::new(&board.motors, &talk.dictionary, &talk.format, hz);
-        let of_board = recorded.ok().map(|recorded| recorded.checksum(board.session));
+        let of_record = Configuration::new(&board.motors, &talk.dictionary, &talk.format, hz);
+        let of_board = of_record.ok().map(|of_record| of_record.checksum(board.session));
         let is_of_bench = [own.map(|own| own.checksum), of_board].contains(&Some(state.checksum));
+        is_foreign = state.is_configured && !is_of_bench;
         let wanted = configuration.checksum(own.map_or(0, |own| own.session));
         let is_known = is_of_bench || terms.opening.accept_settings;
         bring_to_rest(talk, state, is_known, (board.motors.len(), wanted))?;
         reset(talk)?;
     }
-    let displaced = displaced(&motors, &board.motors);
+    let displaced = displaced(&motors, &recorded);
+    let disturbed = if is_foreign { Disturbance::TakenOver } else { Disturbance::Reset };
     let session = SessionRecord::draw();
     let checksum = configuration.checksum(session);
     let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts: 0 };
@@ -242,8 +260,7 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
     terms.record.as_ref().map_or(Ok(()), |path| record.write(path))?;
     let state = configure(talk, &configuration, checksum)?;
     talk.objects = configuration.objects(place);
-    let disturbed = Some(Disturbance::Reset);
-    Ok(Found { hz, state, record, disturbed, shared_path, displaced })
+    Ok(Found { hz, state, record, disturbed: Some(disturbed), shared_path, displaced })
 }
 
 /// Returns the session of the pump on record, and the record of the board. One that cannot be read is none if a person
@@ -260,6 +277,20 @@ fn records(terms: &Terms) -> Result<(Option<SessionRecord>, BoardRecord), Klippe
     let shared_path = BoardRecord::path(&terms.opening, &terms.port);
     let board = shared_path.as_deref().map_or(Ok(None), BoardRecord::read);
     Ok((lenient(own, accepts)?.or(terms.last), lenient(board, accepts)?.unwrap_or_default()))
+}
+
+/// Returns the motors on record whose pumps have their pins by their own records. A pump that is gone, or has other
+/// pins now, has no motor at the board any more.
+fn claimed(motors: &[BoardMotor], marks: &KnownBoard, terms: &Terms) -> Vec<BoardMotor> {
+    let pumps = RecordedPump::of_board(marks, &terms.opening);
+    let is_claimed = |motor: &&BoardMotor| {
+        let pins = motor.pins.own_pins();
+        let has_them = |pump: &RecordedPump| {
+            motor.pump.as_ref() == Some(&pump.pump) && pins.iter().all(|pin| pump.board.pins.contains(pin))
+        };
+        motor.pump == terms.opening.pump || pumps.iter().any(has_them)
+    };
+    motors.iter().filter(is_claimed).cloned().collect()
 }
 
 /// Keeps the configuration of a board that has the pump's motor under `session`, with so many shutdowns on record, and
@@ -332,11 +363,11 @@ fn bring_to_rest(
     is_known: bool,
     (motors, wanted): (usize, u32),
 ) -> Result<(), KlipperError> {
+    if state.is_configured && !is_known {
+        return Err(KlipperError::Configured { found: state.checksum, wanted });
+    }
     if state.is_shut_down {
         return Ok(());
-    }
-    if !is_known {
-        return Err(KlipperError::Configured { found: state.checksum, wanted });
     }
     // A board of another program may have no stepper of this number, and then shuts down, which is a rest too.
     for place in 0..motors.max(1) {

@@ -63,16 +63,15 @@ pub(in crate::drives::klipper) fn check(
 }
 
 /// Has the board put a question to a driver, unless the line is taken by another motor's. Waits for no answer, after
-/// which [`Talk::free_line`] is to follow. Returns true if the question was put.
-pub(in crate::drives::klipper) fn ask(talk: &mut Talk, question: &[u8]) -> Result<bool, KlipperError> {
+/// which [`Talk::free_line`] is to follow. Returns the number of the question's block if it was put.
+pub(in crate::drives::klipper) fn ask(talk: &mut Talk, question: &[u8]) -> Result<Option<u64>, KlipperError> {
     if !talk.take_line() {
-        return Ok(false);
+        return Ok(None);
     }
     let size = u8::try_from(ANSWER_LEN).unwrap_or(u8::MAX);
     let send = talk.dictionary.command(SEND)?;
     let line = talk.objects.driver_line;
-    talk.link.queue(&send.encode(&[line.into(), question.into(), size.into()])?)?;
-    Ok(true)
+    talk.link.queue_alone(&send.encode(&[line.into(), question.into(), size.into()])?).map(Some)
 }
 
 fn warning(status: TmcStatus) -> Option<String> {

@@ -1,5 +1,6 @@
 //! A board of this process, which the motors of several pumps share.
 
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
@@ -30,6 +31,8 @@ pub(in crate::drives::klipper) struct SharedBoard {
     /// Motor that has a question on the line to the stepper drivers, and the instant of it. The board answers one at a
     /// time, and drops others.
     line: Mutex<Option<(u64, Instant)>>,
+    /// Shutdowns that motors of this process have ended. Each has taken the current of every motor.
+    cuts: AtomicU32,
 }
 
 impl SharedBoard {
@@ -40,6 +43,7 @@ impl SharedBoard {
             known: Mutex::default(),
             meeting: Mutex::default(),
             line: Mutex::default(),
+            cuts: AtomicU32::new(0),
         }
     }
 
@@ -52,9 +56,14 @@ impl SharedBoard {
         }
     }
 
-    /// Lets this thread meet the board, or end its shutdown, once no other one does.
-    pub(in crate::drives::klipper) fn meeting(&self) -> MutexGuard<'_, ()> {
-        self.meeting.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Returns the number of shutdowns that motors of this process have ended.
+    pub(super) fn cuts(&self) -> u32 {
+        self.cuts.load(Ordering::SeqCst)
+    }
+
+    /// Notes that a motor is about to end a shutdown.
+    pub(super) fn note_cut(&self) {
+        self.cuts.fetch_add(1, Ordering::SeqCst);
     }
 
     /// Returns the board as another motor has found it.

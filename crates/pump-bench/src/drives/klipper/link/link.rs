@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::shared_trunk::SharedTrunk;
+use super::shared_trunk::{SharedTrunk, TrunkGuard};
 use super::trunk::HEED;
 use crate::drives::StopRequest;
 use crate::drives::klipper::error::KlipperError;
@@ -55,6 +55,9 @@ pub(in crate::drives::klipper) struct Link {
     /// True while a gate hears the user, and no wait does.
     is_deaf: bool,
     quiet: Duration,
+    /// Number of times that the board had been found when the motor of this link met it. `None` before. Another motor
+    /// that finds the board anew drops what this one has queued.
+    found: Option<u64>,
 }
 
 impl Drop for Link {
@@ -73,7 +76,7 @@ impl Link {
     /// Makes one more link over a trunk.
     pub(in crate::drives::klipper) fn over(trunk: Arc<SharedTrunk>, place: Place, stop: StopRequest) -> Self {
         let lane = trunk.lock().open();
-        Self { trunk, lane, place, stop, is_deaf: false, quiet: QUIET }
+        Self { trunk, lane, place, stop, is_deaf: false, quiet: QUIET, found: None }
     }
 
     /// Returns the number of the link, which no other link of the trunk has.
@@ -92,8 +95,27 @@ impl Link {
     }
 
     /// Notes whether the motor of this link has met the board.
-    pub(in crate::drives::klipper) fn note_met(&self, is_met: bool) {
-        self.trunk.lock().note_met(self.lane, is_met);
+    pub(in crate::drives::klipper) fn note_met(&mut self, is_met: bool) {
+        let mut trunk = self.trunk.lock();
+        trunk.note_met(self.lane, is_met);
+        self.found = is_met.then_some(trunk.connections);
+    }
+
+    /// Takes over a board that another motor has found anew. Returns false if it is as this motor has found it.
+    pub(in crate::drives::klipper) fn takes_over(&mut self) -> bool {
+        let connections = self.trunk.lock().connections;
+        let is_anew = self.found.is_some_and(|found| found != connections);
+        self.found = self.found.map(|_| connections);
+        is_anew
+    }
+
+    /// Takes the trunk, unless another motor has found the board anew since this one met it.
+    fn hold(&self) -> Result<TrunkGuard<'_>, KlipperError> {
+        let trunk = self.trunk.lock();
+        match self.found {
+            Some(found) if found != trunk.connections => Err(KlipperError::FoundAnew),
+            _ => Ok(trunk),
+        }
     }
 
     /// Sets the most bytes under way, which the board holds in its buffer: its constant RECEIVE_WINDOW.
@@ -179,17 +201,30 @@ impl Link {
 
     /// Finds the block that the board takes next, and begins there. Nothing that was queued before is sent.
     pub(in crate::drives::klipper) fn connect(&mut self, limit: Duration) -> Result<(), KlipperError> {
-        self.trunk.lock().connect(limit, &self.place, &|| self.heed())
+        let mut trunk = self.trunk.lock();
+        let connected = trunk.connect(limit, &self.place, &|| self.heed());
+        let connections = trunk.connections;
+        drop(trunk);
+        self.found = self.found.map(|_| connections);
+        connected
     }
 
     /// Queues a command, which the next turns send. Commands share blocks. Returns the number of its block.
     pub(in crate::drives::klipper) fn queue(&mut self, command: &[u8]) -> Result<u64, KlipperError> {
-        self.trunk.lock().queue(command)
+        self.hold()?.queue(command)
+    }
+
+    /// Queues commands of which the board takes all or none. Returns the number of the first one's block.
+    pub(in crate::drives::klipper) fn queue_all(
+        &mut self,
+        commands: &[Vec<u8>],
+    ) -> Result<u64, KlipperError> {
+        self.hold()?.queue_all(commands)
     }
 
     /// Queues a command in a block of its own, as a question whose answer is told by the number of the block.
     pub(in crate::drives::klipper) fn queue_alone(&mut self, command: &[u8]) -> Result<u64, KlipperError> {
-        self.trunk.lock().queue_alone(command)
+        self.hold()?.queue_alone(command)
     }
 
     /// Returns the oldest block with content that has come. Answers to other links are among them.
@@ -203,7 +238,7 @@ impl Link {
     pub(in crate::drives::klipper) fn turn(&mut self, wait: Duration) -> Result<(), KlipperError> {
         let until = self.now() + wait;
         loop {
-            let mut trunk = self.trunk.lock();
+            let mut trunk = self.hold()?;
             let slice = if trunk.lanes() > 1 { until.min(trunk.now() + SLICE) } else { until };
             trunk.turn(self.lane, slice, self.quiet)?;
             if trunk.has_arrivals(self.lane) || trunk.now() >= until {
@@ -214,22 +249,14 @@ impl Link {
 
     /// Waits until the board has taken all that was queued by now. Arrivals are kept.
     pub(in crate::drives::klipper) fn settle(&mut self) -> Result<(), KlipperError> {
-        let (last, connections) = {
-            let trunk = self.trunk.lock();
-            (trunk.last(), trunk.connections)
-        };
-        let (mut arrivals, began) = (VecDeque::new(), self.now());
-        while !self.trunk.lock().has_taken(last) {
+        let last = self.hold()?.last();
+        let mut arrivals = VecDeque::new();
+        while !self.hold()?.has_taken(last) {
             self.heed()?;
             self.turn(HEED)?;
             let mut trunk = self.trunk.lock();
             while let Some(arrival) = trunk.take(self.lane) {
                 arrivals.push_back(arrival);
-            }
-            if trunk.connections != connections {
-                // Another link has found the board anew, and nothing that was queued before is sent.
-                let waited_s = trunk.now().saturating_sub(began).as_secs_f64();
-                return Err(KlipperError::Quiet { waited_s });
             }
         }
         self.trunk.lock().give_back(self.lane, arrivals);
@@ -252,9 +279,11 @@ impl Link {
             let number = self.queue_alone(&command)?;
             let asked = self.now();
             let mut answered = None;
-            while answered.is_none() && self.waits_for(number, asked) {
+            loop {
+                // A thread that was held up has the answer, although its time is over.
+                let waits = self.waits_for(number, asked);
                 self.heed()?;
-                self.turn(HEED)?;
+                self.turn(if waits { HEED } else { Duration::ZERO })?;
                 while let Some(arrival) = self.take() {
                     // An answer that was on its way before is that to another question, perhaps of another motor.
                     if arrival.taken.is_none_or(|taken| taken >= number) {
@@ -264,6 +293,9 @@ impl Link {
                         break;
                     }
                     others.push_back(arrival);
+                }
+                if answered.is_some() || !waits {
+                    break;
                 }
             }
             let waited = self.now().saturating_sub(began);

@@ -239,7 +239,7 @@ impl Trunk {
             while let Some(Block { sequence, .. }) = self.next_block(until, heed)? {
                 has_answered = true;
                 if is_told && sequence == (next + 1) % 16 {
-                    self.window = Window::new(sequence);
+                    self.window = self.window.anew(sequence);
                     self.corrupt = self.reader.corrupt();
                     return Ok(());
                 }
@@ -301,6 +301,16 @@ impl Trunk {
             }
         }
         Ok(self.last())
+    }
+
+    /// Queues commands that no other link may come between. Returns the number of the first one's block.
+    pub(super) fn queue_all(&mut self, commands: &[Vec<u8>]) -> Result<u64, KlipperError> {
+        let mut first = None;
+        for command in commands {
+            let number = self.queue(command)?;
+            first.get_or_insert(number);
+        }
+        Ok(first.unwrap_or(self.last()))
     }
 
     /// Queues a command in a block of its own, as a question whose answer is told by the number of the block.

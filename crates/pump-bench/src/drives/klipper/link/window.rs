@@ -76,6 +76,14 @@ impl Window {
         }
     }
 
+    /// Makes the window of a board that is found anew, and takes the block `sequence` next. Its numbers go on from
+    /// those of this window, so that an old number is that of no new block.
+    pub(super) fn anew(&self, sequence: u8) -> Self {
+        let next = self.next();
+        let ahead = u64::from(sequence).wrapping_sub(next) % SEQUENCES;
+        Self { oldest: next + ahead, bytes_most: self.bytes_most, ..Self::new(sequence) }
+    }
+
     /// Sets the most bytes under way. A block is always sent if none is under way.
     pub(super) fn set_bytes_most(&mut self, bytes: usize) {
         self.bytes_most = bytes;

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use crate::drives::klipper::board::{Board, Talk, ask_driver};
 use crate::drives::klipper::error::KlipperError;
+use crate::drives::klipper::link::Arrival;
 use crate::drives::klipper::protocol::Message;
 use crate::drives::klipper::tmc::{Inquiry, TmcError};
 
@@ -21,8 +22,9 @@ const ANSWER: Duration = Duration::from_millis(400);
 #[derive(Debug)]
 pub(super) struct DriverWatch {
     inquiry: Inquiry,
-    /// Time at which the question under way was asked.
+    /// Time at which the question under way was asked, and the number of its block.
     asked_at: Option<Duration>,
+    asked_in: u64,
     /// True while an inquiry is under way, and the steps that were made when it began.
     inquires: bool,
     made: u64,
@@ -35,7 +37,7 @@ impl DriverWatch {
     /// Makes the watch over the driver at an address, which had no fault before the motion.
     pub(super) fn new(address: u8) -> Self {
         let inquiry = Inquiry::new(address);
-        Self { inquiry, asked_at: None, inquires: false, made: 0, inquired_at: None, sure: 0 }
+        Self { inquiry, asked_at: None, asked_in: 0, inquires: false, made: 0, inquired_at: None, sure: 0 }
     }
 
     /// Asks what is to be asked now, after `made` steps.
@@ -48,16 +50,25 @@ impl DriverWatch {
         if !self.inquires && is_time {
             (self.inquires, self.made, self.inquired_at) = (true, made, Some(now));
         }
-        if self.inquires && self.asked_at.is_none() && ask_driver(&mut board.talk, &self.inquiry.question())?
+        if self.inquires
+            && self.asked_at.is_none()
+            && let Some(number) = ask_driver(&mut board.talk, &self.inquiry.question())?
         {
-            self.asked_at = Some(now);
+            (self.asked_at, self.asked_in) = (Some(now), number);
         }
         Ok(())
     }
 
     /// Takes the board's answer.
-    pub(super) fn hear(&mut self, talk: &Talk, message: &Message) -> Result<(), KlipperError> {
-        if self.asked_at.is_some() {
+    pub(super) fn hear(
+        &mut self,
+        talk: &Talk,
+        arrival: &Arrival,
+        message: &Message,
+    ) -> Result<(), KlipperError> {
+        // An answer on the same line that was on its way before is that of another motor's driver.
+        let is_own = arrival.taken.is_some_and(|taken| taken >= self.asked_in);
+        if self.asked_at.is_some() && is_own {
             self.take(talk, message.bytes("read")?)?;
         }
         Ok(())

@@ -24,8 +24,8 @@ impl Motion<'_> {
         }
         let found = match &error {
             KlipperError::Reset | KlipperError::Gone(_) => None,
-            KlipperError::Shutdown { .. } => self.count_again(false).ok().flatten(),
-            _ => self.search(),
+            KlipperError::Shutdown { .. } => self.search(false),
+            _ => self.search(true),
         };
         self.feed = None;
         match found {
@@ -39,10 +39,10 @@ impl Motion<'_> {
     }
 
     /// Searches for a board that has fallen silent. Returns its count if it still runs in the same session.
-    fn search(&mut self) -> Option<u64> {
+    fn search(&mut self, connects: bool) -> Option<u64> {
         let began = self.board.talk.link.now();
         loop {
-            match self.count_again(true) {
+            match self.count_again(connects) {
                 Ok(counted) => return counted,
                 Err(KlipperError::Gone(_)) => return None,
                 Err(_) if self.board.talk.link.now().saturating_sub(began) > self.board.search => {
@@ -56,9 +56,12 @@ impl Motion<'_> {
     /// Returns the count of a board that stands, or `None` if it has lost it.
     fn count_again(&mut self, connects: bool) -> Result<Option<u64>, KlipperError> {
         let shared = Arc::clone(&self.board.talk.shared);
-        let _meeting = shared.meeting();
+        // Another motor may be at it. The search asks again, and ends in its time.
+        let Some(_meeting) = shared.try_meeting() else {
+            return Err(KlipperError::NoAnswer { question: "get_config".to_owned(), waited_s: 0.0 });
+        };
         let talk = &mut self.board.talk;
-        if connects {
+        if !talk.link.takes_over() && connects {
             talk.link.connect(ASK)?;
         }
         talk.forget();

@@ -74,6 +74,8 @@ pub(super) struct Motion<'a> {
     /// Number of the block that asks for the clock.
     asked: Option<u64>,
     put_off_at: Duration,
+    /// Number of the block that has begun the last move.
+    begun_in: u64,
     driver: Option<DriverWatch>,
     /// Most steps by which the motor may have slipped, because it was stopped without a ramp.
     pub(super) slipped: u32,
@@ -111,6 +113,7 @@ impl<'a> Motion<'a> {
             read_at: Duration::ZERO,
             asked: None,
             put_off_at: Duration::ZERO,
+            begun_in: 0,
             failed: None,
         }
     }
@@ -179,6 +182,8 @@ impl<'a> Motion<'a> {
             self.board.talk.link.turn(wait)?;
             return self.hear();
         };
+        // The motor has its current before its first step.
+        self.board.check_current()?;
         let is_forward = (self.plan.direction().sign() > 0) != self.board.is_reversed;
         let format = &self.board.talk.format;
         let objects = self.board.talk.objects;
@@ -190,9 +195,7 @@ impl<'a> Motion<'a> {
             format.set_next_step_dir.encode(&[stepper, is_forward.into()])?,
             format.reset_step_clock.encode(&[stepper, low(base)])?,
         ];
-        for command in &commands {
-            self.board.talk.link.queue(command)?;
-        }
+        self.begun_in = self.board.talk.link.queue_all(&commands)?;
         self.put_off()?;
         if self.seeks && self.index_at.is_none() {
             let phase = if self.index == Index::Finds { Index::Finds } else { Index::Leaves };
@@ -349,13 +352,15 @@ impl<'a> Motion<'a> {
             for message in self.board.talk.dictionary.read(&arrival.content)? {
                 fault(&message, &self.board.talk.dictionary)?.map_or(Ok(()), Err)?;
                 let objects = self.board.talk.objects;
+                // The state of a group that was told before is that of the move before.
+                let is_of_move = arrival.taken.is_some_and(|taken| taken >= self.begun_in);
                 let is_of = |oid: u8| message.number("oid").is_ok_and(|number| number == i64::from(oid));
                 match message.name() {
                     "clock" => self.note_clock(&arrival, message.unsigned("clock")?)?,
                     "trsync_state" if message.number("can_trigger")? == 0 => {
                         if is_of(objects.index_group) {
                             self.index = self.index.triggered(self.board)?;
-                        } else if is_of(objects.dead_man) && self.feed.is_some() {
+                        } else if is_of(objects.dead_man) && self.feed.is_some() && is_of_move {
                             let dead_man_ms = self.board.dead_man.as_millis();
                             return Err(KlipperError::DeadMan { dead_man_ms });
                         }
@@ -365,7 +370,9 @@ impl<'a> Motion<'a> {
                     }
                     "tmcuart_response" if self.failed.is_none() && is_of(objects.driver_line) => {
                         let talk = &self.board.talk;
-                        self.driver.as_mut().map_or(Ok(()), |driver| driver.hear(talk, &message))?;
+                        self.driver
+                            .as_mut()
+                            .map_or(Ok(()), |driver| driver.hear(talk, &arrival, &message))?;
                     }
                     _ => {}
                 }

@@ -52,8 +52,9 @@ impl Task {
         let speed = plan.peak_rad_s() / plan.step_rad();
         let deceleration = plan.acceleration_rad_s2() / plan.step_rad();
         let brake_steps = ramp::steps(speed, deceleration);
-        // Motors that share the board share its queue.
-        let links = u16::try_from(board.talk.link.links()).unwrap_or(u16::MAX).max(1);
+        // Motors that share the board share its queue, those too that are still to meet it.
+        let links = board.talk.link.links().max(board.motors);
+        let links = u16::try_from(links).unwrap_or(u16::MAX).max(1);
         let slots = (board.slots / links).saturating_sub(SPARE_SLOTS);
         let (commands, needed) = commands_ahead(plan, board.timer)?;
         if commands > usize::from(slots) {
