@@ -35,7 +35,7 @@ pub struct Opening {
     /// Other pumps that use the board at the same time: the id of each, and its drive table. A board that takes one
     /// configuration for all of its motors is configured for them too.
     pub beside: Vec<(String, DriveTable)>,
-    /// True if the pump is one of a rack with pumps at other boards too. Its motions begin together with theirs, so a
+    /// True if the pump is one of a rack with pumps at other boards too. Motions begin together with theirs, so a
     /// device whose clock is to be known well for that is asked for it at once. And theirs go on while this one's board
     /// is searched for, so that the search is short.
     pub with_other_boards: bool,

@@ -56,7 +56,7 @@ impl Bench {
         self
     }
 
-    /// Returns the bench of a pump of a rack. Its board turns these others too: the id of each, and its drive table.
+    /// Returns the bench of a pump of a rack whose board turns these others too: the id of each, and its drive table.
     #[must_use]
     pub(crate) fn in_rack(mut self, beside: Vec<(String, DriveTable)>, with_other_boards: bool) -> Self {
         (self.opening.with_other_boards, self.opening.beside) = (with_other_boards, beside);

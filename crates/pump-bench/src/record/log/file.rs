@@ -54,7 +54,7 @@ pub enum LogLine {
 /// End of a log: the last dose that it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct LogTail {
-    /// Place of the last dose. Its number is 0 without one.
+    /// Place of the last dose, with the number 0 without one.
     pub(crate) place: LogPlace,
     /// Length of the file up to the end of that dose's line, in bytes.
     pub(super) length: u64,

@@ -37,7 +37,7 @@ const STILL: Duration = Duration::from_millis(150);
 /// Time that a board takes to start after a reset.
 const START: Duration = Duration::from_millis(500);
 
-/// Longest search for a silent board in motion. Its queue has ended by then, and its count is exact. The search is
+/// Longest search for a silent board in motion. The queue has ended by then, and the count is exact. The search is
 /// short while pumps at other boards wait for its end to stop: the next meeting finds the count.
 const SEARCH: Duration = Duration::from_secs(6);
 const SHORT_SEARCH: Duration = Duration::from_millis(500);
@@ -92,7 +92,7 @@ pub(in crate::drives::klipper) fn meet(
     };
     let objects = Objects::of(0, 0);
     let mut talk = Talk { link, shared: Arc::clone(shared), dictionary, format, objects };
-    // What came for other motors before tells nothing now.
+    // Messages for other motors that came before tell nothing now.
     talk.forget();
     let marks = marks(&talk, terms);
     let recognised = marks.compare(Some(&terms.port), &terms.opening).map_err(KlipperError::from);

@@ -76,8 +76,8 @@ impl Window {
         }
     }
 
-    /// Makes the window of a board that is found anew, and takes the block `sequence` next. Its numbers go on from
-    /// those of this window, so that an old number is that of no new block.
+    /// Makes the window of a board that is found anew, and takes the block `sequence` next. Numbers go on from those
+    /// of this window, so that an old number is that of no new block.
     pub(super) fn anew(&self, sequence: u8) -> Self {
         let next = self.next();
         let ahead = u64::from(sequence).wrapping_sub(next) % SEQUENCES;
