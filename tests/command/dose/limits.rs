@@ -23,7 +23,7 @@ fn smooth_flow_changes_the_ripple_and_nothing_that_is_delivered() {
     assert!(user.command(&["home", "--unknown"]).status().unwrap().success());
     let unknown = user.is_refused(&["25mL", "--smooth"]);
     assert!(unknown.contains("a smooth flow needs the rollers' angle"), "{unknown}");
-    assert!(unknown.contains("angle, which is unknown: a speed"), "{unknown}");
+    assert!(unknown.contains("angle, which is unknown: at this rate a speed"), "{unknown}");
     assert!(unknown.contains("`dose home --set <ANGLE>` says it"), "{unknown}");
     assert!(user.is_refused(&["status", "--smooth"]).contains("`dose status` takes no --smooth"));
 }
