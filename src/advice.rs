@@ -83,10 +83,12 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::FinishAtConstantSpeed => "`dose resume --rate <FLOW>` makes the rest at constant speed",
         Remedy::FinishAnywhere => "`dose resume --finish any` lets the rest end anywhere",
-        Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",
+        Remedy::FindOrSayAngle => {
+            "`dose home --set <ANGLE>` says it, and `dose home --sensor` or `dose home --mark` finds it"
+        }
         Remedy::ThenFindAngle => {
-            "find the angle again once the cause is removed, by `dose home`, or by `dose home --unfinished` while a \
-             dose is unfinished"
+            "find the angle again once the cause is removed: `dose home --set <ANGLE>` says it, or `dose home \
+             --unfinished --set <ANGLE>` while a dose is unfinished; `--sensor` or `--mark` in its place finds it"
         }
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {

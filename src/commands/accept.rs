@@ -1,8 +1,8 @@
 //! `dose accept`: an unfinished dose is accepted as it is.
 
 use clap::Args;
-use pump_bench::Bench;
 use pump_bench::report::{AcceptedReport, accepted_text};
+use pump_bench::{Accepted, Bench, DoseError, Session};
 
 use crate::advice;
 use crate::failure::Failure;
@@ -30,10 +30,29 @@ impl NamedDose {
 pub(crate) struct AcceptArgs {
     #[command(flatten)]
     named: NamedDose,
+    /// Accept the bounds on record of a dose whose board cannot be asked for its exact steps
+    #[arg(long)]
+    anyway: bool,
     #[command(flatten)]
     bench: BenchOptions,
     #[command(flatten)]
     format: FormatOption,
+}
+
+/// Accepts the interrupted dose, and refuses while a board that may know its exact steps cannot be asked.
+pub(in crate::commands) fn accept_counted(session: &mut Session<'_>) -> Result<Accepted, Failure> {
+    let accepted = session.accept_counted();
+    noted(session, accepted).map_err(|error| {
+        let is_unasked = matches!(error, DoseError::Connection(_));
+        let failure = Failure::from(error);
+        if !is_unasked {
+            return failure;
+        }
+        failure.with(
+            "; the board may know the exact steps of the unfinished dose, so nothing was accepted: try again once it \
+             answers, or accept the bounds on record with `dose accept --anyway`",
+        )
+    })
 }
 
 impl AcceptArgs {
@@ -41,8 +60,12 @@ impl AcceptArgs {
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
         self.named.check(&bench)?;
-        let accepted = session.accept();
-        let accepted = noted(&mut session, accepted)?;
+        let accepted = if self.anyway {
+            let accepted = session.accept();
+            noted(&mut session, accepted)?
+        } else {
+            accept_counted(&mut session)?
+        };
         let unasked = accepted.unasked.as_ref();
         let unasked = unasked.map(|error| {
             format!("the device could not be asked what it has counted: {}", advice::told(error))

@@ -9,6 +9,7 @@ use pump_bench::{Bench, DoseError, DoseRequest, Session};
 
 use super::{Said, deliver, report};
 use crate::advice;
+use crate::commands::accept::accept_counted;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
@@ -128,8 +129,7 @@ fn obey_home(session: &mut Session<'_>, interrupt: &Interrupt) -> Result<(), Fai
 
 /// Accepts the interrupted dose, for this reason. Returns what is to be told of it.
 fn accept(bench: &Bench, session: &mut Session<'_>, reason: &str) -> Result<Notice, Failure> {
-    let accepted = session.accept();
-    let accepted = noted(session, accepted)?;
+    let accepted = accept_counted(session)?;
     let unasked = accepted.unasked.as_ref().map_or(String::new(), |error| {
         format!("; the device could not be asked what it has counted: {}", advice::told(error))
     });

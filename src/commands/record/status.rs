@@ -15,7 +15,7 @@ use crate::options::limits::TubeLimit;
 use crate::options::motor::PortOption;
 use crate::options::report::FormatOption;
 use crate::terminal::{print_json, tell};
-use crate::told_commands::{completed, meaning, setup_that_was_left};
+use crate::told_commands::{completed, meaning, setup_that_was_left, shell_word};
 
 #[derive(Debug, Args)]
 pub(crate) struct StatusArgs {
@@ -76,8 +76,16 @@ impl StatusArgs {
     fn tell_rows(&self, rows: &[NamedRow]) -> Result<(), Failure> {
         let told = tell_rows(rows, self.format.json(), StatusRow::text);
         let is_left = |status: &Status| status.unfinished.is_some() && status.in_use_by.is_none();
-        if !self.format.json() && rows.iter().any(|named| named.row.status.as_ref().is_some_and(is_left)) {
-            tell("`dose resume --pump <NAME>` makes the rest, `dose accept --pump <NAME>` leaves it\n")?;
+        let left = rows.iter().filter(|named| named.row.status.as_ref().is_some_and(is_left));
+        let ways = left.map(|NamedRow { place, row }| {
+            let pump = shell_word(place);
+            format!(
+                "{}: `dose resume --pump {pump}` makes the rest, `dose accept --pump {pump}` leaves it\n",
+                row.name
+            )
+        });
+        if !self.format.json() {
+            tell(&ways.collect::<String>())?;
         }
         told
     }

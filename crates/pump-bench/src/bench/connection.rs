@@ -11,6 +11,8 @@ use pump_model::units::degrees;
 use super::device::{Device, as_allowed};
 use super::session::Session;
 use crate::dosing::DoseError;
+#[cfg(feature = "node")]
+use crate::drives::NodeError;
 use crate::drives::{Disturbance, Drive, DriveError, Opening, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
@@ -27,7 +29,7 @@ fn lost_and_found(stands: &PumpState, count: Option<i64>) -> Option<(Unfinished,
 
 /// Returns the note that a device was moved by another program, or that its direction was turned round: it then counts
 /// the steps on record with the other sign.
-fn moved_elsewhere(before: i64, now: i64) -> Notice {
+fn moved_elsewhere(before: i64, now: i64, find_angle: Remedy) -> Notice {
     let text = match now.checked_neg() == Some(before) {
         true => "the motor's direction was turned round, so nobody knows where the rollers stand".to_owned(),
         false => format!(
@@ -35,7 +37,12 @@ fn moved_elsewhere(before: i64, now: i64) -> Notice {
              angle is unknown"
         ),
     };
-    Notice::from(text).with_remedy(Remedy::FindAngle)
+    Notice::from(text).with_remedy(find_angle)
+}
+
+/// Returns the way to the angle of a pump in `state`: while a dose is unfinished, one that keeps it.
+pub(super) fn find_angle(state: &PumpState) -> Remedy {
+    if state.unfinished.is_some() { Remedy::FindAngleOfUnfinished } else { Remedy::FindAngle }
 }
 
 /// Returns the state after an event that the rotor's angle may not have survived. A released rotor falls by `fall_rad`
@@ -86,8 +93,7 @@ impl<'a> Session<'a> {
     /// A motion that was cut off waits for the device's count, and is left as it is.
     fn note_event(&mut self, error: &DriveError) -> Result<(), DoseError> {
         let (stands, model) = (self.stands(), self.bench.model());
-        let Some(event) = error.tells_event().filter(|_| self.cut_off.is_none() && self.state.is_some())
-        else {
+        let Some(event) = told_event(error).filter(|_| self.cut_off.is_none() && self.state.is_some()) else {
             return Ok(());
         };
         if !stands.phase().is_known(model.pitch_rad()) {
@@ -189,7 +195,7 @@ impl<'a> Session<'a> {
                 }
                 None if moved == 0 => stands,
                 _ => {
-                    notes.push(moved_elsewhere(before, now));
+                    notes.push(moved_elsewhere(before, now, find_angle(&stands)));
                     stands.lost(model)
                 }
             };
@@ -201,7 +207,7 @@ impl<'a> Session<'a> {
             met = met.halted(slip_steps, self.file().limits().motor.step_rad(), model);
             let halted = Disturbance::Halted { slip_steps };
             let text = format!("{halted}: the rollers' angle is known less well");
-            notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
+            notes.push(Notice::from(text).with_remedy(find_angle(&stands)));
         }
         // A motion that was cut off and counted since was of the steps of its own day.
         let met = met.of_steps(self.bench.way_rad(), model);
@@ -237,7 +243,7 @@ impl<'a> Session<'a> {
                 _ => "unknown: two full steps of the motor more, and it may be any angle of a pitch",
             };
             let text = format!("{event}: the rollers' angle is {now}");
-            notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
+            notes.push(Notice::from(text).with_remedy(find_angle(&stands)));
         }
         met
     }
@@ -252,11 +258,11 @@ impl<'a> Session<'a> {
             (Some(before), Some(0)) if before != 0 => {
                 let text = "the device was reset while the motor was released, and counts from zero: the rollers' \
                             angle may be any";
-                notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
+                notes.push(Notice::from(text).with_remedy(find_angle(&stands)));
                 stands.disturbed(self.bench.fall_rad(), model)
             }
             (Some(before), Some(now)) if before != now => {
-                notes.push(moved_elsewhere(before, now));
+                notes.push(moved_elsewhere(before, now, find_angle(&stands)));
                 stands.lost(model)
             }
             _ => stands,
@@ -357,5 +363,16 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         Err(DoseError::Connection(DriveError::no_index(self.bench.drive_id())))
+    }
+}
+
+/// Returns the event that a device which refuses to be used tells of the rotor. `None` if it tells none.
+fn told_event(error: &DriveError) -> Option<Disturbance> {
+    match error {
+        #[cfg(feature = "node")]
+        DriveError::Device(told) if matches!(told.downcast_ref(), Some(NodeError::Estop)) => {
+            Some(Disturbance::EmergencyStop)
+        }
+        _ => None,
     }
 }

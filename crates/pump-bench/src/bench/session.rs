@@ -18,6 +18,7 @@ use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfi
 pub(super) use self::before_motion::BeforeMotion;
 pub(super) use self::patience::Patience;
 use super::bench::{Bench, other_head, other_steps};
+use super::connection::find_angle;
 use super::device::Device;
 use super::log::SessionLog;
 use super::safety::RunBounds;
@@ -112,7 +113,9 @@ impl<'a> Session<'a> {
         let story = bench.told(story);
         let file = bench.file();
         let other_head = story.other_head.then(|| other_head(file));
-        let other_steps = (story.other_steps && other_head.is_none()).then(|| other_steps(file));
+        let is_of_others = story.other_steps && other_head.is_none();
+        let other_steps =
+            story.state.filter(|_| is_of_others).map(|state| other_steps(file, find_angle(&state)));
         Ok(Self {
             bench,
             journal,
@@ -324,12 +327,31 @@ impl<'a> Session<'a> {
     ///
     /// [`DoseError`] as for [`Self::discard`].
     pub fn accept(&mut self) -> Result<Accepted, DoseError> {
+        self.accept_if(|_| true)
+    }
+
+    /// Accepts the unfinished dose, as [`Self::accept`] does, but not while a device that may know its exact steps
+    /// cannot be asked: the bounds of a dose that is accepted stay on record for ever.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as for [`Self::discard`]. [`DoseError::Connection`] if the device cannot be asked.
+    pub fn accept_counted(&mut self) -> Result<Accepted, DoseError> {
+        let before = self
+            .cut_off
+            .map_or(self.stands().unfinished.and_then(|dose| dose.count_before), |(before, _)| before.count);
+        self.accept_if(|dose| dose.made_least == dose.made_most || before.is_none())
+    }
+
+    /// Accepts the unfinished dose. If the device cannot tell its count, `without_count` says whether the bounds on
+    /// record will do.
+    fn accept_if(&mut self, without_count: impl Fn(&Unfinished) -> bool) -> Result<Accepted, DoseError> {
         let before = self.stands();
         let begun = before.unfinished.ok_or(DoseError::NothingUnfinished("accept"))?;
         // A device that still knows its count tells the steps made. Otherwise the recorded bounds stay, and
         // the count starts anew when the device is met again.
         let unasked = match self.connect() {
-            Err(error) if error.is_stop() => return Err(error),
+            Err(error) if error.is_stop() || !without_count(&begun) => return Err(error),
             asked => asked.err(),
         };
         let state = self.stands();

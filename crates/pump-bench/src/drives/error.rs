@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::drive::Disturbance;
 use crate::notice::Remedy;
 
 /// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
@@ -169,17 +168,6 @@ impl DriveError {
     /// ```
     pub fn device(error: impl Into<Box<dyn StdError + Send + Sync>>) -> Self {
         Self::Device(error.into())
-    }
-
-    /// Returns the event that a device which refuses to be used tells of the rotor. `None` if it tells none.
-    pub(crate) fn tells_event(&self) -> Option<Disturbance> {
-        #[cfg(feature = "node")]
-        if let Self::Device(error) = self
-            && matches!(error.downcast_ref(), Some(super::NodeError::Estop))
-        {
-            return Some(Disturbance::EmergencyStop);
-        }
-        None
     }
 
     /// Returns the refusal of a drive that cannot let go of its motor.

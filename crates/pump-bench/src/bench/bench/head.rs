@@ -40,14 +40,14 @@ pub(in crate::bench) fn other_head(file: &PumpFile) -> Notice {
 
 /// Returns the note that the motions on record were of a motor with other steps than the pump file's, or of one that
 /// turned the other way.
-pub(in crate::bench) fn other_steps(file: &PumpFile) -> Notice {
+pub(in crate::bench) fn other_steps(file: &PumpFile, find_angle: Remedy) -> Notice {
     let (pump, steps) = (&file.pump.id, file.motor.steps_at_pump_head());
     let text = format!(
         "the motor of {pump} has {} steps per revolution of the head by its file now, and its record counts by another \
          number or in the other direction, so the angle of the rollers is unknown and nothing is carried",
         significant(steps, 9)
     );
-    Notice::from(text).with_remedy(Remedy::FindAngle)
+    Notice::from(text).with_remedy(find_angle)
 }
 
 /// Returns a number that changes with every value in `tables` of the pump file. Of a table in `keys` only those keys

@@ -17,6 +17,16 @@ pub(in crate::drives) struct RecordedPump {
 }
 
 impl RecordedPump {
+    /// Returns the record of the pump of this name under the same drive. `None` if it has none that can be read.
+    #[cfg(feature = "klipper")]
+    pub(in crate::drives) fn named(pump: &str, opening: &Opening) -> Option<Self> {
+        let drive = opening.settings_record.as_deref().and_then(Path::parent).and_then(Path::file_name)?;
+        let all = opening.boards.as_deref().and_then(Path::parent)?;
+        let path = all.join(pump).join(drive).join(RECORD);
+        let board = read(&path).ok().flatten()?;
+        Some(Self { pump: pump.to_owned(), path, board })
+    }
+
     /// Returns the other pumps whose records name `board`. The pump's own record is in `PUMP/DRIVE` of the
     /// folder of all records, which has that of the boards too. A record that cannot be read is that of no pump.
     pub(in crate::drives) fn of_board(board: &KnownBoard, opening: &Opening) -> Vec<Self> {

@@ -279,18 +279,18 @@ fn records(terms: &Terms) -> Result<(Option<SessionRecord>, BoardRecord), Klippe
     Ok((lenient(own, accepts)?.or(terms.last), lenient(board, accepts)?.unwrap_or_default()))
 }
 
-/// Returns the motors on record whose pumps have their pins by their own records. A pump that is gone, or has other
-/// pins now, has no motor at the board any more.
+/// Returns the motors on record but those whose pumps have other pins, or another board, by their own records now. A
+/// pump that was refused before it moved has no record of its own, and stays.
 fn claimed(motors: &[BoardMotor], marks: &KnownBoard, terms: &Terms) -> Vec<BoardMotor> {
-    let pumps = RecordedPump::of_board(marks, &terms.opening);
-    let is_claimed = |motor: &&BoardMotor| {
+    let has_left = |motor: &&BoardMotor| {
         let pins = motor.pins.own_pins();
-        let has_them = |pump: &RecordedPump| {
-            motor.pump.as_ref() == Some(&pump.pump) && pins.iter().all(|pin| pump.board.pins.contains(pin))
-        };
-        motor.pump == terms.opening.pump || pumps.iter().any(has_them)
+        let record = motor.pump.as_deref().and_then(|pump| RecordedPump::named(pump, &terms.opening));
+        record.is_some_and(|record| {
+            !marks.is_surely(&record.board) || !pins.iter().all(|pin| record.board.pins.contains(pin))
+        })
     };
-    motors.iter().filter(is_claimed).cloned().collect()
+    let is_own = |motor: &&BoardMotor| motor.pump == terms.opening.pump;
+    motors.iter().filter(|motor| is_own(motor) || !has_left(motor)).cloned().collect()
 }
 
 /// Keeps the configuration of a board that has the pump's motor under `session`, with so many shutdowns on record, and
