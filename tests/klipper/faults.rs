@@ -100,6 +100,28 @@ fn a_motor_that_was_stopped_without_a_ramp_has_its_slip_in_the_bounds_at_once() 
 }
 
 #[test]
+fn a_dose_whose_board_cannot_be_asked_is_accepted_only_if_a_person_says_so() {
+    let rig = Rig::new(Character::default());
+    let dose = rig.starts(&["20mL", "--rate", "6mL/s", "--confirm-pump"]);
+    while rig.board.truth().steps[0] < 2000 {
+        sleep(Duration::from_millis(2));
+    }
+    rig.board.touch("pull").unwrap();
+    let (code, said) = ended(dose);
+    assert_eq!(code, Some(1), "{said}");
+    let part = rig.state().unwrap().unfinished.unwrap();
+    assert!(part.made_least < part.made_most, "{part:?}");
+    for words in [&["accept"][..], &["1mL", "--unfinished", "accept"]] {
+        let (code, refused) = rig.runs(words);
+        assert!(code == Some(2) && refused.contains("nothing was accepted"), "{code:?}: {refused}");
+        assert_eq!(rig.state().unwrap().unfinished, Some(part), "{refused}");
+    }
+    let (code, told) = rig.runs(&["accept", "--anyway"]);
+    assert!(code == Some(0) && told.contains("the device could not be asked"), "{code:?}: {told}");
+    assert_eq!(rig.state().unwrap().unfinished, None, "{told}");
+}
+
+#[test]
 fn a_board_out_of_reach_leaves_the_bracket_of_what_it_was_sent() {
     let rig = Rig::new(Character::default());
     let (fault, _) = fault(&rig, || rig.board.touch("pull").unwrap());

@@ -95,8 +95,8 @@ impl Task {
             Self::Resume => &["smooth", "dry-run"],
             Self::Rack { .. } => &["dry-run"],
             Self::Calibrate { .. } => &["anew", "anyway", "dry-run"],
-            Self::Accept
-            | Self::Stand { .. }
+            Self::Accept => &["anyway"],
+            Self::Stand { .. }
             | Self::Clear { .. }
             | Self::Emptied
             | Self::UseCalibration { .. }
