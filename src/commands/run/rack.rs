@@ -331,7 +331,8 @@ fn ended(report: RackReport, interrupt: &Interrupt, places: &Places) -> Result<(
         (RackEnd::Fault, Some(fault)) => {
             let failure = Failure::of(&fault.error).after(&format!("pump `{}` of the rack: ", fault.pump));
             let failure = places.failed(&fault.pump, failure);
-            let failure = failure.with(&format!("; every other pump was stopped{rests}"));
+            let others = if moved { "every other pump was stopped" } else { "the rack moved no motor" };
+            let failure = failure.with(&format!("; {others}{rests}"));
             Err(if moved { failure.after_motion().delivered(range_ml) } else { failure })
         }
         (RackEnd::Stopped, _) => {

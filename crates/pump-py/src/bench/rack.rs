@@ -205,6 +205,7 @@ fn tell(
 /// Returns the JSON of a rack that has ended, or raises what ended it.
 fn finished(py: Python<'_>, mut report: RackReport, thrown: Option<PyErr>) -> PyResult<String> {
     let json = report.json();
+    let has_moved = report.has_moved();
     let note = format!(
         "{:.4} mL were delivered in all and are on record; open a Bench of a pump to resume() or discard() its rest",
         report.total.delivered_ml
@@ -217,8 +218,15 @@ fn finished(py: Python<'_>, mut report: RackReport, thrown: Option<PyErr>) -> Py
         }
         (Some(fault), thrown) => {
             let error = errors::dose(py, fault.error);
-            let failed =
-                format!("pump `{}` of the rack failed, and every other pump was stopped; {note}", fault.pump);
+            let failed = match has_moved {
+                true => format!(
+                    "pump `{}` of the rack failed, and every other pump was stopped; {note}",
+                    fault.pump
+                ),
+                false => {
+                    format!("pump `{}` of the rack was refused; the rack moved no motor", fault.pump)
+                }
+            };
             error.value(py).call_method1("add_note", (failed,))?;
             error.value(py).setattr("_rack", json)?;
             error.set_cause(py, thrown);
