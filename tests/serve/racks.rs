@@ -39,9 +39,10 @@ fn a_rack_tells_its_plan_at_its_begin_and_each_pump_its_own() {
         plan["pumps"].as_array().unwrap().iter().map(|row| &row["requested_ml"]).collect();
     assert_eq!(asked, [&json!(4.0), &json!(6.0)]);
     let view = |pump: &str| service.get(&format!("/api/v1/pumps/{pump}")).1;
+    // Each pump's own plan comes after that of the rack.
+    service.moves("acid");
     assert_eq!(view("acid")["order"], id);
     assert_eq!(view("dye")["order"], Value::Null, "the rack has not this pump");
-    service.moves("acid");
     assert_eq!(view("acid")["plan"]["requested_ml"], 4.0);
     // After its first step the pump has the plan of its second one, and waits for it.
     let waiting = wait_for("the pump to wait", || {
