@@ -211,7 +211,9 @@ impl AnswerOptions {
         put(&mut answers.driver, self.driver);
         put(&mut answers.port, self.port.clone());
         put(&mut answers.axis, self.axis);
-        put(&mut answers.socket, self.socket.clone());
+        if let Some(socket) = &self.socket {
+            answers.set_socket(socket.clone());
+        }
         put(&mut answers.current_a, self.current);
         put(&mut answers.hold_a, self.hold_current);
         put(&mut answers.invert, self.direction.map(|IsReverse(is_reverse)| is_reverse));

@@ -114,6 +114,10 @@ fn what_the_board_cannot_have_is_refused_before_a_file_is_written() {
         ),
         ("--microsteps 16 --socket step=PE9,dir=PB12", "has no pin `PE9`; its pins are PA0 to PA15, "),
         (
+            "--microsteps 16 --socket step=PB13,dir=PB12 --current 0.4A",
+            "the current is 0.4 A; allowed: no current, because the socket names no wire to a TMC2209",
+        ),
+        (
             "--microsteps 16 --socket skr-mini-e3-v2:X --current 1.9A",
             "the current is 1.9 A; allowed: 0.031 to 1.768 A (RMS) with [drive.klipper.tmc] sense_ohm of 0.11 Ohm",
         ),

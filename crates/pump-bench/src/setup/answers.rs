@@ -237,7 +237,7 @@ impl Answers {
         missing(&mut self.max_speed_rpm, &other.max_speed_rpm);
         missing(&mut self.driver, &other.driver);
         missing(&mut self.port, &other.port);
-        if self.current_a.is_none() {
+        if self.current_a.is_none() && self.socket.as_ref().is_none_or(MotorSocket::has_driver_wire) {
             missing(&mut self.current_a, &other.current_a);
             missing(&mut self.hold_a, &other.hold_a);
         }

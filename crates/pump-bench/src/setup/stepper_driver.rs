@@ -2,6 +2,7 @@
 
 use super::answers::Answers;
 use super::error::SetupError;
+use super::motor_socket::MotorSocket;
 use super::pump::USUAL_FULL_STEPS;
 use crate::pump_file::{DriverName, TmcTable, tmc_range};
 
@@ -10,6 +11,14 @@ impl Answers {
     pub fn sets_stepper_driver(&self) -> bool {
         let has_wire = self.socket.as_ref().is_some_and(|socket| socket.has_driver_wire());
         self.driver == Some(DriverName::Klipper) && has_wire
+    }
+
+    /// Takes the motor's socket. The currents of a socket before are dropped if this one has no wire to a stepper driver.
+    pub fn set_socket(&mut self, socket: MotorSocket) {
+        if !socket.has_driver_wire() {
+            (self.current_a, self.hold_a) = (None, None);
+        }
+        self.socket = Some(socket);
     }
 
     /// Refuses a current or microsteps that the stepper driver at the motor's socket does not make.
@@ -89,8 +98,10 @@ mod tests {
         assert!(said.starts_with("15 microsteps of 200 full steps are none that a TMC2209 makes"), "{said}");
         of_wire.microsteps = Some(16);
         of_wire.check().unwrap();
-        // A stepper driver without a wire may be of any kind.
-        let mut bare = answers("step=PB13,dir=PB12");
+        // A stepper driver without a wire may be of any kind, and its current is none of the board's.
+        let mut bare = of_wire;
+        bare.set_socket("step=PB13,dir=PB12".parse().unwrap());
+        assert_eq!((bare.current_a, bare.hold_a), (None, None));
         bare.microsteps = Some(15);
         bare.check().unwrap();
     }

@@ -140,7 +140,15 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
             None => fits(found.as_ref(), &socket).map(|()| socket),
         }
     };
-    course.settle(Topic::Socket, &question, read, |answers, socket| answers.socket = Some(socket))
+    let had_current = course.answers.current_a.is_some();
+    course.settle(Topic::Socket, &question, read, Answers::set_socket)?;
+    if had_current && course.answers.current_a.is_none() {
+        tell_person(
+            "  these pins name no wire to a TMC2209, so the current that was said is left out: the stepper driver's own \
+             screw or jumper sets it",
+        );
+    }
+    Ok(())
 }
 
 fn ask_current(course: &mut Course) -> Asked<()> {
