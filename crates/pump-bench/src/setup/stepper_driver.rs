@@ -13,7 +13,7 @@ impl Answers {
         self.driver == Some(DriverName::Klipper) && has_wire
     }
 
-    /// Takes the motor's socket. The currents of a socket before are dropped if this one has no wire to a stepper driver.
+    /// Takes the motor's socket. If it has no wire to a stepper driver, the currents of a socket before are dropped.
     pub fn set_socket(&mut self, socket: MotorSocket) {
         if !socket.has_driver_wire() {
             (self.current_a, self.hold_a) = (None, None);

@@ -144,8 +144,8 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
     course.settle(Topic::Socket, &question, read, Answers::set_socket)?;
     if had_current && course.answers.current_a.is_none() {
         tell_person(
-            "  these pins name no wire to a TMC2209, so the current that was said is left out: the stepper driver's own \
-             screw or jumper sets it",
+            "  these pins name no wire to a TMC2209, so the current that was said is left out: the stepper driver's \
+             own screw or jumper sets it",
         );
     }
     Ok(())
