@@ -128,6 +128,8 @@ def inspect(page, where):
             found.append(f"{where}: no stop can be pressed at {size['width']} x {size['height']}")
     page.set_viewport_size(WIDE)
     page.emulate_media(color_scheme="light")
+    # A busy computer lays the page out later than it is told to.
+    page.wait_for_function("width => innerWidth === width && visualViewport.offsetTop === 0", arg=WIDE["width"])
     return found
 
 

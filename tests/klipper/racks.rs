@@ -69,6 +69,30 @@ fn two_pumps_at_one_board_begin_at_one_tick_and_find_it_as_they_left_it() {
     }
 }
 
+#[test]
+fn a_dose_of_a_new_pump_that_is_refused_resets_no_neighbour() {
+    let rig = Rig::new(Character::default());
+    let (code, said) = rig.runs(&["home", "--set", "30deg"]);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = rig.runs(&["2mL", "--confirm-pump"]);
+    assert_eq!(code, Some(0), "{said}");
+    let red = fs::read_to_string(rig.pump()).unwrap();
+    let blue = red.replace("id = \"red\"", "id = \"blue\"").replace("PB13", "PB10");
+    let blue = blue.replace("PB12", "PB2").replace("PB14", "PB11");
+    let path = rig.folder.path().join("blue.toml");
+    fs::write(&path, blue).unwrap();
+    let types = |arguments: &[&str]| {
+        let mut command = crate::rig::command(rig.folder.path(), &path, rig.board.path(), arguments);
+        ended(command.spawn().unwrap())
+    };
+    for refused in [["--rate", "900mL/s"], ["--finish", "low-flow"]] {
+        let (code, said) = types(&[&["2mL", "--confirm-pump"][..], &refused].concat());
+        assert_eq!(code, Some(2), "{said}");
+    }
+    let (code, said) = rig.runs(&["1mL"]);
+    assert!(code == Some(0) && !said.contains("reset"), "{said}");
+}
+
 /// Returns the instant of the first step that the board of a rig has made at a socket.
 fn first_step(rig: &Rig, socket: &str) -> Instant {
     rig.board.instant_of(rig.steps_of(socket)[0].0).unwrap()

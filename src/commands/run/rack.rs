@@ -7,7 +7,6 @@ use std::sync::{Mutex, PoisonError};
 use clap::Args;
 use indicatif::ProgressBar;
 use pump_bench::notice::Notice;
-use pump_bench::pump_file::DriverName;
 use pump_bench::rack::{Rack, RackEnd, RackError, RackFile, RackProgress, RackReport};
 use pump_bench::safety::UnfinishedPolicy;
 
@@ -81,11 +80,6 @@ impl RackArgs {
         let interrupt = Interrupt::watch()?;
         let rack = rack.stopping_on(interrupt::stop_request()).unattended(options.unattended.is_unattended());
         let moved = finish_interrupted((name, &rack), &places, options, &interrupt)?;
-        // A board that takes one configuration for all of its motors may be reset as it is met: a rack that is refused
-        // without any board resets none.
-        if rack.members().iter().any(|member| member.bench.drive().driver == DriverName::Klipper) {
-            rack.rehearse().map_err(|error| refused(error).after_earlier_motion(moved))?;
-        }
         let lines = supervised::tells().then(|| RackLines::begin(&rack));
         let shown = Shown::new(&rack, &places, json, lines);
         let report = rack.run(|progress| shown.show(&progress));

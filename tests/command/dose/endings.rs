@@ -120,6 +120,63 @@ fn a_stopped_dose_says_exactly_what_it_delivered_and_resume_makes_the_rest() {
 }
 
 #[test]
+fn a_changed_pump_file_tells_a_stopped_dose_by_the_file_of_then_and_why_an_angle_is_lost() {
+    let user = User::new();
+    let shown = user.types(&["pumps", "show", "three-roller"]).out;
+    let write = |change: (&str, &str)| {
+        assert!(shown.contains(change.0), "{shown}");
+        let file = shown.replace("id = \"three-roller\"", "id = \"mine\"").replace(change.0, change.1);
+        fs::write(user.path("mine.toml"), file).unwrap();
+    };
+    let status = || user.json(&["status", "--pump", "mine.toml"]);
+    let told = || user.types(&["status", "--pump", "mine.toml"]).out;
+    write(("polynomial_ml_deg", "polynomial_ml_deg"));
+    let options = ["--pump", "mine.toml"];
+    let child = user
+        .command(&[&[LONG], &options[..]].concat())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    user.until_moved("mine");
+    signal(&child, "INT");
+    child.wait_with_output().unwrap();
+    let before = number(&status()["unfinished"], "delivered_least_ml");
+    assert!(!told().contains("by the pump file of then"), "{}", told());
+
+    write(("bore_radius_mm = 5.0", "bore_radius_mm = 4.8"));
+    let after = number(&status()["unfinished"], "delivered_least_ml");
+    // The volume of a part of a pitch has another share of its whole.
+    assert!((after - before).abs() < 0.3, "{before} {after}");
+    assert!(told().contains(
+        "(by the pump file of then, which gave 21.3185 mL per revolution; it gives 19.1519 mL now)"
+    ));
+    let rehearsed = user.json(&["resume", "--dry-run", "--pump", "mine.toml"]);
+    assert!(
+        rehearsed["warnings"].to_string().contains("and gave 21.3185 mL when the unfinished dose was made")
+    );
+    let rest = user.json(&["resume", "--pump", "mine.toml"]);
+    let total = after + number(&rest, "planned_ml") + number(&rest, "carry_ml");
+    assert!((total - 3000.0).abs() < 1e-9, "{rest}");
+    assert!(
+        rest["warnings"].to_string().contains("what was delivered counts as by the file of then"),
+        "{rest}"
+    );
+
+    assert!(status()["angle_lost_by"].is_null());
+    write(("steps_per_rev = 12800", "steps_per_rev = 25600"));
+    assert_eq!((&status()["angle_lost_by"], &status()["angle_deg"]), (&"other_steps".into(), &Value::Null));
+    let why =
+        "the angle is unknown, because the pump file's motor has other steps per revolution of the head";
+    assert!(told().contains(why), "{}", told());
+    assert_eq!(user.types(&["home", "--set", "30deg", "--pump", "mine.toml"]).code, 0);
+    assert!(status()["angle_lost_by"].is_null());
+    // An angle that a person says is unknown has no other cause.
+    assert_eq!(user.types(&["home", "--unknown", "--pump", "mine.toml"]).code, 0);
+    assert!(status()["angle_lost_by"].is_null() && status()["angle_deg"].is_null());
+}
+
+#[test]
 fn a_killed_dose_is_known_between_bounds_and_can_be_accepted_as_it_is() {
     let user = User::new();
     let mut child = begun(&user);

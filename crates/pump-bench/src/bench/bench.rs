@@ -7,7 +7,7 @@ mod planned_from;
 mod run_volume;
 
 pub use head::head_print;
-pub(super) use head::{other_head, other_steps, print_of};
+pub(super) use head::{changes_of_file, print_of};
 
 use std::path::Path;
 use std::time::SystemTime;
@@ -137,6 +137,11 @@ impl Bench {
         self.identity.is_simulated
     }
 
+    /// Returns true if the board may be reset as it is met, with its other motors.
+    pub fn resets_as_met(&self) -> bool {
+        self.identity.abilities.resets_as_met
+    }
+
     /// Returns the identity of the drive.
     pub(crate) fn identity(&self) -> &Identity {
         &self.identity
@@ -229,6 +234,12 @@ impl Bench {
         Ok(self.told(self.folder.read(&self.model, self.fresh())?))
     }
 
+    /// Returns what the pump file has changed since the last motion on record, where a dry run reads the record.
+    pub(super) fn changes_on_record(&self) -> Result<Vec<Notice>, DoseError> {
+        let changes = |story: Story| changes_of_file(&self.file, &story).collect();
+        if self.plans_afresh { Ok(Vec::new()) } else { self.story().map(changes) }
+    }
+
     /// Returns what a journal tells of this pump with the motor of its file.
     pub(super) fn told(&self, story: Story) -> Story {
         story.of_steps(self.way_rad(), &self.model)
@@ -256,7 +267,9 @@ impl Bench {
     /// [`DoseError`] if the dose cannot be planned or a dose is unfinished. [`DoseError::Folder`] if another
     /// process moves the pump, because nobody knows yet where it will stop.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        self.rehearse(self.state_to_plan_from()?, request)
+        let mut prepared = self.rehearse(self.state_to_plan_from()?, request)?;
+        prepared.warnings.extend(self.changes_on_record()?);
+        Ok(prepared)
     }
 
     /// Plans a dose as if `state` were on record, and tells that the device was not asked.

@@ -16,7 +16,7 @@ use crate::drives::NodeError;
 use crate::drives::{Disturbance, Drive, DriveError, Opening, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
-use crate::record::{JournalError, PumpState, Unfinished, Why};
+use crate::record::{AngleLoss, JournalError, PumpState, Unfinished, Why};
 
 /// Returns the unfinished dose during which the device was lost, and the steps counted since its start.
 /// `None` if the count does not fit or begins anew.
@@ -49,7 +49,8 @@ pub(super) fn find_angle(state: &PumpState) -> Remedy {
 /// at most.
 pub(super) fn after_event(state: PumpState, event: Disturbance, fall_rad: f64, pump: &Pump) -> PumpState {
     match event {
-        Disturbance::EmergencyStop | Disturbance::TakenOver => state.lost(pump),
+        Disturbance::EmergencyStop => state.lost(AngleLoss::EmergencyStop, pump),
+        Disturbance::TakenOver => state.lost(AngleLoss::TakenOver, pump),
         _ => state.disturbed(fall_rad, pump),
     }
 }
@@ -69,6 +70,20 @@ impl<'a> Session<'a> {
         let connected = patience.try_until(&self.bench.opening().stop, || self.try_to_connect());
         self.patience = patience;
         connected
+    }
+
+    /// Connects the drive for a motion that `plan` plans by a pump file and a state. A device that may be reset as it is
+    /// met is not met for a motion that is refused by the record alone.
+    pub(super) fn connect_for<T>(
+        &mut self,
+        plan: impl FnOnce(&PumpFile, Option<PumpState>) -> Result<T, DoseError>,
+    ) -> Result<(), DoseError> {
+        let device_knows_more = self.cut_off.is_some()
+            || self.state.and_then(|state| state.unfinished).is_some_and(|dose| dose.count_before.is_some());
+        if self.device.is_none() && self.bench.identity().abilities.resets_as_met && !device_knows_more {
+            plan(&self.bench.file_for_dry_run()?, self.state)?;
+        }
+        self.connect()
     }
 
     fn try_to_connect(&mut self) -> Result<(), DoseError> {
@@ -196,7 +211,7 @@ impl<'a> Session<'a> {
                 None if moved == 0 => stands,
                 _ => {
                     notes.push(moved_elsewhere(before, now, find_angle(&stands)));
-                    stands.lost(model)
+                    stands.lost(AngleLoss::OtherCount, model)
                 }
             };
         }
@@ -263,7 +278,7 @@ impl<'a> Session<'a> {
             }
             (Some(before), Some(now)) if before != now => {
                 notes.push(moved_elsewhere(before, now, find_angle(&stands)));
-                stands.lost(model)
+                stands.lost(AngleLoss::OtherCount, model)
             }
             _ => stands,
         }

@@ -14,7 +14,9 @@ use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
 use crate::notice::with_sources;
 use crate::pump_file::Pace;
 use crate::record::Purpose;
-use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
+use crate::record::{
+    AngleLoss, Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why,
+};
 
 use super::ended_motion::EndedMotion;
 use super::real_time::RealTime;
@@ -203,6 +205,7 @@ impl<'a> Session<'a> {
             }
         };
         intent.told = self.told(motion, now);
+        intent.revolution_ml = Some(self.bench.model().revolution_ml());
         intent.inverted = self.bench.drive().invert;
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
@@ -229,7 +232,7 @@ impl<'a> Session<'a> {
         let model = self.bench.model();
         let ended_s = self.log.clock.now().unix_s;
         let after = before.after_until(ended_s, &intent, made_least, made_most, model);
-        let after = if lost { after.lost(model) } else { after };
+        let after = if lost { after.lost(AngleLoss::OtherCount, model) } else { after };
         let mut state = self.with_device(&mut device, after, Some(pauses));
         // A turn to find the angle is no part of the unfinished dose that stays on record.
         let is_delivery = intent.purpose.is_delivery();

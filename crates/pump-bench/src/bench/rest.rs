@@ -132,6 +132,7 @@ impl Bench {
         self.would_be_safe(Some(&state), prepared.plan.planned_ml())?;
         let asks_first = counted.map(|(_, counted)| self.asks_first(&dose, &counted, is_of_record));
         prepared.warnings.extend(asks_first);
+        prepared.warnings.extend(self.changes_on_record()?);
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(Some(&state)));
         Ok(prepared)

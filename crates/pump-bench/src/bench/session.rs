@@ -13,12 +13,12 @@ use crate::calibration::RunLog;
 use crate::dosing::{DoseError, DoseRequest, Prepared, RunEnd};
 use crate::drives::{BeginPlace, Drive, DriveError};
 use crate::notice::Notice;
+use crate::pump_file::PumpFile;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
 pub(super) use self::before_motion::BeforeMotion;
 pub(super) use self::patience::Patience;
-use super::bench::{Bench, other_head, other_steps};
-use super::connection::find_angle;
+use super::bench::{Bench, changes_of_file};
 use super::device::Device;
 use super::log::SessionLog;
 use super::safety::RunBounds;
@@ -111,11 +111,6 @@ impl<'a> Session<'a> {
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
         let (log, note) = SessionLog::open(bench.folder(), &story);
         let story = bench.told(story);
-        let file = bench.file();
-        let other_head = story.other_head.then(|| other_head(file));
-        let is_of_others = story.other_steps && other_head.is_none();
-        let other_steps =
-            story.state.filter(|_| is_of_others).map(|state| other_steps(file, find_angle(&state)));
         Ok(Self {
             bench,
             journal,
@@ -129,7 +124,7 @@ impl<'a> Session<'a> {
             is_given: bench.is_given_its_drive(),
             place: None,
             before_motion: None,
-            notes: note.into_iter().chain(other_head).chain(other_steps).collect(),
+            notes: note.into_iter().chain(changes_of_file(bench.file(), &story)).collect(),
             told_of_clock: false,
             may_home_unfinished: bench.may_home_unfinished(),
             moved: false,
@@ -275,7 +270,11 @@ impl<'a> Session<'a> {
             self.finished()?;
         }
         self.check_confirmed()?;
-        if let Err(error) = self.connect() {
+        let (bench, safety) = (self.bench, self.nearest_limit(request.volume_ml < 0.0));
+        let by_record = |file: &PumpFile, state| {
+            bench.prepare_from(file, state, request, Some(RunBounds { steps: None, safety }))
+        };
+        if let Err(error) = self.connect_for(by_record) {
             if !error.is_stop() {
                 self.finished()?;
             }

@@ -36,6 +36,9 @@ pub struct Abilities {
     /// True if the drive tells each reset of the device ([`Drive::disturbed`](super::Drive::disturbed)). A count of
     /// zero is then one as any other, and otherwise that of a device which was just switched on.
     pub tells_resets: bool,
+    /// True if the device may be reset as it is met, with the other motors of its board. It is then met only for a
+    /// motion that the record does not refuse.
+    pub resets_as_met: bool,
     /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
     pub release: bool,
     /// Way in which the drive makes a motion together with those of other axes of its board, or of other boards
@@ -66,6 +69,7 @@ impl Abilities {
         .with_angle_dependent_speed(true)
         .with_flow_over_time(true)
         .with_tells_resets(true)
+        .with_resets_as_met(true)
         .with_together(Together::Begin);
 
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
@@ -78,6 +82,7 @@ impl Abilities {
             index: false,
             readback: false,
             tells_resets: false,
+            resets_as_met: false,
             release: false,
             together: None,
         }
@@ -117,6 +122,12 @@ impl Abilities {
     #[must_use]
     pub const fn with_tells_resets(self, tells_resets: bool) -> Self {
         Self { tells_resets, ..self }
+    }
+
+    /// Returns the abilities of a drive whose device may be reset as it is met, or is not.
+    #[must_use]
+    pub const fn with_resets_as_met(self, resets_as_met: bool) -> Self {
+        Self { resets_as_met, ..self }
     }
 
     /// Returns the abilities with or without a way to let go of the rotor.

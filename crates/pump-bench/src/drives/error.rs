@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::notice::Remedy;
+use crate::notice::{DEVICE_FAILED, Remedy};
 
 /// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
 #[derive(Debug, Error)]
@@ -87,7 +87,7 @@ pub enum DriveError {
     #[error("stopped by the user before anything moved")]
     Interrupted,
     /// The device refused or failed with an error of its own, which is the source of this one.
-    #[error("the device refused or failed")]
+    #[error("{DEVICE_FAILED}")]
     Device(#[source] Box<dyn StdError + Send + Sync>),
     /// This program refused, for the reason that is the source of this error. The device was not asked, or did not
     /// refuse.

@@ -82,6 +82,8 @@ pub enum Remedy {
     FindOrSayAngle,
     /// Find the angle of the rollers again once the cause is removed.
     ThenFindAngle,
+    /// See how well the angle of the rollers is known once the cause is removed, and find it if it is lost.
+    FindAngleIfLost,
     /// Find the angle of the rollers, which drops the carry.
     FindAngleDropCarry,
     /// Turn a roller to where it begins to leave the outlet and say so, or state the angle for a dose.
@@ -242,6 +244,7 @@ impl Remedy {
         Self::FinishAnywhere,
         Self::FindOrSayAngle,
         Self::ThenFindAngle,
+        Self::FindAngleIfLost,
         Self::FindAngleDropCarry,
         Self::TurnAndSayAngle,
         Self::SayAngleOrMark,

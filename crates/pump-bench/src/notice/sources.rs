@@ -2,7 +2,11 @@
 
 use std::error::Error;
 
-/// Returns the text of an error and of all its sources, from the outermost to the cause.
+/// Text of an error that names a device's own error as its source and adds nothing to it.
+pub(crate) const DEVICE_FAILED: &str = "the device refused or failed";
+
+/// Returns the text of an error and of all its sources, from the outermost to the cause. Between others, an error that
+/// only says that the device failed is left out: its source says how.
 ///
 /// ```
 /// use pump_bench::PumpFile;
@@ -16,8 +20,11 @@ pub fn with_sources(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(cause) = source {
-        text += &format!(": {cause}");
         source = cause.source();
+        let told = cause.to_string();
+        if told != DEVICE_FAILED || source.is_none() {
+            text += &format!(": {told}");
+        }
     }
     text
 }

@@ -38,6 +38,10 @@ pub struct Intent {
     pub steps: i64,
     /// Angle of a step, in rad.
     pub(crate) step_rad: f64,
+    /// Volume of a revolution by the pump file of that day, in mL, without the correction. `None` in an entry of an
+    /// early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) revolution_ml: Option<f64>,
     /// True if the motor's direction was turned round by the pump file of that day.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) inverted: bool,
@@ -63,12 +67,32 @@ pub struct Intent {
     pub(crate) told: Option<Told>,
 }
 
+/// Relative difference between the volumes of two revolutions that is rounding.
+const SAME_VOLUME: f64 = 1e-9;
+
 /// Returns true for zero, which an entry leaves out.
 pub(super) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
 impl Intent {
+    /// Returns the intent with the volumes of its own day for `pump`, whose file may give others by now: the pump file
+    /// told what the steps deliver when they were made.
+    #[must_use]
+    pub(super) fn of_volumes(self, pump: &Pump) -> Self {
+        let Some((then_ml, now_ml)) = self.other_volumes(pump) else { return self };
+        let correction = Correction { factor: self.correction.factor * then_ml / now_ml, ..self.correction };
+        Self { revolution_ml: Some(now_ml), correction, ..self }
+    }
+
+    /// Returns the volumes of a revolution of that day and of `pump`, in mL, without corrections. `None` if they are the
+    /// same, or that of the day is not on record.
+    pub(super) fn other_volumes(&self, pump: &Pump) -> Option<(f64, f64)> {
+        let now_ml = pump.revolution_ml();
+        let differs = |then_ml: &f64| (then_ml / now_ml - 1.0).abs() > SAME_VOLUME;
+        self.revolution_ml.filter(differs).map(|then_ml| (then_ml, now_ml))
+    }
+
     /// Returns the angle of the rotor at the start, with its half width.
     pub(crate) fn start(&self) -> Phase {
         Phase::within(self.start_angle_rad, self.half_width_rad)
@@ -174,6 +198,7 @@ impl Intent {
             turned: None,
             steps: flow.steps(),
             step_rad: flow.step_rad(),
+            revolution_ml: None,
             inverted: false,
             motion_s: flow.duration_s(),
             speed_rad_s: turn_rad / flow.duration_s(),
@@ -206,6 +231,7 @@ impl Intent {
             turned: (plan.turned() != Turned::at(plan.start())).then_some(plan.turned()),
             steps: plan.steps(),
             step_rad: plan.step_rad(),
+            revolution_ml: None,
             inverted: false,
             motion_s: plan.profile().duration_s(),
             speed_rad_s: plan.profile().cruise_rad_s().abs(),

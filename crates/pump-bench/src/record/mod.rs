@@ -2,6 +2,7 @@
 
 mod account;
 mod after_stop;
+mod angle_loss;
 mod backup;
 mod delivered_range;
 mod folder;
@@ -19,6 +20,7 @@ mod whole;
 
 pub(crate) use account::Account;
 pub use after_stop::AfterStop;
+pub use angle_loss::AngleLoss;
 pub use backup::{BackedUp, BackupError, Position, Restored, backup, is_backup, restore};
 pub(crate) use delivered_range::DeliveredRange;
 pub(crate) use folder::BOARDS;

@@ -10,7 +10,7 @@ use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
-use super::{Account, AfterStop, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
+use super::{Account, AfterStop, AngleLoss, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
 use crate::safety::SafetyAccount;
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
@@ -56,6 +56,9 @@ pub struct PumpState {
     /// asked.
     #[serde(default)]
     pub count: Option<i64>,
+    /// Cause for which the angle, once known, is unknown. `None` if it is known, and if it was never found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lost_by: Option<AngleLoss>,
     /// Number of times that the rotor was released, or its device reset or lost, since the angle was last
     /// found.
     #[serde(default)]
@@ -107,6 +110,7 @@ impl PumpState {
             last: None,
             source,
             count: None,
+            lost_by: None,
             disturbances: 0,
             released: false,
             confirmed_pump: None,
@@ -159,7 +163,7 @@ impl PumpState {
             None => self.without_carry(),
         };
         let phase = phase.unwrap_or(Phase::within(0.0, UNKNOWN_RAD));
-        Self { source, disturbances: 0, last: None, step_rad: None, ..state.at(phase) }
+        Self { source, lost_by: None, disturbances: 0, last: None, step_rad: None, ..state.at(phase) }
     }
 
     /// Returns the state with nothing to carry.
@@ -252,6 +256,7 @@ impl PumpState {
             unfinished,
             last: LastDose::after(self.last, intent, made_least, made_most),
             source: PhaseSource::Recorded,
+            lost_by: self.lost_by_now(part.phase(), AngleLoss::UncountedSteps, pump),
             step_rad: Some(intent.way_rad()),
             safety: Some(self.safety_after(&part, lasted_s, pump)),
             ..self.booked(&part, pump)
@@ -311,6 +316,7 @@ mod tests {
         turned: None,
         steps: -1000,
         step_rad: 0.001,
+        revolution_ml: None,
         inverted: false,
         motion_s: 1.0,
         speed_rad_s: 1.0,
@@ -387,7 +393,10 @@ mod tests {
         assert_eq!((found.unfinished.unwrap().made_least, found.unfinished.unwrap().made_most), (4000, 4000));
         let fell = recounted(lost.disturbed(FALL_RAD, &pump));
         assert!((fell.half_width_rad - 0.01 - FALL_RAD).abs() < 1e-12, "{fell:?}");
-        for unknown in [lost.lost(&pump), lost.disturbed(FALL_RAD, &pump).disturbed(FALL_RAD, &pump)] {
+        for unknown in [
+            lost.lost(AngleLoss::TakenOver, &pump),
+            lost.disturbed(FALL_RAD, &pump).disturbed(FALL_RAD, &pump),
+        ] {
             assert!(!recounted(unknown).phase().is_known(PITCH_RAD));
         }
     }

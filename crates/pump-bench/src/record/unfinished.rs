@@ -204,6 +204,7 @@ mod tests {
                 turned: None,
                 steps,
                 step_rad: 0.001,
+                revolution_ml: None,
                 inverted: false,
                 motion_s: 1.0,
                 speed_rad_s: 1.0,

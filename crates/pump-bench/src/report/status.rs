@@ -13,7 +13,7 @@ pub use self::safety::{SafetyStatus, StandStatus};
 use crate::bench::Bench;
 use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;
-use crate::record::{PhaseSource, Purpose, Wear};
+use crate::record::{AngleLoss, PhaseSource, Purpose, Wear};
 
 /// The record of a pump (`schema` `status/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,6 +35,8 @@ pub struct Status {
     pub angle_known: bool,
     /// Source of the angle.
     pub angle_source: PhaseSource,
+    /// Cause for which the angle, once known, is unknown; null if it is known, and if it was never found.
+    pub angle_lost_by: Option<AngleLoss>,
     /// Number of times that the rotor was let go, or its device reset or lost, since its angle was found; the second
     /// time the angle is unknown.
     pub disturbances: u8,
@@ -134,6 +136,10 @@ pub struct UnfinishedStatus {
     /// True if the steps of all its motions are known exactly: the rollers' angle alone makes its volumes unsure.
     #[serde(skip)]
     pub steps_are_exact: bool,
+    /// Volumes of a revolution, mL, when it was begun and by the pump file of now, if they differ: its volumes are by
+    /// the first.
+    #[serde(skip)]
+    pub other_volumes: Option<(f64, f64)>,
     /// True if the board may know more than the record, and tells it once it is met again.
     #[serde(skip)]
     pub board_may_tell: bool,
@@ -200,6 +206,7 @@ impl Status {
                 steps_made_least: dose.made_least,
                 steps_made_most: dose.made_most,
                 steps_are_exact: dose.has_exact_steps(),
+                other_volumes: story.other_volumes,
                 board_may_tell: story.board_may_tell(&dose),
                 began_unix_s: dose.intent.unix_s,
                 until_stopped: dose.intent.terms.until_stopped,
@@ -220,6 +227,7 @@ impl Status {
             half_width_deg: degrees(state.half_width_rad.min(0.5 * bench.model().pitch_rad())),
             angle_known,
             angle_source: if angle_known { state.source } else { PhaseSource::Assumed },
+            angle_lost_by: state.lost_by.filter(|_| !angle_known),
             disturbances: state.disturbances,
             device_count: state.count,
             carry_ml: state.carry_ml,

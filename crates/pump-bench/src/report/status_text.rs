@@ -22,7 +22,7 @@ impl Status {
         }
         let lines = [
             Some(self.rotor()),
-            self.disturbed(),
+            self.lost().or(self.disturbed()),
             Some(self.tube()),
             self.calibration.as_ref().map(CalibrationStatus::text),
             self.last_by_weight.map(|weighed| weighed.text()),
@@ -41,6 +41,10 @@ impl Status {
         };
         let (pump, driver, carry) = (&self.pump, &self.driver, microlitres(self.carry_ml));
         format!("{pump} ({driver}): rotor at {angle}, {carry} carried to the next dose")
+    }
+
+    fn lost(&self) -> Option<String> {
+        self.angle_lost_by.map(|cause| format!("the angle is unknown, because {}", cause.told()))
     }
 
     fn disturbed(&self) -> Option<String> {
@@ -85,6 +89,10 @@ impl Status {
         } else {
             ""
         };
+        let of_then = dose.other_volumes.map_or(String::new(), |(then_ml, now_ml)| {
+            let [then_ml, now_ml] = [then_ml, now_ml].map(|ml| significant(ml, 6));
+            format!(" (by the pump file of then, which gave {then_ml} mL per revolution; it gives {now_ml} mL now)")
+        });
         let searched = match dose.searched_ml {
             0.0 => String::new(),
             ml => format!("; turns to find the angle pumped another {} mL", significant(ml, 3)),
@@ -92,7 +100,11 @@ impl Status {
         match &self.in_use_by {
             Some(holder) => format!("in motion, by {holder}: {}", dose.made(true)),
             None => {
-                format!("unfinished: {}{by_angle}{searched}{no_rest}; {}", dose.made(false), words(remedy))
+                format!(
+                    "unfinished: {}{of_then}{by_angle}{searched}{no_rest}; {}",
+                    dose.made(false),
+                    words(remedy)
+                )
             }
         }
     }

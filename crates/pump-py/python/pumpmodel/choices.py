@@ -48,6 +48,17 @@ Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 #: Source of the rotor's angle. "recorded" follows from the motions on record, and "assumed" is the middle of
 #: the angles that an unknown angle may be.
 PhaseSource: TypeAlias = Literal["home", "mark", "recorded", "given", "assumed"]
+#: Cause for which the rotor's angle, once known, is unknown.
+AngleLoss: TypeAlias = Literal[
+    "disturbed",
+    "current_lost",
+    "emergency_stop",
+    "taken_over",
+    "other_count",
+    "uncounted_steps",
+    "other_head",
+    "other_steps",
+]
 #: Port of a pump.
 Port: TypeAlias = Literal["inlet", "outlet"]
 #: Kind of the document that a head's figures are from: the maker's own, one that quotes the maker's

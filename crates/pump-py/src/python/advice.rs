@@ -58,6 +58,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::FinishAnywhere => "bench.resume(finish=\"any\") lets the rest end anywhere",
         Remedy::FindOrSayAngle => "bench.home_sensor() finds it, or bench.home_set(angle_rad) says it",
         Remedy::ThenFindAngle => "find the angle again once the journal can be written",
+        Remedy::FindAngleIfLost => {
+            "once the cause is removed, bench.status() tells how well the angle is known; where it is unknown, \
+             bench.home_sensor() or bench.home_mark() finds it"
+        }
         Remedy::FindAngleDropCarry => "bench.home_sensor() finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {
             "to dose other volumes, turn a roller to where it begins to leave the outlet and call \

@@ -90,7 +90,8 @@ impl Session<'_> {
             self.finished()?;
         }
         self.check_confirmed()?;
-        self.connect()?;
+        let bench = self.bench;
+        self.connect_for(|file, state| bench.plan_profile(file, state, request, profile))?;
         let mut prepared = self.bench.plan_profile(self.file(), self.state, request, profile)?;
         self.keep_safe(prepared.planned_ml())?;
         prepared.whole = self.checked(prepared.whole)?;

@@ -123,7 +123,8 @@ impl Session<'_> {
             self.finished()?;
         }
         self.check_confirmed()?;
-        self.connect()?;
+        let bench = self.bench;
+        self.connect_for(|file, state| bench.plan_by_weight(file, state, order, None, 0.0))?;
         let least_rad_s = self.speed_range_rad_s().0;
         let (mut found, slow) =
             self.bench.plan_by_weight(self.file(), self.state, order, None, least_rad_s)?;

@@ -143,7 +143,14 @@ impl Session<'_> {
             self.finished().map_err(first)?;
         }
         self.check_confirmed().map_err(first)?;
-        self.connect().map_err(first)?;
+        let (bench, mut place) = (self.bench, 0);
+        let by_record = |file: &PumpFile, state| {
+            bench.plan_series(file, state, requests).map_err(|(at, error)| {
+                place = at;
+                error
+            })
+        };
+        self.connect_for(by_record).map_err(|error| (place, error))?;
         self.finished().map_err(first)?;
         let mut motions = self.bench.plan_series(self.file(), self.state, requests)?;
         // The notes stay for whoever runs the series, which may be planned again.

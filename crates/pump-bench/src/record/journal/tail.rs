@@ -76,11 +76,14 @@ impl<'a> Tail<'a> {
             return Ok(None);
         };
         let is_rest = entries.is_empty();
+        let left = rest.as_ref().and_then(|(_, state)| state.unfinished);
+        let mut other_volumes = left.and_then(|dose| dose.intent.other_volumes(pump));
         let mut under_way: Option<Unfinished> = None;
         for (n, entry) in entries.into_iter().rev() {
             match (entry, &mut under_way) {
                 (Entry::Intent(intent), None) => {
-                    under_way = Some(Unfinished::of(&intent, 0, 0));
+                    other_volumes = other_volumes.or(intent.other_volumes(pump));
+                    under_way = Some(Unfinished::of(&intent.of_volumes(pump), 0, 0));
                 }
                 (Entry::Progress { made, may }, Some(dose)) if made <= may => {
                     (dose.made_least, dose.made_most) = (made as i64, may as i64);
@@ -90,7 +93,7 @@ impl<'a> Tail<'a> {
         }
         let recorded = rest.as_ref().map(|(_, state)| *state);
         let other_head = recorded.is_some_and(|state| state.is_of_another_head(fresh.head));
-        let mut state = recorded.map(|state| state.of_head(fresh.head, pump));
+        let mut state = recorded.map(|state| state.of_volumes(pump).of_head(fresh.head, pump));
         let cut_off = under_way.map(|part| (state.unwrap_or(fresh), part));
         if let Some((before, part)) = cut_off {
             let after = before.after(&part.intent, part.made_least, part.made_most, pump);
@@ -101,6 +104,7 @@ impl<'a> Tail<'a> {
             state,
             other_head,
             other_steps: false,
+            other_volumes,
             cut_off,
             torn: whole < self.bytes.len(),
             rest: rest.map(|(entry, _)| entry).filter(|_| is_rest),

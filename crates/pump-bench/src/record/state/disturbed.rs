@@ -4,7 +4,7 @@ use pump_ctl::plan::Phase;
 use pump_model::Pump;
 use pump_model::units::{TURN_RAD, wrap};
 
-use super::super::{Intent, Purpose, Unfinished};
+use super::super::{AngleLoss, Intent, Purpose, Unfinished};
 use super::{PumpState, UNKNOWN_RAD};
 
 /// Relative difference between the angles of two steps that is rounding.
@@ -20,7 +20,15 @@ impl PumpState {
             return state;
         }
         let state = if self.unfinished.is_some() { state } else { state.without_carry() };
-        Self { last: None, ..state.lost(pump) }
+        Self { last: None, ..state.lost(AngleLoss::OtherHead, pump) }
+    }
+
+    /// Returns the state whose unfinished dose has the volumes of its own day for `pump`, whose file may give others by
+    /// now.
+    #[must_use]
+    pub(crate) fn of_volumes(self, pump: &Pump) -> Self {
+        let of_then = |dose: Unfinished| Unfinished { intent: dose.intent.of_volumes(pump), ..dose };
+        Self { unfinished: self.unfinished.map(of_then), ..self }
     }
 
     /// Returns true if the angle on record is of another head than the one with the print `head`.
@@ -36,7 +44,7 @@ impl PumpState {
             return self;
         }
         let state = if self.unfinished.is_some() { self } else { self.without_carry() };
-        Self { last: None, step_rad: None, ..state.lost(pump) }
+        Self { last: None, step_rad: None, ..state.lost(AngleLoss::OtherSteps, pump) }
     }
 
     /// Returns true if the motions since the angle was last found were of other steps than `step_rad`.
@@ -51,10 +59,11 @@ impl PumpState {
     pub(crate) fn disturbed(self, by_rad: f64, pump: &Pump) -> Self {
         let disturbances = self.disturbances.saturating_add(1);
         if disturbances >= 2 {
-            return Self { disturbances, ..self.lost(pump) };
+            return Self { disturbances, ..self.lost(AngleLoss::Disturbed, pump) };
         }
         let wider = Phase::within(self.angle_rad, self.half_width_rad + by_rad);
-        Self { disturbances, ..self.closed(pump).at(wider) }
+        let lost_by = self.lost_by_now(wider, AngleLoss::Disturbed, pump);
+        Self { disturbances, lost_by, ..self.closed(pump).at(wider) }
     }
 
     /// Returns the state of a rotor whose motor was stopped in motion without a ramp. It may have slipped by so many
@@ -71,7 +80,7 @@ impl PumpState {
     /// Returns the state of a rotor whose motor had no current, from some step of its last motion on or from its begin,
     /// which nobody knows. It has made `most` of the steps at most.
     pub(crate) fn without_current(self, intent: &Intent, most: i64, pump: &Pump) -> Self {
-        self.after(intent, most.min(0), most.max(0), pump).lost(pump)
+        self.after(intent, most.min(0), most.max(0), pump).lost(AngleLoss::CurrentLost, pump)
     }
 
     /// Returns the state once a lost device reports that it made `made` steps of the unfinished dose `part`. A rotor
@@ -91,6 +100,7 @@ impl PumpState {
             () => self.phase(),
         };
         let all = part.intent.steps.abs();
+        let lost_by = self.lost_by.filter(|_| !knows(phase));
         let closed = self.closed(pump);
         let surer_ml = part.intent.carry_in_half_width_ml + exact.unsure_ml(pump);
         let carry_half_width_ml = match part.intent.purpose {
@@ -102,12 +112,25 @@ impl PumpState {
             carry_half_width_ml,
             unfinished: (made != all).then_some(exact),
             last: self.last.map(|dose| dose.recounted(part, made)),
+            lost_by,
             ..closed.at(phase)
         }
     }
 
-    /// Returns the state with the angle unknown.
-    pub(crate) fn lost(self, pump: &Pump) -> Self {
-        self.closed(pump).at(Phase::within(0.0, UNKNOWN_RAD))
+    /// Returns the state with the angle unknown, because of `cause` if it was known.
+    pub(crate) fn lost(self, cause: AngleLoss, pump: &Pump) -> Self {
+        let unknown = Phase::within(0.0, UNKNOWN_RAD);
+        Self { lost_by: self.lost_by_now(unknown, cause, pump), ..self.closed(pump).at(unknown) }
+    }
+
+    /// Returns the cause for which the angle is unknown once the rotor stands at `phase`: `cause` if it was known
+    /// before. `None` if it is known then, or was never found.
+    pub(super) fn lost_by_now(&self, phase: Phase, cause: AngleLoss, pump: &Pump) -> Option<AngleLoss> {
+        let is_known = |phase: Phase| phase.is_known(pump.pitch_rad());
+        match (is_known(self.phase()), is_known(phase)) {
+            (_, true) => None,
+            (true, false) => Some(cause),
+            (false, false) => self.lost_by,
+        }
     }
 }

@@ -76,7 +76,7 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
         }
         NodeError::Gone(_) => Some(Remedy::CheckCable),
         NodeError::Count { .. } => Some(Remedy::FindAngle),
-        NodeError::Estop | NodeError::Driver => Some(Remedy::ThenFindAngle),
+        NodeError::Estop | NodeError::Driver => Some(Remedy::FindAngleIfLost),
         _ => None,
     }
 }
@@ -95,7 +95,7 @@ fn of_klipper(error: &KlipperError) -> Option<Remedy> {
         KlipperError::Gone(_) => Some(Remedy::CheckCable),
         KlipperError::Count { .. } => Some(Remedy::FindAngle),
         KlipperError::Shutdown { .. } | KlipperError::HeldUp | KlipperError::DeadMan { .. } => {
-            Some(Remedy::ThenFindAngle)
+            Some(Remedy::FindAngleIfLost)
         }
         _ => None,
     }

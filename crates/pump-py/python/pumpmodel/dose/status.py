@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from pumpmodel._results.record import Record
-from pumpmodel.choices import PhaseSource
+from pumpmodel.choices import AngleLoss, PhaseSource
 
 
 @dataclass(frozen=True)
@@ -145,6 +145,7 @@ class Status(Record):
     half_width_deg: float
     angle_known: bool
     angle_source: PhaseSource
+    angle_lost_by: AngleLoss | None
     disturbances: int
     device_count: int | None
     carry_ml: float

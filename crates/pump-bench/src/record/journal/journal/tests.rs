@@ -53,6 +53,7 @@ const INTENT: Entry = Entry::Intent(Intent {
     turned: None,
     steps: -2000,
     step_rad: 0.0005,
+    revolution_ml: None,
     inverted: false,
     motion_s: 1.0,
     speed_rad_s: 1.0,

@@ -1,0 +1,54 @@
+//! The cause for which the rotor's angle, once known, is unknown.
+
+use serde::{Deserialize, Serialize};
+
+/// Cause for which the rotor's angle, once known, is unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum AngleLoss {
+    /// The rotor may have moved unseen twice since its angle was found, or once by too much.
+    Disturbed,
+    /// The stepper driver lost the motor's current in motion.
+    CurrentLost,
+    /// The emergency stop has cut the motor's current.
+    EmergencyStop,
+    /// Another program has had the board, or it is another board.
+    TakenOver,
+    /// The device's count is not the one on record.
+    OtherCount,
+    /// The motion ended with steps that nobody has counted, over a pitch and more.
+    UncountedSteps,
+    /// The pump file describes another head than before.
+    OtherHead,
+    /// The pump file's motor has other steps than before, or turns the other way.
+    OtherSteps,
+}
+
+impl AngleLoss {
+    /// Returns the cause in words, as a clause of its own.
+    pub fn told(self) -> &'static str {
+        match self {
+            Self::Disturbed => {
+                "the rotor may have moved unseen, by a reset, without current, or in a stop without a ramp, too often \
+                 or too far since its angle was found"
+            }
+            Self::CurrentLost => "the stepper driver lost the motor's current in motion",
+            Self::EmergencyStop => {
+                "the emergency stop cut the motor's current, and people may have turned the rotor"
+            }
+            Self::TakenOver => {
+                "another program has had the board, or it is another board, and may have turned the rotor"
+            }
+            Self::OtherCount => {
+                "the device's count is not the one on record: something else has moved the motor, or its direction was \
+                 turned round"
+            }
+            Self::UncountedSteps => "the last motion ended with steps that nobody has counted",
+            Self::OtherHead => "the pump file describes another head than before",
+            Self::OtherSteps => {
+                "the pump file's motor has other steps per revolution of the head than before, or turns the other way"
+            }
+        }
+    }
+}
