@@ -91,8 +91,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
              --unfinished --set <ANGLE>` while a dose is unfinished; `--sensor` or `--mark` in its place finds it"
         }
         Remedy::FindAngleIfLost => {
-            "once the cause is removed, `dose status` tells how well the angle is known; where it is unknown, `dose home \
-             --set <ANGLE>` says it, or `dose home --unfinished --set <ANGLE>` while a dose is unfinished; `--sensor` \
+            "once the cause is removed, `dose status` tells how well the angle is known; where it is unknown, `dose \
+             home --set <ANGLE>` says it, or `dose home --unfinished --set <ANGLE>` while a dose is unfinished; `--sensor` \
              or `--mark` in place of `--set` finds it"
         }
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",

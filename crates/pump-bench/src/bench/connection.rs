@@ -72,8 +72,8 @@ impl<'a> Session<'a> {
         connected
     }
 
-    /// Connects the drive for a motion that `plan` plans by a pump file and a state. A device that may be reset as it is
-    /// met is not met for a motion that is refused by the record alone.
+    /// Connects the drive for a motion that `plan` plans by a pump file and a state. A device that may be reset as it
+    /// is met is not met for a motion that is refused by the record alone.
     pub(super) fn connect_for<T>(
         &mut self,
         plan: impl FnOnce(&PumpFile, Option<PumpState>) -> Result<T, DoseError>,

@@ -85,8 +85,8 @@ impl Intent {
         Self { revolution_ml: Some(now_ml), correction, ..self }
     }
 
-    /// Returns the volumes of a revolution of that day and of `pump`, in mL, without corrections. `None` if they are the
-    /// same, or that of the day is not on record.
+    /// Returns the volumes of a revolution of that day and of `pump`, in mL, without corrections. `None` if they are
+    /// the same, or that of the day is not on record.
     pub(super) fn other_volumes(&self, pump: &Pump) -> Option<(f64, f64)> {
         let now_ml = pump.revolution_ml();
         let differs = |then_ml: &f64| (then_ml / now_ml - 1.0).abs() > SAME_VOLUME;
