@@ -92,8 +92,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::FindAngleIfLost => {
             "once the cause is removed, `dose status` tells how well the angle is known; where it is unknown, `dose \
-             home --set <ANGLE>` says it, or `dose home --unfinished --set <ANGLE>` while a dose is unfinished; `--sensor` \
-             or `--mark` in place of `--set` finds it"
+             home --set <ANGLE>` says it, or `dose home --unfinished --set <ANGLE>` while a dose is unfinished; \
+             `--sensor` or `--mark` in place of `--set` finds it"
         }
         Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
         Remedy::TurnAndSayAngle => {
