@@ -14,6 +14,7 @@ use super::report::{RackEnd, RackFault, RackPumpReport, RackReport};
 use super::timetable::{LineSpeeds, Timetable, Timing, appointments, check_boards};
 use crate::drives::Drive;
 use crate::pump_file::Pace;
+use crate::record::{Clock, Stamp, SystemClock};
 
 /// Time from the order to the begin, in which each pump announces its first motion. Simulated motors need none.
 const LEAD: Duration = Duration::from_millis(500);
@@ -65,17 +66,18 @@ impl Rack {
                 .into_iter()
                 .map(|thread| thread.join().unwrap_or_else(|_| Played::panicked()))
                 .collect();
-            Ok(self.reported(played, &conducted?, &stop))
+            let (timetable, began) = conducted?;
+            Ok(self.reported(played, &timetable, began, &stop))
         })
     }
 
-    /// Has all pumps plan, then check, then begin together.
+    /// Has all pumps plan, then check, then begin together. Returns the timetable with the time of its begin.
     fn conduct(
         &self,
         orders: &[Sender<Order>],
         heard: &Receiver<(usize, Answer)>,
         stop: &SharedStop,
-    ) -> Result<Timetable, RackError> {
+    ) -> Result<(Timetable, Stamp), RackError> {
         let mut timings = vec![Vec::new(); self.members().len()];
         self.gather(heard, stop, &mut timings, orders.len())?;
         let (timetable, timings) = LineSpeeds::settle(self, timings, |speeds, slowed, timings| {
@@ -93,11 +95,12 @@ impl Rack {
             return Err(RackError::Stopped);
         }
         let lead = if self.is_simulated() { Duration::ZERO } else { LEAD };
+        let began = SystemClock.now();
         let clock = Arc::new(RackClock::new(self.pace, self.members().len(), lead, stop.clone()));
         for (order, appointments) in orders.iter().zip(appointments(self, &timetable.begins_s)) {
             let _ = order.send(Order::Go(appointments, clock.clone()));
         }
-        Ok(timetable)
+        Ok((timetable, began))
     }
 
     /// Waits for the answers of so many pumps, and takes in their timings. A refusal ends the waits of the pumps after
@@ -146,7 +149,13 @@ impl Rack {
         }
     }
 
-    fn reported(&self, played: Vec<Played>, timetable: &Timetable, stop: &SharedStop) -> RackReport {
+    fn reported(
+        &self,
+        played: Vec<Played>,
+        timetable: &Timetable,
+        began: Stamp,
+        stop: &SharedStop,
+    ) -> RackReport {
         let mut faults = Vec::new();
         let mut rows = Vec::new();
         // An error that followed from another one is told where nobody knows the other.
@@ -176,6 +185,9 @@ impl Rack {
             Stop::Asked | Stop::Refused(_) => None,
         });
         let fault = if faults.is_empty() { None } else { Some(faults.swap_remove(first.unwrap_or(0))) };
-        RackReport::of(self, end, fault, timetable.ends_s, rows)
+        let report = RackReport::of(self, end, fault, timetable.ends_s, rows);
+        // A motion that failed reports no time of its own.
+        let began = report.ended_s.map(|_| began);
+        RackReport { time: report.time.or(began), ..report }
     }
 }

@@ -105,6 +105,22 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
 }
 
 #[test]
+fn a_rack_of_which_each_motion_has_failed_tells_when_it_began() {
+    let desk = Desk::new();
+    let rack = "schema = \"rack/1\"\n[pumps]\nbase = \"three-roller\"\n[[step]]\npump = \"base\"\nvolume = \"10mL\"\n";
+    let file = RackFile::parse(rack, "one.toml".as_ref()).unwrap();
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, desk.path()).unwrap();
+    let bench = bench.driven_by(&Failing::default()).unwrap();
+    let rack = Rack::new(file, vec![bench]).unwrap().paced(Pace::Fast);
+    let failing: Box<dyn Drive> = Box::new(Failing { after: 4000, unsure: 0 });
+    let report = rack.run_with(vec![Some(failing)], |_| {}).unwrap();
+    assert!(report.end == RackEnd::Fault && report.pumps[0].doses.is_empty(), "{}", report.json());
+    let began = report.time.unwrap();
+    assert!(report.text().contains(&format!(", began {began}\n")), "{}", report.text());
+    assert!(began.unix_s.abs_diff(last_logged(&rack, 0).time.unix_s) <= 1);
+}
+
+#[test]
 fn a_pump_whose_thread_panics_stops_all_others_and_is_reported_as_failed() {
     let desk = Desk::new();
     let file = RackFile::parse(&format!("{HEAD}{LONG}"), "mix.toml".as_ref()).unwrap();
