@@ -64,6 +64,12 @@ fn a_klipper_board_is_found_and_its_socket_is_asked_for() {
     assert!(taken.err.contains("turns the pump `acid` already; choose another socket"), "{}", taken.err);
     let free = desk.types(&[&script[..], &["skr-mini-e3-v2:Z"]].concat());
     assert_eq!(free.code, 0, "{}", free.err);
+    let mut sockets = ["skr-mini-e3-v2:X"].into_iter();
+    let ended =
+        desk.answers(&["setup", "feed", "--no-motion"], &mut |question| says(question, &port, &mut sockets));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let said = "acid has the motor at skr-mini-e3-v2:Y (PB10) of this board";
+    assert!(ended.err.contains(said), "{}", ended.err);
     let truth = board.truth();
     assert_eq!((truth.steps, truth.configured, truth.shutdown), ([0; 4], false, None));
 }

@@ -116,7 +116,8 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
     let others = course.others_at(&port);
     for other in others.iter().filter(|other| other.step_pin.is_some()) {
         let pin = other.step_pin.as_deref().unwrap_or_default();
-        tell_person(&format!("  {} has the motor at {pin} of this board", other.name));
+        let socket = socket_at(&boards, pin).map_or(pin.to_owned(), |socket| format!("{socket} ({pin})"));
+        tell_person(&format!("  {} has the motor at {socket} of this board", other.name));
     }
     let question = Question {
         text: match is_unlisted {
@@ -149,6 +150,15 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
         );
     }
     Ok(())
+}
+
+/// Returns the socket of one of these boards whose step pin is `pin`, as a user types it.
+fn socket_at(boards: &[&PrinterBoard], pin: &str) -> Option<String> {
+    let sockets =
+        boards.iter().flat_map(|board| board.sockets().map(|socket| format!("{}:{socket}", board.name)));
+    let is_at_pin =
+        |socket: &String| socket.parse().is_ok_and(|parsed: MotorSocket| parsed.step_pin() == pin);
+    sockets.into_iter().find(is_at_pin)
 }
 
 fn ask_current(course: &mut Course) -> Asked<()> {

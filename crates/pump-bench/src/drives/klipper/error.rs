@@ -125,8 +125,8 @@ pub enum KlipperError {
     Reset,
     /// The board is configured otherwise than it should be.
     #[error(
-        "the board has another configuration ({found:08x}) than this pump needs ({wanted:08x}), and another program \
-         may use it; have it reset, or switch it off and on"
+        "the board has a configuration that is not on record, and another program may use it; have it reset, or switch \
+         it off and on"
     )]
     Configured {
         /// Checksum of the configuration that the board has.
