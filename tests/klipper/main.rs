@@ -13,9 +13,13 @@ mod faults;
 mod flow;
 mod flows;
 mod kills;
+mod mixed;
 mod racks;
 mod rig;
 mod several;
 #[allow(dead_code, reason = "each user of the board needs a part of it")]
 #[path = "../../examples/simulated_klipper/simulated_klipper/mod.rs"]
 mod simulated_klipper;
+#[allow(dead_code, reason = "each user of the board needs a part of it")]
+#[path = "../../examples/simulated_node/simulated_node/mod.rs"]
+mod simulated_node;

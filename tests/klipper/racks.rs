@@ -12,7 +12,7 @@ use crate::rig::{Rig, ended};
 use crate::simulated_klipper::Character;
 
 /// Rack of two pumps that begin together.
-const RACK: &str = "schema = \"rack/1\"\n[pumps]\nred = \"red.toml\"\nblue = \"blue.toml\"\n\
+pub(crate) const RACK: &str = "schema = \"rack/1\"\n[pumps]\nred = \"red.toml\"\nblue = \"blue.toml\"\n\
                     [[step]]\nratio = { red = 1, blue = 1 }\nvolume = \"2mL\"\nrate = \"2mL/s\"\n";
 
 /// Runs the rack with a pump at each of these ports, the second at other pins. Returns the exit code and what was said.
@@ -30,7 +30,7 @@ fn runs(rig: &Rig, red: &Path, blue: &Path) -> (Option<i32>, String) {
 }
 
 /// Runs the rack as its files are. Returns the exit code and what was said.
-fn runs_rack(rig: &Rig) -> (Option<i32>, String) {
+pub(crate) fn runs_rack(rig: &Rig) -> (Option<i32>, String) {
     let folder = rig.folder.path();
     let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
     for name in ["DOSE_PUMP", "DOSE_CONFIG"] {

@@ -11,6 +11,8 @@ pub(super) const TICK_HZ: u32 = 1_000_000;
 struct Motor {
     levels: Option<Levels>,
     count: i64,
+    /// Tick of its first step.
+    first_rise: Option<u64>,
 }
 
 #[derive(Debug, Default)]
@@ -96,6 +98,11 @@ impl Hardware {
         self.state().pulled
     }
 
+    /// Returns the tick of each motor's first step.
+    pub(super) fn first_rises(&self) -> [Option<u64>; 4] {
+        self.state().motors.map(|motor| motor.first_rise)
+    }
+
     /// Returns the steps of each motor, and the rises of step pins whose motors had no current.
     pub(super) fn counts(&self) -> ([i64; 4], u32) {
         let state = self.state();
@@ -142,6 +149,7 @@ impl SimulatedPins {
 
     fn change(&mut self, change: impl FnOnce(&mut Levels)) {
         let state = &mut *self.hardware.state();
+        let now = state.now;
         let Some(motor) = state.motors.get_mut(self.axis) else { return };
         let Some(levels) = &mut motor.levels else { return };
         let before = *levels;
@@ -150,6 +158,7 @@ impl SimulatedPins {
             // A motor of the usual polarity: it has current while enable is low, and a high direction is forward.
             state.stray += u32::from(levels.enable);
             motor.count += if levels.direction { 1 } else { -1 };
+            motor.first_rise.get_or_insert(now);
         }
     }
 }

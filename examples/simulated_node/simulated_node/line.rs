@@ -3,7 +3,9 @@
 use std::io;
 use std::os::fd::OwnedFd;
 use std::path::PathBuf;
+use std::time::Duration;
 
+use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::fs::{Mode, OFlags};
 use rustix::pty::OpenptFlags;
 
@@ -29,6 +31,12 @@ impl Line {
         modes.make_raw();
         rustix::termios::tcsetattr(&kept, rustix::termios::OptionalActions::Now, &modes)?;
         Ok((Self { master, _kept: kept }, path))
+    }
+
+    /// Waits for bytes for as long as `longest`.
+    pub(super) fn wait(&self, longest: Duration) {
+        let longest = Timespec { tv_sec: 0, tv_nsec: longest.subsec_nanos().into() };
+        let _ = rustix::event::poll(&mut [PollFd::new(&self.master, PollFlags::IN)], Some(&longest));
     }
 
     /// Returns the bytes that have come.

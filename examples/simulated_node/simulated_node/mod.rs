@@ -21,10 +21,16 @@ use pump_node::{Axes, Axis, Node, identity};
 /// Time between two looks at the line.
 const LOOK: Duration = Duration::from_millis(1);
 
+/// Longest time between two looks at a USB line, whose requests are taken and answered at once.
+const USB_LOOK: Duration = Duration::from_micros(500);
+
 /// Longest time, us, that a late board makes up at once, so that it hears its host before it goes on. A move may begin
 /// in that time, and a board that has not listened meanwhile takes its own lateness for a lost link. A silent host is
 /// another matter: the board's time goes on without it.
 const LONGEST_LOOK_US: u64 = 5_000;
+
+/// The same of a board at a USB port, whose clock is compared with another one's.
+const LONGEST_USB_LOOK_US: u64 = 100_000;
 
 /// Rate of the line, bytes a second, as at 460,800 baud.
 const BYTES_S: u64 = 46_080;
@@ -44,6 +50,8 @@ pub(crate) struct Character {
     pub(crate) index_steps: [Option<u32>; 4],
     /// True for each axis whose stepper driver's output is high in a fault, as DIAG of a TMC2209.
     pub(crate) fault_high: [bool; 4],
+    /// True for a board at a USB port of its own.
+    pub(crate) usb: bool,
 }
 
 /// Truth about a board, whatever the board says.
@@ -51,6 +59,8 @@ pub(crate) struct Character {
 pub(crate) struct Truth {
     /// Steps that each motor has made, those in reverse taken off.
     pub(crate) steps: [i64; 4],
+    /// Instant of the first step that each motor has made.
+    pub(crate) first_steps: [Option<Instant>; 4],
     /// True if a motor turns.
     pub(crate) moving: bool,
     /// Rises of the step pins while their motors had no current.
@@ -150,19 +160,28 @@ impl Simulation {
     fn run(&mut self, mut carrier: Carrier, truth: &Mutex<Truth>) {
         let mut before = Instant::now();
         loop {
-            sleep(LOOK);
+            if self.character.usb {
+                self.line.wait(USB_LOOK);
+            } else {
+                sleep(LOOK);
+            }
             // A line without a computer is as good as no board.
             if carrier.carry().is_err() {
                 return;
             }
+            let said = self.line.read();
             let now = Instant::now();
-            let passed_us = ((now - before).as_micros() as u64).min(LONGEST_LOOK_US);
-            before = now;
+            let longest_us = if self.character.usb { LONGEST_USB_LOOK_US } else { LONGEST_LOOK_US };
+            let since_us = now.saturating_duration_since(before).as_micros() as u64;
+            let passed_us = since_us.min(longest_us);
+            // What is left of a microsecond counts at the next look.
+            before += Duration::from_micros(since_us);
             if self.hardware.take_reset() {
                 (self.node, self.axes) = power_up(self.character, &self.hardware);
             }
-            self.hear();
+            // What has come is taken at a tick after it came.
             self.go_on(self.now_us + passed_us);
+            self.hear(said);
             while self.answers.front().is_some_and(|(at, _)| *at <= self.now_us)
                 && let Some((_, answer)) = self.answers.pop_front()
             {
@@ -170,6 +189,10 @@ impl Simulation {
             }
             let mut truth = lock(truth);
             (truth.steps, truth.stray) = self.hardware.counts();
+            for (first, tick) in truth.first_steps.iter_mut().zip(self.hardware.first_rises()) {
+                let at = |tick: u64| before - Duration::from_micros(self.now_us.saturating_sub(tick));
+                *first = first.or(tick.map(at));
+            }
             truth.moving = self.axes.is_moving();
             if truth.over {
                 return;
@@ -178,8 +201,7 @@ impl Simulation {
     }
 
     /// Takes in what the host has said. A pulled cable carries nothing, in neither direction.
-    fn hear(&mut self) {
-        let said = self.line.read();
+    fn hear(&mut self, said: Vec<u8>) {
         if self.hardware.is_pulled() {
             self.answers.clear();
             return;
@@ -190,7 +212,8 @@ impl Simulation {
                     Some(version) => version::spoken(answer.bytes(), version),
                     None => answer.bytes().to_vec(),
                 };
-                let through_us = self.now_us + bytes.len() as u64 * 1_000_000 / BYTES_S;
+                let through = if self.character.usb { 0 } else { bytes.len() as u64 * 1_000_000 / BYTES_S };
+                let through_us = self.now_us + through;
                 self.answers.push_back((through_us, bytes));
             }
         }

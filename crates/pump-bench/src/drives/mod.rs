@@ -1,6 +1,8 @@
 //! The drives that turn a motor.
 
 mod abilities;
+#[cfg(any(feature = "node", feature = "klipper"))]
+mod board_clock;
 mod board_share;
 mod borrowed;
 mod common_begin;
@@ -32,9 +34,11 @@ mod stop_request;
 pub mod wire;
 
 pub use abilities::{Abilities, Together};
-pub use board_share::BoardShare;
 #[cfg(feature = "klipper")]
-use common_begin::Met;
+pub use board_clock::ClockError;
+pub use board_share::BoardShare;
+#[cfg(any(feature = "node", feature = "klipper"))]
+use common_begin::{BEGIN_LEAD, Met};
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
 pub use error::{DriveError, DriveFault};
@@ -49,7 +53,7 @@ pub(crate) use identity::Identity;
 #[cfg(all(feature = "grbl", feature = "node", feature = "klipper"))]
 pub use klipper::BoardPins;
 #[cfg(feature = "klipper")]
-pub use klipper::{ClockError, DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
+pub use klipper::{DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
 #[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 pub use known_board::PlaceTaken;
 #[cfg(feature = "node")]

@@ -123,7 +123,8 @@ impl Session<'_> {
 
     /// Returns the time from the leave for the first steps of a motion to the first of them, in s.
     pub(crate) fn begin_lead_s(&self) -> f64 {
-        self.device.as_ref().map_or(0.0, |device| device.drive.begin_lead_s())
+        let of_device_s = self.device.as_ref().map_or(0.0, |device| device.drive.begin_lead_s());
+        self.place.as_ref().map_or(of_device_s, |place| of_device_s.max(place.lead_s()))
     }
 
     /// Plans a series of motions, each from where the one before would leave the pump, within the limits of the

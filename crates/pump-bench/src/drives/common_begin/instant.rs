@@ -77,7 +77,7 @@ impl Seat {
 impl BeginPlace {
     /// Tells that this motion is ready at `now`. The last of all has them begin `ahead` of its time.
     pub(in crate::drives) fn meet(&mut self, now: Instant, ahead: Duration) -> Met {
-        self.of_boards.meet(now, ahead)
+        self.at_instant.meet(now, ahead)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Motions that begin together, each run by a session and a thread of its own: those of several axes of one board at
-//! one tick, and those of several Klipper boards at one instant.
+//! one tick, and those of several boards at one instant.
 
 #[cfg(not(any(feature = "grbl", feature = "node")))]
 mod alone;
-#[cfg(feature = "klipper")]
+#[cfg(any(feature = "node", feature = "klipper"))]
 mod instant;
 #[cfg(any(feature = "grbl", feature = "node"))]
 mod meeting;
@@ -14,12 +14,16 @@ use thiserror::Error;
 
 #[cfg(not(any(feature = "grbl", feature = "node")))]
 use alone::Seat;
-#[cfg(feature = "klipper")]
+#[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use instant::Met;
 #[cfg(any(feature = "grbl", feature = "node"))]
 use meeting::Seat;
 #[cfg(any(feature = "grbl", feature = "node"))]
 pub(super) use meeting::{Next, Ready, Standing};
+
+/// Time from the moment at which the motions of several boards are ready to the instant at which all begin. Each thread
+/// looks within some milliseconds, and a Klipper board is loaded then.
+pub(super) const BEGIN_LEAD: Duration = Duration::from_millis(200);
 
 /// Reason for which axes that were to begin together did not begin. Nothing has moved.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -37,16 +41,24 @@ pub enum CommonBeginError {
         /// Time that was allowed, in s.
         limit_s: f64,
     },
+    /// The instant at which boards were to begin together has passed.
+    #[error(
+        "the time at which this pump was to begin together with others has passed before the board had its steps, so \
+         it has not begun; check what held this computer up"
+    )]
+    Missed,
     /// The axes are not different axes of one board.
     #[error("axes that begin together are different axes of one board; begin the others one after another")]
     Boards,
 }
 
-/// Begin that several axes of one board have in common, or several boards with the Klipper firmware.
+/// Begin that several axes of one board have in common, or several boards.
 ///
-/// [`Self::places`] makes a place for each. A thread gives its place to its session by
-/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. All motions begin at one tick of the board.
-/// Klipper boards begin at one instant, each by its own clock. If a motion fails or is stopped before, none begins.
+/// [`Self::places`] makes a place for each axis of one board: all begin at one tick of its clock.
+/// [`Self::places_of_boards`] makes those of motions at several boards, nodes and Klipper boards: all begin at one
+/// instant, each by the clock of its own board. A thread gives its place to its session by
+/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. If a motion fails or is stopped before, none
+/// begins.
 ///
 /// ```
 /// use std::time::Duration;
@@ -65,22 +77,48 @@ pub struct BeginPlace {
     /// Seat at the meeting of axes of one board.
     #[cfg_attr(not(any(feature = "grbl", feature = "node")), allow(dead_code, reason = "no board has axes"))]
     seat: Seat,
-    /// Seat at the meeting of boards that each turn one motor.
-    #[cfg(feature = "klipper")]
-    of_boards: instant::Seat,
+    /// Seat at the meeting of motions that begin at one instant.
+    #[cfg(any(feature = "node", feature = "klipper"))]
+    at_instant: instant::Seat,
+    /// True if the motions are of several boards.
+    is_of_boards: bool,
 }
 
 impl CommonBegin {
-    /// Makes places for `count` motions that begin together. A motion that is ready waits for the others for as long as
-    /// `limit`.
+    /// Makes places for `count` motions of one board that begin together. A motion that is ready waits for the others
+    /// for as long as `limit`.
     pub fn places(count: usize, limit: Duration) -> Vec<BeginPlace> {
-        #[cfg(feature = "klipper")]
-        let mut of_boards = instant::Seat::all(count, limit);
+        Self::all(count, limit, false)
+    }
+
+    /// Makes places for `count` motions of several boards that begin together, as [`Self::places`] does. A grbl board
+    /// begins nothing with other boards.
+    pub fn places_of_boards(count: usize, limit: Duration) -> Vec<BeginPlace> {
+        Self::all(count, limit, true)
+    }
+
+    fn all(count: usize, limit: Duration, is_of_boards: bool) -> Vec<BeginPlace> {
         let seats = Seat::all(count, limit).into_iter();
-        #[cfg(feature = "klipper")]
-        let places = seats.zip(of_boards.drain(..)).map(|(seat, of_boards)| BeginPlace { seat, of_boards });
-        #[cfg(not(feature = "klipper"))]
-        let places = seats.map(|seat| BeginPlace { seat });
+        #[cfg(any(feature = "node", feature = "klipper"))]
+        let places = seats.zip(instant::Seat::all(count, limit)).map(|(seat, at_instant)| BeginPlace {
+            seat,
+            at_instant,
+            is_of_boards,
+        });
+        #[cfg(not(any(feature = "node", feature = "klipper")))]
+        let places = seats.map(|seat| BeginPlace { seat, is_of_boards });
         places.collect()
+    }
+}
+
+impl BeginPlace {
+    /// Returns true if motions at other boards begin with this one.
+    pub fn is_of_boards(&self) -> bool {
+        self.is_of_boards
+    }
+
+    /// Returns the time from the moment at which all motions are ready to their begin, in s.
+    pub(crate) fn lead_s(&self) -> f64 {
+        if self.is_of_boards { BEGIN_LEAD.as_secs_f64() } else { 0.0 }
     }
 }

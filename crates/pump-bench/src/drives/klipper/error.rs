@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::clock::ClockError;
 use super::dictionary::DictionaryError;
 use super::protocol::MessageError;
 use super::refit::RefitError;
 use super::tmc::TmcError;
+use crate::drives::board_clock::ClockError;
 use crate::drives::known_board::{BoardError, PlaceTaken, pump_in_words};
 use crate::drives::wire::{PortError, PortFault};
 use crate::drives::{CommonBeginError, DriveError};
@@ -269,12 +269,6 @@ pub enum KlipperError {
     /// The motor cannot begin together with others.
     #[error(transparent)]
     Common(#[from] CommonBeginError),
-    /// The instant at which boards were to begin together has passed.
-    #[error(
-        "the time at which this pump was to begin together with others has passed before the board had its steps, so \
-         it has not begun; check what held this computer up"
-    )]
-    BeginMissed,
     /// A flow over time came to rest on its way, because its steps did not reach the board in time.
     #[error(
         "the flow over time came to rest on its way; this computer or the line was late, and a flow that has paused \

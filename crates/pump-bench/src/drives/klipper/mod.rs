@@ -19,7 +19,6 @@ mod axis;
 mod board;
 #[cfg(all(feature = "grbl", feature = "node"))]
 mod board_pins;
-mod clock;
 mod dictionary;
 mod error;
 mod fault;
@@ -35,7 +34,6 @@ pub use axis::Klipper;
 pub(super) use axis::open;
 #[cfg(all(feature = "grbl", feature = "node"))]
 pub use board_pins::BoardPins;
-pub use clock::ClockError;
 pub use dictionary::DictionaryError;
 pub use error::KlipperError;
 pub use protocol::MessageError;

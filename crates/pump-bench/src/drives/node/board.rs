@@ -9,6 +9,13 @@ use super::error::NodeError;
 use super::line::Reply;
 use super::link::Link;
 
+/// Time over which the board's clock is read before a motion that begins together with those at other boards, so that
+/// its drift moves no begin.
+const LEARNT: Duration = Duration::from_millis(1500);
+
+/// Time between two readings of the clock.
+const BETWEEN: Duration = Duration::from_millis(15);
+
 /// Board that holds the session of its record.
 #[derive(Debug)]
 pub(super) struct Board {
@@ -53,6 +60,20 @@ impl Board {
             Answer::Status(status) => Ok((status, reply.received_at)),
             Answer::Refused(refusal) => Err(NodeError::of(refusal)),
             _ => Err(NodeError::Answer),
+        }
+    }
+
+    /// Reads the board's clock until its readings span so long that its drift moves no begin in common. A board that
+    /// was met long ago has them, and is asked once more.
+    pub(super) fn learn_clock(&mut self) -> Result<(), NodeError> {
+        let began = self.link.now();
+        loop {
+            let span = self.link.follow_clock();
+            self.status()?;
+            if span >= LEARNT || self.link.now().saturating_sub(began) >= LEARNT {
+                return Ok(());
+            }
+            self.link.pass(BETWEEN)?;
         }
     }
 

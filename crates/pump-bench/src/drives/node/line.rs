@@ -1,7 +1,7 @@
 //! The line to a board: frames on a wire, requests under way, and the answers to them.
 
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pump_link::frame::{AnswerHeader, Deframer, FrameError, body};
 use pump_link::message::{AXES, Answer, Identity, Refusal, Request};
@@ -9,10 +9,14 @@ use pump_link::sender::Window;
 
 use super::board_record::BoardHold;
 use super::error::NodeError;
+use crate::drives::board_clock::{BoardClock, ClockBounds, Reading, SharedClock};
 use crate::drives::wire::Wire;
 
 /// Number of requests that are under way at most: 8 for each axis.
 const WINDOW: usize = 8 * AXES;
+
+/// Shortest time between two readings of the board's clock.
+const READ: Duration = Duration::from_millis(10);
 
 /// Subject of a request, by which its answer is told from others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +50,8 @@ struct Asked {
     number: u16,
     lane: u8,
     subject: Subject,
+    /// Time by the steady clock before which the request was not sent. `None` while another link waits at the wire.
+    not_before: Option<Duration>,
 }
 
 /// Axis of a line's board, while a link has it.
@@ -91,6 +97,13 @@ pub(super) struct Line {
     pub(super) identity: Option<Identity>,
     /// Axes of the board.
     pub(super) lanes: [Lane; AXES],
+    /// True if the board's clock is followed, for motions that begin together with those at other boards.
+    pub(super) follows_clock: bool,
+    /// Clock of the board, once it was read.
+    clock: Option<SharedClock>,
+    /// Times of its first and of its last reading.
+    read_from: Duration,
+    read_at: Duration,
     /// Number of threads that stream, and of those of them that wait for the board.
     pub(super) streaming: usize,
     pub(super) waiting: usize,
@@ -118,6 +131,10 @@ impl Line {
             given: 0,
             identity: None,
             lanes: [Lane::default(); AXES],
+            follows_clock: false,
+            clock: None,
+            read_from: Duration::ZERO,
+            read_at: Duration::ZERO,
             streaming: 0,
             waiting: 0,
             is_led: false,
@@ -224,7 +241,8 @@ impl Line {
         subject: Subject,
     ) -> Result<(), NodeError> {
         let number = self.window.request(request, (subject == Subject::Segments).then_some(lane))?;
-        self.asked.push(Asked { number, lane, subject });
+        let not_before = self.wire.as_mut().map(|wire| wire.steady_now());
+        self.asked.push(Asked { number, lane, subject, not_before });
         Ok(())
     }
 
@@ -329,9 +347,49 @@ impl Line {
             return;
         }
         let Some(place) = self.asked.iter().position(|asked| asked.number == header.number) else { return };
-        let Asked { lane, subject, .. } = self.asked.swap_remove(place);
+        let Asked { lane, subject, not_before, .. } = self.asked.swap_remove(place);
         let (session, received_at) = (header.session, header.received_at);
+        if self.follows_clock {
+            self.read_clock(not_before, received_at);
+        }
         self.inbox.push((lane, Reply { subject, session, received_at, answer }));
+    }
+
+    /// Takes the tick at which the board took a request as a reading of its clock.
+    fn read_clock(&mut self, not_before: Option<Duration>, ticks: u64) {
+        let (Some(from), Some(identity), Some(wire)) = (not_before, &self.identity, &mut self.wire) else {
+            return;
+        };
+        let reading = Reading { from, to: wire.steady_now(), ticks };
+        if self.clock.is_some() && reading.to < self.read_at + READ {
+            return;
+        }
+        self.read_at = reading.to;
+        let low = Reading { from, to: reading.to, ticks: ticks as u32 };
+        let is_followed =
+            self.clock.as_ref().is_some_and(|clock| clock.take(low).is_ok_and(|whole| whole == ticks));
+        if !is_followed {
+            // The board has begun anew, or its clock was read too long ago.
+            let clock = BoardClock::new(identity.tick_hz, ClockBounds::default(), reading);
+            self.clock = clock.ok().map(SharedClock::new);
+            self.read_from = reading.to;
+        }
+    }
+
+    /// Returns the time over which the board's clock was read.
+    pub(super) fn clock_span(&self) -> Duration {
+        self.read_at.saturating_sub(self.read_from)
+    }
+
+    /// Returns the tick of the board's clock at an instant. `None` if its clock was not read, or another link waits at
+    /// the wire.
+    pub(super) fn tick_at(&mut self, at: Instant) -> Option<u64> {
+        let wire = self.wire.as_mut()?;
+        let steady = match wire.steady_begin() {
+            Some(begin) => at.saturating_duration_since(begin),
+            None => wire.steady_now() + at.saturating_duration_since(Instant::now()),
+        };
+        Some(self.clock.as_ref()?.tick_at(at, steady))
     }
 }
 

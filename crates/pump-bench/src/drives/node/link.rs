@@ -1,7 +1,7 @@
 //! The link of an axis to its board: requests out, answers in. The axes of one board share its line.
 
 use std::sync::{Arc, MutexGuard};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pump_link::message::Request;
 
@@ -113,6 +113,18 @@ impl Link {
     /// Returns the time of the board's last answer, to any of its axes.
     pub(super) fn heard_at(&self) -> Duration {
         self.line().heard_at()
+    }
+
+    /// Has the board's clock followed from now on. Returns the time over which it was read.
+    pub(super) fn follow_clock(&mut self) -> Duration {
+        let mut line = self.line();
+        line.follows_clock = true;
+        line.clock_span()
+    }
+
+    /// Returns the tick of the board's clock at an instant. `None` if its clock was not read.
+    pub(super) fn tick_at(&mut self, at: Instant) -> Option<u64> {
+        self.line.with_free(|line| line.tick_at(at))
     }
 
     /// Has the requests under way sent again after a lost link.

@@ -148,12 +148,20 @@ impl Node {
                 self.disturbed = disturbed;
                 self.current = if disturbed.is_some() { Current::Told } else { Current::Held };
                 self.notes.extend(faults_noted(unread));
-                Ok(())
+                self.learn_clock(self.terms.opening.with_other_boards)
             }
             Err((link, error)) => {
                 self.at = At::Apart(link);
                 Err(error)
             }
+        }
+    }
+
+    /// Has the board's clock known well before a motion that begins together with those at other boards.
+    fn learn_clock(&mut self, begins_together: bool) -> Result<(), NodeError> {
+        match &mut self.at {
+            At::Met { board, .. } if begins_together => board.learn_clock(),
+            _ => Ok(()),
         }
     }
 
@@ -239,7 +247,9 @@ impl Node {
         // From here on the gate hears the user.
         self.be_deaf(true);
         let place = self.place.take();
-        let made = self.task(plan).map_err(Fault::at_rest).and_then(|task| {
+        let begins_together = place.as_ref().is_some_and(BeginPlace::is_of_boards);
+        let task = self.task(plan).and_then(|task| self.learn_clock(begins_together).map(|()| task));
+        let made = task.map_err(Fault::at_rest).and_then(|task| {
             let (leads, free) = ([SentLead::new(plan, AHEAD, task.brake_steps)], Lead::free());
             let [lead] = &leads;
             let motion = self.motion(plan, task, (lead, &free), seeks);

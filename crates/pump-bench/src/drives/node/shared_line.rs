@@ -55,12 +55,17 @@ impl SharedLine {
 
     /// Does something with the wire once no link waits at it. Returns `None` if the wire is closed.
     pub(super) fn with_wire<T>(&self, act: impl FnOnce(&mut dyn Wire) -> T) -> Option<T> {
+        self.with_free(|line| line.wire().map(|wire| act(wire.as_mut())))
+    }
+
+    /// Does something with the line once no link waits at its wire.
+    pub(super) fn with_free<T>(&self, act: impl FnOnce(&mut Line) -> T) -> T {
         let line = self.lock();
         let mut line = self
             .news
             .wait_while(line, |line| line.wire().is_none() && !line.is_broken())
             .unwrap_or_else(PoisonError::into_inner);
-        line.wire().map(|wire| act(wire.as_mut()))
+        act(&mut line)
     }
 
     /// Waits for bytes of the board, at the wire or for the news of the link that is there. Returns after a short time

@@ -20,7 +20,7 @@ pub(in crate::rack) struct Appointment {
     pub(in crate::rack) place: Option<BeginPlace>,
 }
 
-/// Parts that begin together: those of one board, or of several boards with the Klipper firmware, at one time.
+/// Parts that begin together at one time: those of one board, or of several boards with clocks that are followed.
 pub(super) struct Meeting {
     board: usize,
     begin_s: f64,
@@ -37,7 +37,11 @@ pub(in crate::rack) fn appointments(rack: &Rack, begins_s: &[f64]) -> Vec<Vec<Ap
     };
     let mut all: Vec<_> = pumps.map(of_pump).collect();
     for meeting in meetings(rack.members(), &all).into_iter().filter(|meeting| meeting.parts.len() > 1) {
-        let places = CommonBegin::places(meeting.parts.len(), LIMIT);
+        let count = meeting.parts.len();
+        let places = match is_of_one_board(rack.members(), &meeting) {
+            true => CommonBegin::places(count, LIMIT),
+            false => CommonBegin::places_of_boards(count, LIMIT),
+        };
         for ((pump, part), place) in meeting.parts.into_iter().zip(places) {
             all[pump][part].place = Some(place);
         }
@@ -61,15 +65,23 @@ pub(super) fn meetings(members: &[Member], appointments: &[Vec<Appointment>]) ->
     meetings
 }
 
-/// Returns the number of the first pump that begins together with a pump: on its board, or on any board with the
-/// Klipper firmware. `None` if the board begins nothing together.
+/// Returns true if one board turns all pumps of a meeting.
+fn is_of_one_board(members: &[Member], meeting: &Meeting) -> bool {
+    let mut benches = meeting.parts.iter().filter_map(|(pump, _)| Some(&members.get(*pump)?.bench));
+    benches.next().is_none_or(|first| benches.all(|other| is_one_board(first, other)))
+}
+
+/// Returns the number of the first pump that begins together with a pump: on its board, or on any board that makes each
+/// step at its time. `None` if the board begins nothing together.
 fn board(members: &[Member], member: &Member) -> Option<usize> {
     let begins_together =
         !member.bench.is_simulated() && member.bench.identity().abilities.together.is_some();
-    let is_klipper =
-        |member: &Member| !member.bench.is_simulated() && member.bench.drive().driver == DriverName::Klipper;
-    let first = members.iter().position(|other| {
-        is_one_board(&other.bench, &member.bench) || is_klipper(other) && is_klipper(member)
-    });
+    let has_clock = |member: &Member| {
+        let driver = member.bench.drive().driver;
+        !member.bench.is_simulated() && matches!(driver, DriverName::Klipper | DriverName::Node)
+    };
+    let first = members
+        .iter()
+        .position(|other| is_one_board(&other.bench, &member.bench) || has_clock(other) && has_clock(member));
     first.filter(|_| begins_together)
 }

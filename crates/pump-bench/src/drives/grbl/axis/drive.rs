@@ -90,6 +90,9 @@ impl Drive for Grbl {
     }
 
     fn begin_with(&mut self, place: BeginPlace) -> Result<(), DriveError> {
+        if place.is_of_boards() {
+            return Err(DriveError::no_common_begin(self.id()));
+        }
         self.place = Some(place);
         Ok(())
     }

@@ -13,8 +13,8 @@ use crate::drives::klipper::link::{Link, Place};
 use crate::drives::klipper::motion::{self, Fault, Made, Task, most_steps_s};
 use crate::drives::wire::{BoardPort, NotShared, OpenPorts};
 use crate::drives::{
-    Abilities, BeginPlace, BoardShare, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate,
-    IndexSearch, Opening,
+    Abilities, BEGIN_LEAD, BeginPlace, BoardShare, Disturbance, Drive, DriveError, DriveFault, DriveLimits,
+    Gate, IndexSearch, Opening,
 };
 use crate::notice::Notice;
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
@@ -329,7 +329,7 @@ impl Drive for Klipper {
     }
 
     fn begin_lead_s(&self) -> f64 {
-        motion::BEGIN_LEAD.as_secs_f64()
+        BEGIN_LEAD.as_secs_f64()
     }
 
     fn forget_plan(&mut self) {

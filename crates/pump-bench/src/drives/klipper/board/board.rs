@@ -9,7 +9,7 @@ use super::commands::Commands;
 use super::objects::Objects;
 use super::session_record::SessionRecord;
 use super::shared_board::SharedBoard;
-use crate::drives::klipper::clock::{BoardClock, ClockBounds, ClockError, Reading, SharedClock};
+use crate::drives::board_clock::{BoardClock, ClockBounds, ClockError, Reading, SharedClock};
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::fault::fault;

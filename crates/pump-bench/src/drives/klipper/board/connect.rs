@@ -17,7 +17,7 @@ use super::shared_board::{Known, SharedBoard};
 use super::step_rate::{SEVERAL, most_steps_s};
 use super::terms::Terms;
 use crate::drives::Disturbance;
-use crate::drives::klipper::clock::SharedClock;
+use crate::drives::board_clock::SharedClock;
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::link::Link;

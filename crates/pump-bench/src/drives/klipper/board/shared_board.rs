@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use super::commands::Commands;
-use crate::drives::klipper::clock::SharedClock;
+use crate::drives::board_clock::SharedClock;
 use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::link::SharedTrunk;
 use crate::drives::wire::Wire;

@@ -13,7 +13,6 @@ mod ramp;
 mod run;
 mod task;
 
-pub(super) use motion::BEGIN_LEAD;
 pub(super) use outcome::{Fault, Made};
 pub(super) use run::run;
 pub(super) use task::{Task, most_steps_s};

@@ -11,22 +11,18 @@ use super::index::Index;
 use super::outcome::{Ended, Fault, Made};
 use super::ramp::{ramp, steps as ramp_steps};
 use super::task::{Task, times_of};
+use crate::drives::board_clock::Reading;
 use crate::drives::klipper::board::{Board, check_driver, reason};
-use crate::drives::klipper::clock::Reading;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::fault::fault;
 use crate::drives::klipper::link::Arrival;
 use crate::drives::klipper::refit::StepCommand;
 use crate::drives::sent_lead::SentLead;
 use crate::drives::stepped::{Lead, steps_from};
-use crate::drives::{BeginPlace, Met};
+use crate::drives::{BEGIN_LEAD, BeginPlace, CommonBeginError, Met};
 
 /// Time from the first command of a move to its begin, s. The queue is loaded meanwhile.
 const BEGIN_S: f64 = 0.15;
-
-/// Time from the moment at which the motions of several motors are ready to the instant at which all begin. Each thread
-/// looks within some milliseconds, and then loads its board.
-pub(in crate::drives::klipper) const BEGIN_LEAD: Duration = Duration::from_millis(200);
 
 /// Time before the end of the queue at which the way to rest is queued, if no further step may follow yet, s. Blocks
 /// that are lost are sent again within it.
@@ -218,7 +214,7 @@ impl<'a> Motion<'a> {
         self.place = None;
         let base = self.board.clock.tick_at(at, self.board.talk.link.steady_at(at));
         let late = now.value as f64 + now.within + LATE_S * hz;
-        if (base as f64) < late { Err(KlipperError::BeginMissed) } else { Ok(Some(base)) }
+        if (base as f64) < late { Err(CommonBeginError::Missed.into()) } else { Ok(Some(base)) }
     }
 
     /// Asks for the clock, if it is time to.

@@ -3,7 +3,7 @@
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pump_link::message::{AXES, AxisState, Request};
 
@@ -15,7 +15,7 @@ use crate::drives::node::line::Subject;
 use crate::drives::node::shared_line::SharedLine;
 use crate::drives::sent_lead::{Ahead, Ends, SentLead};
 use crate::drives::wire::AskClock;
-use crate::drives::{BeginPlace, Gate};
+use crate::drives::{BEGIN_LEAD, BeginPlace, CommonBeginError, Gate, Met};
 
 /// Longest time between two questions to the gates, and longest wait for an answer.
 const LOOK: Duration = Duration::from_millis(5);
@@ -102,8 +102,34 @@ fn stream(mut motions: Vec<Motion<'_>>, place: Option<BeginPlace>) -> Outcomes {
     outcomes.into_iter().flatten().collect()
 }
 
+/// Has a motion begin at the instant at which those at other boards do. Returns false once there is nothing more to be
+/// done.
+fn begin_at_instant(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
+    if motion.lead.stops() {
+        return false;
+    }
+    if motion.ready_at().is_none() {
+        return true;
+    }
+    match place.meet(Instant::now(), BEGIN_LEAD) {
+        Met::Waits => return true,
+        Met::Failed(error) => motion.refuse(error.into()),
+        Met::At(at) => match (motion.board.link.tick_at(at), &mut motion.feed) {
+            (Some(tick), Some(feed)) => {
+                feed.begin_tick = Some(tick);
+                motion.waits_for_others = false;
+            }
+            _ => motion.refuse(CommonBeginError::Missed.into()),
+        },
+    }
+    false
+}
+
 /// Begins a motion with those of other threads. Returns false once there is nothing more to be done.
 fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
+    if place.is_of_boards() {
+        return begin_at_instant(motion, place);
+    }
     let now = motion.board.link.now();
     let link = &motion.board.link;
     let (line, axis) = (Arc::as_ptr(link.shared()) as usize, link.lane());

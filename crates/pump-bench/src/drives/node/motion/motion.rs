@@ -13,13 +13,13 @@ use super::outcome::{Fault, Made};
 use super::search::Search;
 use super::steps::Steps;
 use super::task::Task;
-use crate::drives::BeginPlace;
 use crate::drives::node::board::Board;
 use crate::drives::node::connect;
 use crate::drives::node::error::NodeError;
 use crate::drives::node::line::{Reply, Subject};
 use crate::drives::sent_lead::SentLead;
 use crate::drives::stepped::Lead;
+use crate::drives::{BeginPlace, CommonBeginError};
 
 /// Time between two questions for the state of the axis.
 const STATUS: Duration = Duration::from_millis(20);
@@ -290,6 +290,9 @@ impl<'a> Motion<'a> {
             // The move has ended, or decelerates. Its state tells how.
             (Answer::Refused(Refusal::NoSuchMove { .. }), Subject::Segments | Subject::Begin) => {
                 feed.is_closed = true;
+            }
+            (Answer::Refused(Refusal::Begin { .. }), _) if feed.begin_tick.is_some() => {
+                return Err(CommonBeginError::Missed.into());
             }
             (Answer::Refused(Refusal::Begin { earliest }), _) => feed.earliest = earliest,
             (Answer::Refused(Refusal::Position { position }), _) => {

@@ -42,6 +42,8 @@ pub(super) struct MoveFeed<'a> {
     pub(super) is_begun: bool,
     /// True once the board takes no more segments.
     pub(super) is_closed: bool,
+    /// Tick at which the move begins together with those at other boards, once it is known.
+    pub(super) begin_tick: Option<u64>,
     /// Tick before which the move cannot begin, if the board has said so.
     pub(super) earliest: u64,
     /// Time at which a stop was first asked for.
@@ -76,6 +78,7 @@ impl<'a> MoveFeed<'a> {
             may_move: false,
             is_begun: false,
             is_closed: false,
+            begin_tick: None,
             earliest: 0,
             stop_asked_at: None,
             is_stopped: false,
@@ -108,9 +111,10 @@ impl<'a> MoveFeed<'a> {
             || (taken == self.segments && self.pushed >= reach)
     }
 
-    /// Returns the tick at which the move may begin, for a board that was last heard at tick `heard_at`.
+    /// Returns the tick at which the move is to begin, for a board that was last heard at tick `heard_at`.
     pub(super) fn begin_at(&self, heard_at: u64) -> u64 {
-        heard_at.max(self.earliest) + self.tick_hz * BEGIN.0 / BEGIN.1
+        let soon = heard_at.max(self.earliest) + self.tick_hz * BEGIN.0 / BEGIN.1;
+        self.begin_tick.unwrap_or(soon)
     }
 
     /// Returns true if the board may take further segments of the move.

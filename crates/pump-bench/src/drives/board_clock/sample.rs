@@ -7,11 +7,11 @@ use std::time::Duration;
 /// The times are of a clock that never stands and never jumps. Either may be drawn in by what is known to have passed
 /// for certain, as the time that the bytes of question and answer take on a line of a known rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::drives::klipper) struct Reading<Ticks = u32> {
+pub(in crate::drives) struct Reading<Ticks = u32> {
     /// Time before which the board cannot have read its clock, as that at which the question was sent.
-    pub(in crate::drives::klipper) from: Duration,
+    pub(in crate::drives) from: Duration,
     /// Time after which the board cannot have read its clock, as that at which the answer came.
-    pub(in crate::drives::klipper) to: Duration,
+    pub(in crate::drives) to: Duration,
     /// Ticks of the board's clock.
-    pub(in crate::drives::klipper) ticks: Ticks,
+    pub(in crate::drives) ticks: Ticks,
 }

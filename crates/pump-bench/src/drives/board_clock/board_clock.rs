@@ -15,11 +15,11 @@ const ROUNDING_S: f64 = 1e-10;
 
 /// Bounds of what a clock may do beside the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::drives::klipper) struct ClockBounds {
+pub(in crate::drives) struct ClockBounds {
     /// Most by which its rate deviates from the nominal one, relatively.
-    pub(in crate::drives::klipper) drift: f64,
+    pub(in crate::drives) drift: f64,
     /// Most by which this deviation changes in a second.
-    pub(in crate::drives::klipper) wander_per_s: f64,
+    pub(in crate::drives) wander_per_s: f64,
 }
 
 impl Default for ClockBounds {
@@ -35,9 +35,9 @@ impl Default for ClockBounds {
 
 /// Value with the distance within which the true one is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::drives::klipper) struct Within<T> {
-    pub(in crate::drives::klipper) value: T,
-    pub(in crate::drives::klipper) within: f64,
+pub(in crate::drives) struct Within<T> {
+    pub(in crate::drives) value: T,
+    pub(in crate::drives) within: f64,
 }
 
 /// Clock of a board.
@@ -48,7 +48,7 @@ pub(in crate::drives::klipper) struct Within<T> {
 ///
 /// A drift that changes loosens what an old reading says: by half the change in a second, times the square of its age.
 #[derive(Debug, Clone)]
-pub(in crate::drives::klipper) struct BoardClock {
+pub(in crate::drives) struct BoardClock {
     frequency_hz: f64,
     bounds: ClockBounds,
     /// Readings, the oldest first. There is one at least.
@@ -64,7 +64,7 @@ pub(in crate::drives::klipper) struct BoardClock {
 impl BoardClock {
     /// Begins with a first reading, whose ticks the board gave in full: those of its message `uptime`, which are
     /// `high` · 2^32 + `clock`. The frequency is the board's constant CLOCK_FREQ.
-    pub(in crate::drives::klipper) fn new(
+    pub(in crate::drives) fn new(
         frequency_hz: u32,
         bounds: ClockBounds,
         reading: Reading<u64>,
@@ -80,7 +80,7 @@ impl BoardClock {
     /// Takes a reading of the low 32 bits of the clock, and returns the whole clock of that reading.
     ///
     /// After an error the clock is as it was before.
-    pub(in crate::drives::klipper) fn take(&mut self, reading: Reading) -> Result<u64, ClockError> {
+    pub(in crate::drives) fn take(&mut self, reading: Reading) -> Result<u64, ClockError> {
         took_s(reading.from, reading.to)?;
         let ticks = self.widen(reading.ticks, reading.to)?;
         let reading = Reading { from: reading.from, to: reading.to, ticks };
@@ -107,7 +107,7 @@ impl BoardClock {
     }
 
     /// Returns the clock at a time of the computer's clock, and the ticks by which it may be wrong.
-    pub(in crate::drives::klipper) fn at(&self, time: Duration) -> Within<u64> {
+    pub(in crate::drives) fn at(&self, time: Duration) -> Within<u64> {
         let Within { value, within } = self.offset(time);
         let value = self.ticks.saturating_add_signed(value.round() as i64);
         Within { value, within: within + 0.5 }
@@ -116,7 +116,7 @@ impl BoardClock {
     /// Returns the time of the computer's clock at which the board's stands at `ticks`, and the seconds by which it may
     /// be wrong. A time before the computer's clock began is its begin.
     #[cfg(test)]
-    pub(in crate::drives::klipper) fn time_of(&self, ticks: u64) -> Within<Duration> {
+    pub(in crate::drives) fn time_of(&self, ticks: u64) -> Within<Duration> {
         let elapsed_s = (i128::from(ticks) - i128::from(self.ticks)) as f64 / self.frequency_hz;
         let (least, most) = self.region.range(|point| (elapsed_s - point.offset) / (1.0 + point.drift));
         let after_s = (least + most) / 2.0;
@@ -128,19 +128,19 @@ impl BoardClock {
     }
 
     /// Returns the time over which the clock was read: its drift is known the better, the longer that is.
-    pub(in crate::drives::klipper) fn span(&self) -> Duration {
+    pub(in crate::drives) fn span(&self) -> Duration {
         self.readings.front().map_or(Duration::ZERO, |first| self.at.saturating_sub(first.to))
     }
 
     /// Returns the relative deviation of the clock's rate from its nominal one, and how far it may be wrong.
     #[cfg(test)]
-    pub(in crate::drives::klipper) fn drift(&self) -> Within<f64> {
+    pub(in crate::drives) fn drift(&self) -> Within<f64> {
         let (least, most) = self.region.range(|point| point.drift);
         Within { value: (least + most) / 2.0, within: (most - least) / 2.0 }
     }
 
     /// Returns the whole clock whose low 32 bits the board told at about a time.
-    pub(in crate::drives::klipper) fn widen(&self, low: u32, time: Duration) -> Result<u64, ClockError> {
+    pub(in crate::drives) fn widen(&self, low: u32, time: Duration) -> Result<u64, ClockError> {
         let Within { value, within } = self.at(time);
         // More than a quarter of a turn either way, and the next reading might be counted into another turn.
         if within > f64::from(1_u32 << 30) {
