@@ -205,8 +205,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::PrintSource => "print it anew with `dose pumps show NAME --format rust`",
         Remedy::ListHeads => "`dose pumps list --catalogue` lists the heads",
         Remedy::WriteOrConfirmPump => {
-            "write your pump's values into a pump file, without confirmed = false and direction_confirmed = false, and \
-             name it with --pump; or say --confirm-pump once if these are the values of your pump"
+            "say --confirm-pump once if these are the values of your pump; otherwise write your pump's values into its \
+             pump file, without confirmed = false and direction_confirmed = false, and name the file with --pump"
+        }
+        Remedy::ConfirmTurning => {
+            "say --confirm-pump once if the pump file is right now, and watch the motor; otherwise set the file back"
         }
         Remedy::UpdateFirmware => {
             "build the firmware of this version (make firmware), hold the board's button BOOTSEL while you plug its \

@@ -12,7 +12,7 @@ use pump_bench::{DoseError, Session};
 use crate::advice;
 use crate::interrupt::{self, Unwatched};
 use crate::shown::json_shown;
-use crate::told_commands::{completed, setup_that_was_left};
+use crate::told_commands::{completed, setup_asks_again, setup_that_was_left};
 
 /// The reason why a command did not do what was asked: words for people, facts for programs.
 #[derive(Debug)]
@@ -279,7 +279,9 @@ impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
         let delivered_ml = error.delivered_ml();
         let left = match &error {
-            DoseError::Unconfirmed { pump, .. } => setup_that_was_left(pump),
+            DoseError::Unconfirmed { pump, .. } => {
+                setup_that_was_left(pump).or_else(|| setup_asks_again(pump))
+            }
             _ => None,
         };
         let is_unconfirmed = matches!(&error, DoseError::Drive { .. }) && interrupt::signal().is_some();

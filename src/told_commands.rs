@@ -107,6 +107,16 @@ pub(crate) fn setup_that_was_left(pump: &str) -> Option<String> {
     (!answers.is_finished()).then(|| format!("`dose setup {pump}` goes on with its setup, which was left"))
 }
 
+/// Words with the command that asks which way a pump's motor turns, if the pump was set up.
+pub(crate) fn setup_asks_again(pump: &str) -> Option<String> {
+    let typed = TOLD.get().and_then(|told| told.typed.iter().find(|(option, _)| *option == "--config"));
+    let config = typed.map(|(_, path)| PathBuf::from(path)).or_else(config_path)?;
+    let answers = SetupFolder::of(&config).read(pump).ok().flatten()?;
+    answers
+        .is_finished()
+        .then(|| format!("or `dose setup {pump}` turns the motor once, and asks which way it went"))
+}
+
 /// Completes the commands of a text, which stand between back quotes.
 pub(crate) fn completed(text: &str) -> Cow<'_, str> {
     match TOLD.get() {

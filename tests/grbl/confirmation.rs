@@ -84,7 +84,10 @@ fn steps_that_are_said_leave_the_direction_to_be_said() {
     let refused = types(folder.path(), &board, &["0.2mL", "--pump", pump]);
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     let message = said(&refused);
-    assert!(message.contains("the program filled in forward as axis X counts up, and nobody"), "{message}");
+    assert!(
+        message.contains("the program filled in the direction (forward as axis X counts up), and nobody"),
+        "{message}"
+    );
     assert!(!message.contains("steps per revolution"), "{message}");
     assert_eq!(board.rest().steps, 0);
     let text = fs::read_to_string(pump).unwrap();

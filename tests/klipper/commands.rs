@@ -61,6 +61,40 @@ fn a_program_that_stands_still_has_its_motor_stopped_and_knows_each_step() {
 }
 
 #[test]
+fn a_pump_file_that_turns_the_motor_otherwise_is_refused_until_a_person_confirms_it() {
+    let rig = Rig::new(Character::default());
+    let path = rig.pump();
+    let text = fs::read_to_string(&path).unwrap();
+    assert_eq!(rig.runs(&["2mL", "--confirm-pump"]).0, Some(0));
+    // The angle was just said, so that no motion on record tells the old way.
+    assert_eq!(rig.runs(&["home", "--set", "0deg"]).0, Some(0));
+    let steps = rig.board.truth().steps;
+    let types = |words: &[&str]| {
+        ended(crate::rig::command(rig.folder.path(), &path, rig.board.path(), words).spawn().unwrap())
+    };
+    for (from, to, now) in [
+        ("dir = \"PB12\"", "dir = \"!PB12\"", "pins PB13 (step), !PB12 (direction) and !PB14 (enable)"),
+        ("step = \"PB13\"", "step = \"PB10\"", "pins PB10 (step), PB12 (direction)"),
+        ("invert = false", "invert = true", "and !PB14 (enable), inverted"),
+        ("steps_per_rev = 12800", "steps_per_rev = 6400", "turns it by 6400 steps per revolution"),
+    ] {
+        let changed = text.replace(from, to);
+        assert_ne!(changed, text, "{from} stands in the file");
+        fs::write(&path, changed).unwrap();
+        let (code, said) = types(&["1mL"]);
+        assert_eq!(code, Some(2), "{said}");
+        let then = "it moved last by 12800 steps per revolution, gear 1, pins PB13 (step), PB12 (direction) and !PB14";
+        assert!(said.contains(now) && said.contains(then) && said.contains("--confirm-pump"), "{said}");
+        assert_eq!(rig.board.truth().steps, steps, "{said}");
+    }
+    fs::write(&path, text.replace("dir = \"PB12\"", "dir = \"!PB12\"")).unwrap();
+    let (code, said) = types(&["1mL", "--confirm-pump"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(rig.board.truth().steps[0] < steps[0], "it turns the other way now");
+    assert_eq!(types(&["1mL"]).0, Some(0), "it is asked once");
+}
+
+#[test]
 fn each_bad_input_is_one_message_and_nothing_moves() {
     let rig = Rig::new(Character::default());
     let (code, said) = rig.runs(&["2mL", "--confirm-pump", "--configure"]);

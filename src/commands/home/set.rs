@@ -1,9 +1,9 @@
 //! `dose home --set` and `--unknown`: a person says where the rollers stand.
 
 use pump_bench::AngleSet;
-use pump_bench::Bench;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 use pump_bench::units::StatedAngle;
+use pump_bench::{Bench, DoseError};
 use pump_ctl::plan::Phase;
 
 use crate::advice;
@@ -29,7 +29,16 @@ pub(super) fn set(
     let bench = bench()?;
     let assumed = |stated: StatedAngle| Phase::within(stated.angle_rad, or_assumed_rad(within_rad, &bench));
     let phase = stated.map(assumed);
-    let (mut session, AngleSet { state, owed_ml, aside, .. }) = bench.set_angle(phase)?;
+    let set = bench.set_angle(phase).map_err(|error| {
+        let is_kept = matches!(error, DoseError::Unfinished { .. } | DoseError::UnfinishedRun { .. });
+        let failure = Failure::from(error);
+        if is_kept {
+            failure.with("; or add --unfinished to this command, which keeps the dose")
+        } else {
+            failure
+        }
+    });
+    let (mut session, AngleSet { state, owed_ml, aside, .. }) = set?;
     warn(&session.notes());
     let aside = aside.map(|aside| format!("the damaged journal is now {}\n", aside.display()));
     let assumed = (stated.is_some() && within_rad.is_none()).then(|| assumed_of_set(&bench));

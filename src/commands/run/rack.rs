@@ -320,13 +320,14 @@ fn said(
 /// The end of the command after a rack whose report was printed.
 fn ended(report: RackReport, interrupt: &Interrupt, places: &Places) -> Result<(), Failure> {
     let (moved, range_ml) = (report.has_moved(), report.total.delivered_range_ml());
-    let rests = rests(&report, places);
+    let (rests, others) = (rests(&report, places), report.others_in_words());
     match (report.end, report.fault) {
         (RackEnd::Fault, Some(fault)) => {
             let failure = Failure::of(&fault.error).after(&format!("pump `{}` of the rack: ", fault.pump));
             let failure = places.failed(&fault.pump, failure);
-            let others = if moved { "every other pump was stopped" } else { "the rack moved no motor" };
-            let failure = failure.with(&format!("; {others}{rests}"));
+            let others = if moved { others } else { Some("the rack moved no motor") };
+            let others = others.map_or(String::new(), |others| format!("; {others}"));
+            let failure = failure.with(&format!("{others}{rests}"));
             Err(if moved { failure.after_motion().delivered(range_ml) } else { failure })
         }
         (RackEnd::Stopped, _) => {

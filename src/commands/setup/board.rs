@@ -206,11 +206,15 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
     }
 }
 
-/// The words for a port without a board that can be used: a board that speaks another version does answer.
+/// The words for a port without a board that can be used. A board that speaks another version does answer, and so does
+/// one that this program refuses, unless its port was not even opened.
 fn answer_in_words(error: &DriveError, port: &str, why: &str) -> String {
-    match is_of_version(error) {
-        true => why.to_owned(),
-        false => format!("no board answers at {port}: {why}"),
+    match (error, is_of_version(error)) {
+        (_, true) => why.to_owned(),
+        (DriveError::Refused(cause), _) => why
+            .strip_prefix(&format!("{error}: "))
+            .map_or_else(|| with_sources(cause.as_ref()), str::to_owned),
+        _ => format!("no board answers at {port}: {why}"),
     }
 }
 

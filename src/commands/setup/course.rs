@@ -286,7 +286,8 @@ impl Course {
         let is_open = !self.answers.done.turned;
         let configures = is_open && !self.is_simulated() && self.answers.configure == Some(true);
         let bench = Bench::new(file, None, &self.state_dir)?;
-        Ok(bench.configuring(configures).stopping_on(interrupt::stop_request()))
+        let bench = bench.configuring(configures).watching_the_turn(true);
+        Ok(bench.stopping_on(interrupt::stop_request()))
     }
 
     /// The folder of all records.

@@ -47,6 +47,8 @@ pub struct Bench {
     unfinished: bool,
     /// True if the user confirms the values of the pump that the program filled in.
     confirms_pump: bool,
+    /// True if a person watches how the motor turns, by whatever pump file.
+    turning_is_watched: bool,
     /// Patience with another process that holds the pump or its port.
     patience: Patience,
     /// True if dry runs leave the record out.
@@ -72,6 +74,7 @@ impl Bench {
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
         let opening = Opening::of_pump(&file.pump.id, driver, state_dir);
         let (is_given, unfinished, confirms_pump, plans_afresh) = (false, false, false, false);
+        let turning_is_watched = false;
         let patience = Patience::default();
         Ok(Self {
             file,
@@ -83,6 +86,7 @@ impl Bench {
             opening,
             unfinished,
             confirms_pump,
+            turning_is_watched,
             patience,
             plans_afresh,
         })
@@ -115,6 +119,11 @@ impl Bench {
     /// Returns true if the user confirms the values of the pump that the program filled in.
     pub(super) fn confirms_pump(&self) -> bool {
         self.confirms_pump
+    }
+
+    /// Returns true if the motor may be turned in another way than when it moved last.
+    pub(super) fn may_turn_otherwise(&self) -> bool {
+        self.is_simulated() || self.confirms_pump || self.turning_is_watched
     }
 
     /// Returns the pump file.

@@ -220,9 +220,16 @@ impl<'a> Session<'a> {
         if let Some(slip_steps) = halted.filter(|_| !made_all) {
             // The count is that of the steps all the same, so the halt comes on top.
             met = met.halted(slip_steps, self.file().limits().motor.step_rad(), model);
-            let halted = Disturbance::Halted { slip_steps };
-            let text = format!("{halted}: the rollers' angle is known less well");
-            notes.push(Notice::from(text).with_remedy(find_angle(&stands)));
+            let (halted, pitch_rad) = (Disturbance::Halted { slip_steps }, model.pitch_rad());
+            let note = match (stands.phase().is_known(pitch_rad), met.phase().is_known(pitch_rad)) {
+                (false, _) => Notice::from(halted.to_string()),
+                (true, is_known) => {
+                    let now = if is_known { "known less well" } else { "unknown" };
+                    let text = format!("{halted}: the rollers' angle is {now}");
+                    Notice::from(text).with_remedy(find_angle(&stands))
+                }
+            };
+            notes.push(note);
         }
         // A motion that was cut off and counted since was of the steps of its own day.
         let met = met.of_steps(self.bench.way_rad(), model);
@@ -389,5 +396,17 @@ fn told_event(error: &DriveError) -> Option<Disturbance> {
             Some(Disturbance::EmergencyStop)
         }
         _ => None,
+    }
+}
+
+/// Returns the cause for which the angle is unknown after a fault in motion.
+pub(super) fn lost_by(error: &DriveError) -> AngleLoss {
+    match error {
+        #[cfg(feature = "node")]
+        DriveError::Device(told) if matches!(told.downcast_ref(), Some(NodeError::Driver)) => {
+            AngleLoss::CurrentLost
+        }
+        _ if told_event(error) == Some(Disturbance::EmergencyStop) => AngleLoss::EmergencyStop,
+        _ => AngleLoss::OtherCount,
     }
 }

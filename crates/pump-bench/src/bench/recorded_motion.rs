@@ -7,6 +7,7 @@ use pump_ctl::plan::{Plan, PlannedMotion};
 use pump_model::Pump;
 
 use super::announced_steps::{AnnouncedSteps, DiskTimes, Halt};
+use super::connection::lost_by;
 use super::device::Device;
 use crate::displacement::Correction;
 use crate::dosing::{DoseError, Prepared};
@@ -14,9 +15,7 @@ use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
 use crate::notice::with_sources;
 use crate::pump_file::Pace;
 use crate::record::Purpose;
-use crate::record::{
-    AngleLoss, Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why,
-};
+use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
 use super::ended_motion::EndedMotion;
 use super::real_time::RealTime;
@@ -184,6 +183,9 @@ impl<'a> Session<'a> {
         self.record_meeting()?;
         self.record_confirmation()?;
         let mut before = self.stands();
+        if !self.bench.is_simulated() {
+            before.turned_by = Some(self.bench.motor_way());
+        }
         if motion.given {
             before.disturbances = 0;
         }
@@ -232,7 +234,7 @@ impl<'a> Session<'a> {
         let model = self.bench.model();
         let ended_s = self.log.clock.now().unix_s;
         let after = before.after_until(ended_s, &intent, made_least, made_most, model);
-        let after = if lost { after.lost(AngleLoss::OtherCount, model) } else { after };
+        let after = if lost { after.lost(lost_by(&error), model) } else { after };
         let mut state = self.with_device(&mut device, after, Some(pauses));
         // A turn to find the angle is no part of the unfinished dose that stays on record.
         let is_delivery = intent.purpose.is_delivery();

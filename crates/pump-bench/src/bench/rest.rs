@@ -218,6 +218,10 @@ impl Bench {
         }
         let state = PumpState { unfinished: None, carry_ml, ..state };
         let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml).map_err(DoseError::of_rest)?;
+        // The dose stays on record while its angle is said.
+        for warning in &mut prepared.warnings {
+            warning.swap_remedy(Remedy::TurnAndSayAngle, Remedy::FindAngleOfUnfinished);
+        }
         prepared.warnings.extend(searched(dose));
         prepared.warnings.extend(self.unsure_rest(dose, &prepared));
         if intent.terms.until_stopped {

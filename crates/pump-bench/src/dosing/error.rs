@@ -108,6 +108,19 @@ pub enum DoseError {
         /// True if a person confirmed other values before.
         changed: bool,
     },
+    /// The pump file turns the motor in another way than when it moved last: by other steps, at another place of the
+    /// board, or in the other direction. Nothing has moved.
+    #[error(
+        "the motor of pump {pump} does not move: its pump file turns it by {now}, and it moved last by {then}"
+    )]
+    TurnedOtherwise {
+        /// Id of the pump.
+        pump: String,
+        /// Way of the pump file, in words.
+        now: String,
+        /// Way of the last motion, in words.
+        then: String,
+    },
     /// A safety limit is reached, or the pump was ordered to stand. It stands until a person clears it. Nothing has
     /// moved.
     #[error(

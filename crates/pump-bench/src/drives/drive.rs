@@ -82,6 +82,8 @@ impl DriveLimits {
 pub enum Disturbance {
     /// The device was reset, or switched on.
     Reset,
+    /// The drive has reset the device, to configure it for other pins, stepper drivers or motors than before.
+    Reconfigured,
     /// The motor was without current.
     Disabled,
     /// The stepper driver has switched the motor off, or lost its supply, and nobody knows when. A motion that was
@@ -109,6 +111,10 @@ impl Display for Disturbance {
     fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
         to.write_str(match self {
             Self::Reset => "the device was reset",
+            Self::Reconfigured => {
+                "this program has reset the board to configure it anew, because its pins, its stepper drivers or its \
+                 motors have changed"
+            }
             Self::Disabled => "the motor was without current",
             Self::CurrentLost => "the stepper driver has lost the motor's current",
             Self::LinkLost => "the device was out of reach in motion",

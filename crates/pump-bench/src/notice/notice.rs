@@ -37,6 +37,11 @@ impl Notice {
         self.remedies.retain(|other| *other != remedy);
     }
 
+    /// Replaces a remedy where it stands.
+    pub(crate) fn swap_remedy(&mut self, remedy: Remedy, by: Remedy) {
+        self.remedies.iter_mut().filter(|other| **other == remedy).for_each(|other| *other = by);
+    }
+
     /// Returns the text of the notice, without its remedies.
     pub fn text(&self) -> &str {
         &self.text

@@ -196,6 +196,8 @@ pub enum Remedy {
     ListHeads,
     /// Write the values of the own pump into a pump file, or confirm that the values are right.
     WriteOrConfirmPump,
+    /// Confirm that the pump file turns the motor as it should, or set the file back.
+    ConfirmTurning,
     /// Update the firmware of the board.
     UpdateFirmware,
     /// Update this program.
@@ -301,6 +303,7 @@ impl Remedy {
         Self::PrintSource,
         Self::ListHeads,
         Self::WriteOrConfirmPump,
+        Self::ConfirmTurning,
         Self::UpdateFirmware,
         Self::UpdateProgram,
         Self::DescribeHose,

@@ -88,7 +88,8 @@ impl Rack {
             | DoseError::Journal(_)
             | DoseError::Stands { .. }
             | DoseError::Connection(_)
-            | DoseError::Unconfirmed { .. } => true,
+            | DoseError::Unconfirmed { .. }
+            | DoseError::TurnedOtherwise { .. } => true,
             _ => false,
         };
         let is_of_step = !is_of_record && source.ending() != Ending::Unfinished;

@@ -41,8 +41,8 @@ impl AngleLoss {
                 "another program has had the board, or it is another board, and may have turned the rotor"
             }
             Self::OtherCount => {
-                "the device's count is not the one on record: something else has moved the motor, or its direction was \
-                 turned round"
+                "the device's count does not follow from the steps on record: something else has moved the motor, or \
+                 it was stopped at once"
             }
             Self::UncountedSteps => "the last motion ended with steps that nobody has counted",
             Self::OtherHead => "the pump file describes another head than before",

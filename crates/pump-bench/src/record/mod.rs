@@ -10,6 +10,7 @@ mod intent;
 mod journal;
 mod last_dose;
 mod log;
+mod motor_way;
 mod phase_source;
 mod purpose;
 mod state;
@@ -36,6 +37,7 @@ pub use log::{
 pub(crate) use log::{Log, LogPlace, LogTail, Told, pending};
 
 pub use crate::cut_text::{CutText, ShortText};
+pub(crate) use motor_way::{MotorWay, motor_way};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;
 pub use state::PumpState;

@@ -10,7 +10,9 @@ use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
-use super::{Account, AfterStop, AngleLoss, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
+use super::{
+    Account, AfterStop, AngleLoss, Intent, LastDose, MotorWay, PhaseSource, Purpose, Unfinished, Wear,
+};
 use crate::safety::SafetyAccount;
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
@@ -70,6 +72,10 @@ pub struct PumpState {
     /// Print of the pump whose filled-in values a person has confirmed. `None` if nobody was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) confirmed_pump: Option<u32>,
+    /// Way in which the motor was turned when it moved last. `None` before its first motion, for a simulated motor, and
+    /// in a record of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) turned_by: Option<MotorWay>,
     /// Print of the head that the angle is of. `None` in a record of an early version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) head: Option<u32>,
@@ -114,6 +120,7 @@ impl PumpState {
             disturbances: 0,
             released: false,
             confirmed_pump: None,
+            turned_by: None,
             head: None,
             step_rad: None,
             after_stop: None,

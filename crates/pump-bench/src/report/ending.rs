@@ -58,6 +58,7 @@ impl DoseError {
             | Self::Calibration(_)
             | Self::Displacement(_)
             | Self::Unconfirmed { .. }
+            | Self::TurnedOtherwise { .. }
             | Self::NotCleared { .. }
             | Self::NotPutToStand { .. }
             | Self::Disturbed { .. }

@@ -227,7 +227,8 @@ impl Status {
             half_width_deg: degrees(state.half_width_rad.min(0.5 * bench.model().pitch_rad())),
             angle_known,
             angle_source: if angle_known { state.source } else { PhaseSource::Assumed },
-            angle_lost_by: state.lost_by.filter(|_| !angle_known),
+            // A motion that goes on hides the angle for as long as it lasts.
+            angle_lost_by: state.lost_by.filter(|_| !angle_known && under_way.is_none()),
             disturbances: state.disturbances,
             device_count: state.count,
             carry_ml: state.carry_ml,

@@ -22,7 +22,7 @@ impl Status {
         }
         let lines = [
             Some(self.rotor()),
-            self.lost().or(self.disturbed()),
+            self.lost(words).or(self.disturbed()),
             Some(self.tube()),
             self.calibration.as_ref().map(CalibrationStatus::text),
             self.last_by_weight.map(|weighed| weighed.text()),
@@ -43,8 +43,13 @@ impl Status {
         format!("{pump} ({driver}): rotor at {angle}, {carry} carried to the next dose")
     }
 
-    fn lost(&self) -> Option<String> {
-        self.angle_lost_by.map(|cause| format!("the angle is unknown, because {}", cause.told()))
+    fn lost(&self, words: Wording) -> Option<String> {
+        let find = match self.unfinished {
+            Some(_) => Remedy::FindAngleOfUnfinished,
+            None => Remedy::FindAngle,
+        };
+        self.angle_lost_by
+            .map(|cause| format!("the angle is unknown, because {}; {}", cause.told(), words(find)))
     }
 
     fn disturbed(&self) -> Option<String> {

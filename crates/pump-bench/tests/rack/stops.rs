@@ -100,7 +100,10 @@ fn a_fault_of_one_pump_stops_all_others_and_is_told() {
     assert!((total.delivered_most_ml - total.delivered_least_ml - range_ml).abs() < 1e-9, "{total:?}");
     let text = report.text();
     let line = text.lines().find(|line| line.starts_with("base")).unwrap();
-    assert!(line.contains(" mL, between ") && line.contains(" by the steps, 10 mL requested"), "{text}");
+    assert!(
+        line.contains(" mL, between ") && line.contains(" by the steps and the angle, 10 mL requested"),
+        "{text}"
+    );
     assert!(!text.contains("-0"), "{text}");
 }
 

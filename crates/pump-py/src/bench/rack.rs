@@ -206,6 +206,7 @@ fn tell(
 fn finished(py: Python<'_>, mut report: RackReport, thrown: Option<PyErr>) -> PyResult<String> {
     let json = report.json();
     let has_moved = report.has_moved();
+    let others = report.others_in_words().map_or(String::new(), |others| format!(", and {others}"));
     let note = format!(
         "{:.4} mL were delivered in all and are on record; open a Bench of a pump to resume() or discard() its rest",
         report.total.delivered_ml
@@ -219,10 +220,7 @@ fn finished(py: Python<'_>, mut report: RackReport, thrown: Option<PyErr>) -> Py
         (Some(fault), thrown) => {
             let error = errors::dose(py, fault.error);
             let failed = match has_moved {
-                true => format!(
-                    "pump `{}` of the rack failed, and every other pump was stopped; {note}",
-                    fault.pump
-                ),
+                true => format!("pump `{}` of the rack failed{others}; {note}", fault.pump),
                 false => {
                     format!("pump `{}` of the rack was refused; the rack moved no motor", fault.pump)
                 }

@@ -187,6 +187,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "write your pump's values into a pump file, without confirmed = false and direction_confirmed = false; or, \
              if these are your pump's, open the bench once with confirm_pump=True"
         }
+        Remedy::ConfirmTurning => {
+            "open the bench once with confirm_pump=True if the pump file is right now, and watch the motor; otherwise \
+             set the file back"
+        }
         Remedy::UpdateFirmware => {
             "build the firmware of this version (make firmware), hold the board's button BOOTSEL while you plug its \
              cable in, and drag target/pump-node.uf2 onto the drive that appears"

@@ -119,11 +119,13 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
         let socket = socket_at(&boards, pin).map_or(pin.to_owned(), |socket| format!("{socket} ({pin})"));
         tell_person(&format!("  {} has the motor at {socket} of this board", other.name));
     }
+    let example = boards.first().map_or("skr-mini-e3-v3", |board| board.name);
+    let text = match is_unlisted {
+        true => "Pins of the motor, as step=PB13,dir=PB12,enable=!PB14".to_owned(),
+        false => format!("Board and socket of the motor, as {example}:X, or its pins"),
+    };
     let question = Question {
-        text: match is_unlisted {
-            true => "Pins of the motor, as step=PB13,dir=PB12,enable=!PB14",
-            false => "Board and socket of the motor, as skr-mini-e3-v3:X, or its pins",
-        },
+        text: &text,
         option: match is_unlisted {
             true => "--socket step=PB13,dir=PB12,enable=!PB14",
             false => "--socket skr-mini-e3-v3:X",
@@ -135,10 +137,11 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
     };
     let read = |answer: &str| {
         let socket: MotorSocket = answer.parse().map_err(|error| format!("{error}"))?;
+        fits(found.as_ref(), &socket)?;
         let is_taken = |pin: &str| pin == socket.step_pin();
         match others.iter().find(|other| other.step_pin.as_deref().is_some_and(is_taken)) {
             Some(other) => Err(format!("{socket} is that of {}; choose another socket", other.name)),
-            None => fits(found.as_ref(), &socket).map(|()| socket),
+            None => Ok(socket),
         }
     };
     let had_current = course.answers.current_a.is_some();

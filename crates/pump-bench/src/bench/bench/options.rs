@@ -77,6 +77,14 @@ impl Bench {
         Self { confirms_pump, ..self }
     }
 
+    /// Returns the bench with or without a person who watches how the motor turns. Its pump file may then turn the
+    /// motor in another way than when it moved last: by other steps, at another place of the board, or in the other
+    /// direction.
+    #[must_use]
+    pub fn watching_the_turn(self, turning_is_watched: bool) -> Self {
+        Self { turning_is_watched, ..self }
+    }
+
     /// Returns the bench whose sessions wait for `limit` in all while another process holds the pump or its port.
     /// `tell` is told for whom. A request to stop ends the wait.
     #[must_use]

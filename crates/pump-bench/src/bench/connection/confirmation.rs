@@ -7,7 +7,7 @@ use crate::dosing::DoseError;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
-use crate::record::{PumpState, Why};
+use crate::record::{MotorWay, PumpState, Why, motor_way};
 
 /// Tables of a pump file that say what the head delivers and how the motor turns it.
 const TABLES: [&str; 7] = ["head", "tube", "rollers", "backplate", "roller_volume", "motor", "drive"];
@@ -34,6 +34,11 @@ impl Bench {
         print_of(&file, &TABLES, &KEYS)
     }
 
+    /// Returns the way in which the pump file turns the motor.
+    pub(in crate::bench) fn motor_way(&self) -> MotorWay {
+        motor_way(&self.file().motor, self.drive())
+    }
+
     /// Returns the values that the program filled in, in words.
     fn filled_in(&self) -> String {
         let (file, motor) = (self.file(), &self.file().motor);
@@ -47,8 +52,8 @@ impl Bench {
         if file.drive.is_none() || motor.direction_confirmed == Some(false) {
             let way = if self.drive().invert { "in reverse" } else { "forward" };
             values.push(match &self.drive().klipper {
-                Some(pins) => format!("{way} with the direction pin {} active", pins.dir),
-                None => format!("{way} as axis {:?} counts up", self.drive().axis),
+                Some(pins) => format!("the direction ({way} with the pin {} active)", pins.dir),
+                None => format!("the direction ({way} as axis {:?} counts up)", self.drive().axis),
             });
         }
         let is_head = |known: &PumpFile| {
@@ -62,13 +67,20 @@ impl Bench {
         values.join(", ")
     }
 
-    /// Refuses a real motor while values of its pump are filled in, nobody has confirmed them, and the user does not
-    /// do so now. `state` is the state on record.
+    /// Refuses a real motor that its pump file turns in another way than when it moved last, and one while values of
+    /// its pump are filled in, as long as nobody has confirmed them and the user does not do so now. `state` is the state on record.
     ///
     /// # Errors
     ///
-    /// [`DoseError::Unconfirmed`] with the values.
+    /// [`DoseError::TurnedOtherwise`] or [`DoseError::Unconfirmed`] with the values.
     pub(in crate::bench) fn check_confirmed(&self, state: Option<&PumpState>) -> Result<(), DoseError> {
+        if let Some(then) = state.and_then(|state| state.turned_by).filter(|_| !self.may_turn_otherwise())
+            && let now = self.motor_way()
+            && now != then
+        {
+            let [now, then] = [now, then].map(|way| way.as_str().to_owned());
+            return Err(DoseError::TurnedOtherwise { pump: self.file().pump.id.clone(), now, then });
+        }
         let recorded = state.and_then(|state| state.confirmed_pump);
         if !self.needs_confirmation() || self.confirms_pump() || recorded == Some(self.print()) {
             return Ok(());
@@ -80,7 +92,11 @@ impl Bench {
     /// Returns the warning of a dry run whose dose would be refused on the real motor. `state` is the state on record.
     pub(in crate::bench) fn confirmation_missing(&self, state: Option<&PumpState>) -> Option<Notice> {
         let error = self.check_confirmed(state).err()?;
-        Some(Notice::from(error.to_string()).with_remedy(Remedy::WriteOrConfirmPump))
+        let remedy = match error {
+            DoseError::TurnedOtherwise { .. } => Remedy::ConfirmTurning,
+            _ => Remedy::WriteOrConfirmPump,
+        };
+        Some(Notice::from(error.to_string()).with_remedy(remedy))
     }
 }
 

@@ -8,8 +8,8 @@ use thiserror::Error;
 pub enum ClockError {
     /// The clock of the board or of the computer jumped.
     #[error(
-        "the clock of the board or of this computer has jumped: the board's is at least {:.3} ms {} than it could be, \
-         and its place was known to {within_ms:.3} ms; nothing moves by it until it is read anew",
+        "the clock of the board or of this computer has jumped: the board's is {:.3} ms {} than it could be by this \
+         computer's; it is read anew before anything moves again",
         by_ms.abs(), if *by_ms < 0.0 { "earlier" } else { "later" }
     )]
     Jump {

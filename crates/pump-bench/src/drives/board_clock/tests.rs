@@ -192,8 +192,8 @@ fn a_jump_is_worded() {
     let later = ClockError::Jump { by_ms: 12.5, within_ms: 0.25 }.to_string();
     assert_eq!(
         later,
-        "the clock of the board or of this computer has jumped: the board's is at least 12.500 ms later than it could \
-         be, and its place was known to 0.250 ms; nothing moves by it until it is read anew"
+        "the clock of the board or of this computer has jumped: the board's is 12.500 ms later than it could be by \
+         this computer's; it is read anew before anything moves again"
     );
 }
 

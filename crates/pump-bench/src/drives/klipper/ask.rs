@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use super::board::Commands;
 use super::board_pins::BoardPins;
 use super::error::KlipperError;
 use super::link::{Link, Place};
@@ -39,6 +40,8 @@ pub(in crate::drives) fn ask(port: &Path, baud: u32, stop: &StopRequest) -> Resu
         let (port, app) = (port.to_owned(), app.to_owned());
         return Err(KlipperError::OtherFirmware { port, app }.into());
     }
+    // A build without a command that this driver needs is told before anybody sets a pump up at it.
+    Commands::of(&dictionary).map_err(KlipperError::from)?;
     let chip = dictionary.constant_text("MCU").unwrap_or_default();
     let version = dictionary.version().to_owned();
     Ok(Identity { chip, version, pins: BoardPins::new(dictionary) })

@@ -115,7 +115,10 @@ pub enum KlipperError {
         waited_s: f64,
     },
     /// The board has shut itself down.
-    #[error("the board has shut itself down: {reason}; its motors are without steps until it is reset")]
+    #[error(
+        "the board has shut itself down: {reason}{}; its motors are without steps until it is reset",
+        meaning(reason)
+    )]
     Shutdown {
         /// Reason, in the words of the firmware.
         reason: String,
@@ -396,5 +399,17 @@ impl From<PortError> for KlipperError {
             PortError::Busy { device, holder } => Self::Busy { device, holder },
             PortError::Open { port, fault } => Self::Open { port, fault },
         }
+    }
+}
+
+/// Returns what a reason of the firmware means, where it does not say so to a person: the texts are those of its
+/// `src/sched.c` and `src/stepper.c`.
+fn meaning(reason: &str) -> &'static str {
+    match reason {
+        "Timer too close" | "Rescheduled timer in the past" | "Stepper too far in past" => {
+            " (a step came too late: this computer or the line was held up)"
+        }
+        "Move queue overflow" => " (more steps were queued than it holds)",
+        _ => "",
     }
 }

@@ -156,6 +156,20 @@ impl RackReport {
         self.end != RackEnd::Planned && self.pumps.iter().any(moved)
     }
 
+    /// Returns what became of the pumps beside the one that failed, as a clause. `None` if there is no other, and if no
+    /// pump has failed.
+    pub fn others_in_words(&self) -> Option<&'static str> {
+        let failed = &self.fault.as_ref()?.pump;
+        let mut others = self.pumps.iter().filter(|row| row.name != *failed).peekable();
+        others.peek()?;
+        let completed = others.clone().filter(|row| row.completed).count();
+        Some(match completed {
+            0 => "every other pump was stopped",
+            all if all == others.count() => "every other pump has completed its steps",
+            _ => "every other pump that had not completed its steps was stopped",
+        })
+    }
+
     /// Returns the report as one line of JSON.
     pub fn json(&self) -> String {
         serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"))

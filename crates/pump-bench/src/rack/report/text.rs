@@ -93,7 +93,7 @@ impl RackPumpReport {
         let (least_ml, most_ml) = (self.delivered_least_ml, self.delivered_most_ml);
         let range = if self.error.is_some() && most_ml - least_ml > 1e-9 {
             let (least, most) = told_apart(least_ml, most_ml, decimals(unsure_ml));
-            format!(", between {least} mL and {most} mL by the steps")
+            format!(", between {least} mL and {most} mL by the steps and the angle")
         } else {
             String::new()
         };

@@ -59,6 +59,7 @@ impl Explain for DoseError {
             Self::Unconfirmed { values, .. } => {
                 of(ErrorKind::PumpFile).value(values).allowed("values that a person has written or confirmed")
             }
+            Self::TurnedOtherwise { now, then, .. } => of(ErrorKind::PumpFile).value(now).allowed(then),
             Self::NoIndex { .. } | Self::AngleIsKnown => of(ErrorKind::Angle),
             Self::SuckBack { source, .. } => source.facts(),
             Self::NotUnfinished { dose, .. } => of(ErrorKind::Changed).value(dose),

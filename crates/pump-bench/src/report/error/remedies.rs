@@ -7,6 +7,7 @@ use pump_ctl::plan::{FlowError, Nearest, PlanError};
 use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
 use crate::dosing::{DoseError, NoRestByWeight, RunBound, WeightFault};
+use crate::drives::DriveError;
 use crate::notice::Remedy;
 use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
@@ -37,6 +38,7 @@ impl DoseError {
             }
             Self::RestWithoutAngle(error) => vec![Remedy::FindAngleOfUnfinished, rest_without_angle(error)],
             Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
+            Self::TurnedOtherwise { .. } => vec![Remedy::ConfirmTurning],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
@@ -54,9 +56,9 @@ impl DoseError {
             Self::Panicked => vec![Remedy::SeeStatusThenFinish],
             Self::Drive { error, unfinished: true, over_time, .. } => {
                 let last = if *over_time { Remedy::Accept } else { Remedy::SeeStatusThenFinish };
-                then(while_unfinished(error.known_remedies()), last)
+                then(while_unfinished(of_stopped(error)), last)
             }
-            Self::Drive { error, unfinished: false, .. } => then(error.known_remedies(), Remedy::SeeStatus),
+            Self::Drive { error, unfinished: false, .. } => then(of_stopped(error), Remedy::SeeStatus),
             Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.known_remedies(),
             Self::AngleNotRecorded { source, .. } => then(source.known_remedies(), Remedy::ThenFindAngle),
             Self::PumpFile(error) => error.known_remedies(),
@@ -82,6 +84,14 @@ impl DoseError {
             | Self::NothingUnfinished(_) => Vec::new(),
         }
     }
+}
+
+/// Returns the remedies of an error that has stopped a motor. The status of the pump, which comes after them, tells how
+/// well the angle is known and what finds it.
+fn of_stopped(error: &DriveError) -> Vec<Remedy> {
+    let mut remedies = error.known_remedies();
+    remedies.retain(|remedy| *remedy != Remedy::FindAngleIfLost);
+    remedies
 }
 
 /// Returns the way to finish a dose without the angle that its rest needs.

@@ -251,7 +251,11 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
         reset(talk)?;
     }
     let displaced = displaced(&motors, &recorded);
-    let disturbed = if is_foreign { Disturbance::TakenOver } else { Disturbance::Reset };
+    let disturbed = match state {
+        _ if is_foreign => Disturbance::TakenOver,
+        ConfigState { is_configured: true, is_shut_down: false, .. } => Disturbance::Reconfigured,
+        _ => Disturbance::Reset,
+    };
     let session = SessionRecord::draw();
     let checksum = configuration.checksum(session);
     let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts: 0 };
