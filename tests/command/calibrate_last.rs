@@ -385,7 +385,7 @@ fn the_next_dose_to_weigh_is_of_whole_pitches_as_doses_are_planned_now() {
 }
 
 #[test]
-fn a_calibration_that_was_weighed_with_other_steps_per_revolution_is_warned_of() {
+fn a_calibration_that_was_weighed_with_other_steps_or_another_head_is_warned_of() {
     let user = User::new();
     let own =
         std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pumps/bought-head.toml"))
@@ -401,6 +401,16 @@ fn a_calibration_that_was_weighed_with_other_steps_per_revolution_is_warned_of()
     assert!(
         warnings().contains("stated 3200 steps per revolution of the head, and now it states 6400")
             && warnings().contains("doses are 2 times as large"),
+        "{}",
+        warnings()
+    );
+    std::fs::write(user.path("bought.toml"), own.replace("[rollers]", "tube_bore_mm = 1.6\n[rollers]"))
+        .unwrap();
+    let said = "weighed with 4 rollers, and the pump file states 4 rollers and a tube of 1.6 mm bore now";
+    assert!(warnings().contains(said), "{}", warnings());
+    std::fs::write(user.path("bought.toml"), own.replace("count = 4", "count = 3")).unwrap();
+    assert!(
+        warnings().contains("weighed with 4 rollers, and the pump file states 3 rollers now"),
         "{}",
         warnings()
     );

@@ -64,6 +64,10 @@ pub struct Calibration {
     /// versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steps_per_rev: Option<f64>,
+    /// Rollers of the head and bore of its tube in words, as the pump file stated them; `None` in calibrations of earlier
+    /// versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub head: Option<String>,
     /// Displacement factor; `None` while only the zero was sought.
     pub displacement: Option<Displacement>,
     /// Weighed runs that the displacement factor was fitted to.
@@ -78,6 +82,13 @@ pub struct Calibration {
     pub pulse: Option<FittedPulse>,
     /// Short doses that pulse and zero were fitted to.
     pub short_doses: Vec<ShortDose>,
+}
+
+/// Returns the rollers of a head and the bore of its tube, in words.
+pub(crate) fn head_in_words(file: &PumpFile) -> String {
+    let bore_mm = file.head.as_ref().and_then(|head| head.tube_bore_mm);
+    let tube = bore_mm.map_or(String::new(), |bore_mm| format!(" and a tube of {bore_mm} mm bore"));
+    format!("{} rollers{tube}", file.rollers.count)
 }
 
 impl Calibration {
@@ -99,6 +110,7 @@ impl Calibration {
             ambient_kpa: file.ambient.pressure_kpa,
             revolution_ml: file.model()?.revolution_ml(),
             steps_per_rev: Some(file.motor.steps_at_pump_head()),
+            head: Some(head_in_words(file)),
             displacement: None,
             runs: Vec::new(),
             zero_deg: 0.0,

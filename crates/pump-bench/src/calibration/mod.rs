@@ -17,6 +17,7 @@ mod verification;
 mod weighing;
 
 pub(crate) use applied::{Applied, Basis, Made, Sureness, WeighedTurn};
+pub(crate) use calibration::head_in_words;
 pub use calibration::{Calibration, Source};
 pub use date::now as now_utc;
 pub use default_rate::default_rate_left_out;

@@ -137,6 +137,7 @@ impl Planner<'_> {
                 fluid: calibration.fluid.clone(),
                 temperature_degc: calibration.temperature_degc,
                 steps_per_rev: calibration.steps_per_rev,
+                head: calibration.head.clone(),
             }),
             correction: Correction {
                 factor: against.map_or(Ok(1.0), |against| against.factor_at(signed_rpm))?,

@@ -68,8 +68,8 @@ impl Bench {
     }
 
     /// Refuses a real motor that its pump file turns in another way than when it moved last, and one while values of
-    /// its pump are filled in, as long as nobody has confirmed them and the user does not do so now. `state` is the state
-    /// on record.
+    /// its pump are filled in, as long as nobody has confirmed them and the user does not do so now. `state` is that on
+    /// record.
     ///
     /// # Errors
     ///

@@ -4,7 +4,7 @@ use pump_ctl::plan::Prediction;
 use pump_ctl::step::Direction;
 use pump_model::Port;
 
-use crate::calibration::{Applied, Made};
+use crate::calibration::{Applied, Made, head_in_words};
 use crate::catalogue::{SUCKS, beyond_known_kpa, built_in, doubtful, suction_warning};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
@@ -59,7 +59,8 @@ pub(in crate::dosing) fn of_calibration(
     file: &PumpFile,
     applied: Option<&Applied>,
 ) -> impl Iterator<Item = Notice> {
-    unweighed_fluid(file, applied).into_iter().chain(other_steps(file, applied))
+    let notices = [unweighed_fluid(file, applied), other_steps(file, applied), other_head(file, applied)];
+    notices.into_iter().flatten()
 }
 
 /// Warns of a calibration that was weighed while the file stated another number of steps. A driver that was not set to
@@ -77,6 +78,19 @@ fn other_steps(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
          it states {now}; unless the stepper driver was changed as well, doses are {times} times as large"
     );
     Some(Notice::from(text).with_remedy(Remedy::Weigh))
+}
+
+/// Warns of a calibration that was weighed with other rollers or another tube than the file states now, at the same
+/// volume per revolution.
+fn other_head(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
+    let weighed = applied.filter(|applied| applied.sureness().is_some())?;
+    let Made { version, head, .. } = weighed.calibration.as_ref()?;
+    let (then, now) = (head.as_ref()?, head_in_words(file));
+    let text = format!(
+        "calibration {version} was weighed with {then}, and the pump file states {now} now; the dose's \u{b1} holds for \
+         the head that was weighed"
+    );
+    (*then != now).then(|| Notice::from(text).with_remedy(Remedy::Weigh))
 }
 
 /// Warns of a pump that nobody has weighed, unless its displacement was calibrated.
