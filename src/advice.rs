@@ -86,6 +86,12 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::FindOrSayAngle => {
             "`dose home --set <ANGLE>` says it, and `dose home --sensor` or `dose home --mark` finds it"
         }
+        Remedy::BridgeStop => {
+            "a board without a stop needs a bridge from its stop input to GND (GP22 of a Pico)"
+        }
+        Remedy::CheckFaultLevel => {
+            "on new wiring see that [drive.pins] driver_fault names the level of its fault output"
+        }
         Remedy::ThenFindAngle => {
             "find the angle again once the cause is removed: `dose home --set <ANGLE>` says it, or `dose home \
              --unfinished --set <ANGLE>` while a dose is unfinished; `--sensor` or `--mark` in its place finds it"

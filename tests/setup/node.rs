@@ -115,7 +115,7 @@ fn an_emergency_stop_in_motion_and_a_fault_of_the_stepper_driver_end_a_dose_unti
         let ended = running.wait_with_output().unwrap();
         let err = String::from_utf8(ended.stderr).unwrap();
         assert_eq!(ended.status.code(), Some(1), "{err}");
-        assert!(err.contains(said) && err.contains("once the cause is removed"), "{err}");
+        assert!(err.contains(said) && err.contains("`dose status"), "{err}");
         let refused = dose(&["resume"]);
         assert_eq!(refused.code, 2, "{hand}: {}", refused.err);
         board.touch(other).unwrap();

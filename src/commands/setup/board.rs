@@ -4,7 +4,7 @@ mod socket;
 
 use std::path::{Path, PathBuf};
 
-use pump_bench::drives::{DriveError, FoundBoard, PortFault, find_boards, serial_ports};
+use pump_bench::drives::{DriveError, FoundBoard, PortFault, board_has_answered, find_boards, serial_ports};
 use pump_bench::notice::{Remedy, with_sources};
 use pump_bench::pump_file::{Axis, DriverName};
 use pump_bench::report::Explain;
@@ -206,22 +206,12 @@ fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
     }
 }
 
-/// The words for a port without a board that can be used. A board that speaks another version does answer, and so does
-/// one that this program refuses, unless its port was not even opened.
+/// The words for a port without a board that can be used.
 fn answer_in_words(error: &DriveError, port: &str, why: &str) -> String {
-    match (error, is_of_version(error)) {
-        (_, true) => why.to_owned(),
-        (DriveError::Refused(cause), _) => why
-            .strip_prefix(&format!("{error}: "))
-            .map_or_else(|| with_sources(cause.as_ref()), str::to_owned),
-        _ => format!("no board answers at {port}: {why}"),
+    match board_has_answered(error) {
+        true => why.to_owned(),
+        false => format!("no board answers at {port}: {why}"),
     }
-}
-
-/// Returns true for a board that answers, and speaks another version of the protocol.
-fn is_of_version(error: &DriveError) -> bool {
-    const ANSWERS: [Remedy; 2] = [Remedy::UpdateFirmware, Remedy::UpdateProgram];
-    error.remedies().iter().any(|remedy| ANSWERS.contains(remedy))
 }
 
 /// Asks the board whose port was said for its axes, so that no file is written for an axis that it lacks. Where no
@@ -245,7 +235,7 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
         }
         Some((_, Err(error))) if is_file_alone => {
             // The board may come later, so only a version that will not change by itself needs its remedy.
-            let said = if is_of_version(&error) { advice::told(&error) } else { with_sources(&error) };
+            let said = if board_has_answered(&error) { advice::told(&error) } else { with_sources(&error) };
             let why = answer_in_words(&error, &port.display().to_string(), &said);
             warn(&[format!("{why}; the pump file names this port all the same")]);
             course.silent_port = Some(port);

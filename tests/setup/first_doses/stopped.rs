@@ -82,12 +82,24 @@ fn a_motor_whose_current_is_cut_is_not_said_to_hold() {
     let board = SimulatedNode::start(7).unwrap();
     acid(&desk, &board, "[drive.pins]\ndriver_fault = true\n");
     for (hand, other) in [("estop", "release"), ("fault X", "mend X")] {
+        assert_eq!(desk.types(&["home", "--set", "30deg", "--pump", "acid.toml"]).code, 0);
         let err = ended_by(&desk, &board, hand);
         assert!(err.contains("mL were delivered, the motor has no current, and the drive failed"), "{err}");
         assert!(!err.contains("the motor holds"), "{err}");
-        if hand == "estop" {
-            assert!(err.contains("a bridge from its stop input to GND (GP22 of a Pico)"), "{err}");
-        }
+        // The wiring was right when the dose began.
+        let wiring = match hand {
+            "estop" => "a bridge from its stop input to GND (GP22 of a Pico)",
+            _ => "[drive.pins] driver_fault names the level of its fault output",
+        };
+        assert!(!err.contains(wiring) && err.matches("`dose status").count() == 1, "{err}");
+        let status = desk.types(&["status", "--pump", "acid.toml"]).out;
+        let why = match hand {
+            "estop" => "because the emergency stop cut the motor's current",
+            _ => "because the stepper driver lost the motor's current in motion",
+        };
+        assert!(status.contains(why) && status.contains("--unfinished --set <ANGLE>"), "{status}");
+        let again = desk.types(&["resume", "--rate", "1mL/min", "--pump", "acid.toml"]);
+        assert!(again.code == 2 && again.err.contains(wiring), "{}: {}", again.code, again.err);
         board.touch(other).unwrap();
         assert_eq!(desk.types(&["accept", "--pump", "acid.toml"]).code, 0);
     }

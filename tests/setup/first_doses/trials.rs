@@ -47,7 +47,7 @@ fn a_trial_with_a_built_in_pump_keeps_no_axis_from_a_pump_of_the_users_own() {
         base.err
     );
     let again = desk.types(&trial);
-    let refused = "error: this program refused: the axis X of the board";
+    let refused = "error: the axis X of the board";
     assert!(again.code == 2 && again.err.contains(refused), "{}", again.err);
     // A pump file that setup did not write takes the place of a trial as well.
     let trial_on = |name: &str, id: &str, axis: &str| {
@@ -71,7 +71,7 @@ fn a_refusal_of_this_program_does_not_say_that_the_device_refused() {
     for port in ["/dev/null", "/dev/ttyACM99"].map(Path::new) {
         let on = ["0.2mL", "--confirm-pump", "--driver", "node", "--port", port.to_str().unwrap()];
         let ended = desk.types(&on);
-        let said = format!("error: this program refused: {} cannot be opened", port.display());
+        let said = format!("error: {} cannot be opened", port.display());
         assert!(ended.code != 0 && ended.err.contains(&said), "{}", ended.err);
     }
 }

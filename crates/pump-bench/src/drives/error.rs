@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::notice::{DEVICE_FAILED, Remedy};
+use crate::notice::{DEVICE_FAILED, PROGRAM_REFUSED, Remedy};
 
 /// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
 #[derive(Debug, Error)]
@@ -91,7 +91,7 @@ pub enum DriveError {
     Device(#[source] Box<dyn StdError + Send + Sync>),
     /// This program refused, for the reason that is the source of this error. The device was not asked, or did not
     /// refuse.
-    #[error("this program refused")]
+    #[error("{PROGRAM_REFUSED}")]
     Refused(#[source] Box<dyn StdError + Send + Sync>),
     /// The drive has a name that no folder can have, or that of a drive that a pump file names.
     #[error("the drive is named `{id}`, and a name is {allowed}; name the drive so")]

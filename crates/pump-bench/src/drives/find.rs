@@ -285,8 +285,13 @@ fn ask_node(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
 
 /// Returns true for an error that only a node or a board with the Klipper firmware gives, or that ends the search.
 fn is_of_board(error: &DriveError) -> bool {
+    matches!(error, DriveError::Interrupted) || board_has_answered(error)
+}
+
+/// Returns true for the error of a board that has answered, and that this program cannot use: it has firmware of another
+/// version, or none that its driver takes.
+pub fn board_has_answered(error: &DriveError) -> bool {
     match error {
-        DriveError::Interrupted => true,
         DriveError::Device(error) | DriveError::Refused(error) => {
             matches!(error.downcast_ref::<NodeError>(), Some(NodeError::Version { .. }))
                 || is_of_klipper(error.as_ref())

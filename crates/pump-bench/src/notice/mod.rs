@@ -7,5 +7,5 @@ mod sources;
 pub use notice::Notice;
 pub(crate) use notice::with_remedies;
 pub use remedy::{Remedy, Wording};
-pub(crate) use sources::DEVICE_FAILED;
 pub use sources::with_sources;
+pub(crate) use sources::{DEVICE_FAILED, PROGRAM_REFUSED};

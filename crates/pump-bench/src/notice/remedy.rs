@@ -80,6 +80,10 @@ pub enum Remedy {
     FinishAnywhere,
     /// Find the angle of the rollers, or say it.
     FindOrSayAngle,
+    /// Bridge the stop input of a board that has no emergency stop.
+    BridgeStop,
+    /// See that the pump file names the level of the stepper driver's fault output.
+    CheckFaultLevel,
     /// Find the angle of the rollers again once the cause is removed.
     ThenFindAngle,
     /// See how well the angle of the rollers is known once the cause is removed, and find it if it is lost.
@@ -245,6 +249,8 @@ impl Remedy {
         Self::FinishAtConstantSpeed,
         Self::FinishAnywhere,
         Self::FindOrSayAngle,
+        Self::BridgeStop,
+        Self::CheckFaultLevel,
         Self::ThenFindAngle,
         Self::FindAngleIfLost,
         Self::FindAngleDropCarry,

@@ -2,11 +2,14 @@
 
 use std::error::Error;
 
-/// Text of an error that names a device's own error as its source and adds nothing to it.
+/// Text of an error that a device's own error is the source of, and that adds nothing to it.
 pub(crate) const DEVICE_FAILED: &str = "the device refused or failed";
 
-/// Returns the text of an error and of all its sources, from the outermost to the cause. Between others, an error that
-/// only says that the device failed is left out: its source says how.
+/// Text of an error that a refusal of this program is the source of, and that adds nothing to it.
+pub(crate) const PROGRAM_REFUSED: &str = "this program refused";
+
+/// Returns the text of an error and of all its sources, from the outermost to the cause. An error that only says that
+/// a device failed, or that this program refused, is left out: its source says how.
 ///
 /// ```
 /// use pump_bench::PumpFile;
@@ -17,14 +20,13 @@ pub(crate) const DEVICE_FAILED: &str = "the device refused or failed";
 /// assert!(with_sources(&error).starts_with("cannot read pump file /no/such/pump.toml: No such file"));
 /// ```
 pub fn with_sources(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
-        source = cause.source();
-        let told = cause.to_string();
-        if told != DEVICE_FAILED || source.is_none() {
-            text += &format!(": {told}");
+    let (mut texts, mut next) = (Vec::new(), Some(error));
+    while let Some(error) = next {
+        next = error.source();
+        let text = error.to_string();
+        if next.is_none() || ![DEVICE_FAILED, PROGRAM_REFUSED].contains(&text.as_str()) {
+            texts.push(text);
         }
     }
-    text
+    texts.join(": ")
 }

@@ -57,6 +57,12 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::FinishAtConstantSpeed => "bench.resume(rate=...) makes the rest at constant speed",
         Remedy::FinishAnywhere => "bench.resume(finish=\"any\") lets the rest end anywhere",
         Remedy::FindOrSayAngle => "bench.home_sensor() finds it, or bench.home_set(angle_rad) says it",
+        Remedy::BridgeStop => {
+            "a board without a stop needs a bridge from its stop input to GND (GP22 of a Pico)"
+        }
+        Remedy::CheckFaultLevel => {
+            "on new wiring see that [drive.pins] driver_fault names the level of its fault output"
+        }
         Remedy::ThenFindAngle => "find the angle again once the journal can be written",
         Remedy::FindAngleIfLost => {
             "once the cause is removed, bench.status() tells how well the angle is known; where it is unknown, \

@@ -48,9 +48,10 @@ mod tests {
         let told = |format, values: &[u32]| told(format, values).unwrap();
         assert_eq!(
             told("shutdown clock=%u static_string_id=%hu", &[7, 2]),
-            "the board has shut itself down: Timer too close; its motors are without steps until it is reset"
+            "the board has shut itself down: Timer too close (a step came too late: this computer or the line was held \
+             up); its motors are without steps until it is reset"
         );
-        assert!(told("is_shutdown static_string_id=%hu", &[3]).contains("down: Move queue overflow;"));
+        assert!(told("is_shutdown static_string_id=%hu", &[3]).contains("down: Move queue overflow ("));
         assert!(told("is_shutdown static_string_id=%hu", &[99]).contains("down: reason 99, which"));
     }
 

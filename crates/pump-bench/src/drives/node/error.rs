@@ -304,15 +304,11 @@ pub enum NodeError {
     /// The stepper driver reported a fault.
     #[error(
         "the stepper driver reported a fault, so the motor is without current; check the stepper driver's temperature, \
-         its supply and the motor's cable, and switch it off and on; on new wiring see that [drive.pins] driver_fault \
-         names the level of its fault output"
+         its supply and the motor's cable, and switch it off and on"
     )]
     Driver,
     /// The emergency stop was pressed.
-    #[error(
-        "the emergency stop is pressed, or was pressed meanwhile; see that it is safe, and release it; a board without \
-         a stop needs a bridge from its stop input to GND (GP22 of a Pico)"
-    )]
+    #[error("the emergency stop is pressed, or was pressed meanwhile; see that it is safe, and release it")]
     Estop,
     /// The board was stopped by somebody else.
     #[error("the board was stopped by another program; find out why before the rest is made")]

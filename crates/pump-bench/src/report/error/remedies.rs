@@ -87,10 +87,11 @@ impl DoseError {
 }
 
 /// Returns the remedies of an error that has stopped a motor. The status of the pump, which comes after them, tells how
-/// well the angle is known and what finds it.
+/// well the angle is known and what finds it. The wiring was right when the motor began.
 fn of_stopped(error: &DriveError) -> Vec<Remedy> {
+    let needless = [Remedy::FindAngleIfLost, Remedy::BridgeStop, Remedy::CheckFaultLevel];
     let mut remedies = error.known_remedies();
-    remedies.retain(|remedy| *remedy != Remedy::FindAngleIfLost);
+    remedies.retain(|remedy| !needless.contains(remedy));
     remedies
 }
 

@@ -21,7 +21,9 @@ impl DriveError {
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
         match self {
             Self::Unable { instead, .. } => vec![*instead],
-            Self::Device(error) | Self::Refused(error) => of_device(error.as_ref()).into_iter().collect(),
+            Self::Device(error) | Self::Refused(error) => {
+                of_wiring(error.as_ref()).into_iter().chain(of_device(error.as_ref())).collect()
+            }
             Self::Busy { .. }
             | Self::Interrupted
             | Self::Name { .. }
@@ -32,6 +34,18 @@ impl DriveError {
             | Self::NotBuilt { .. } => Vec::new(),
         }
     }
+}
+
+/// Returns the remedy of a motor that has no current because of how its board is wired, which shows before it moves.
+fn of_wiring(error: &(dyn StdError + Send + Sync + 'static)) -> Option<Remedy> {
+    #[cfg(feature = "node")]
+    match error.downcast_ref::<NodeError>() {
+        Some(NodeError::Estop) => return Some(Remedy::BridgeStop),
+        Some(NodeError::Driver) => return Some(Remedy::CheckFaultLevel),
+        _ => {}
+    }
+    let _ = error;
+    None
 }
 
 /// Returns the remedy of a device's own error.
