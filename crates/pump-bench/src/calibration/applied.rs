@@ -49,7 +49,8 @@ pub(crate) struct Made {
     pub(crate) temperature_degc: f64,
     /// Motor steps per revolution of the head, as the pump file stated them. `None` in one of an early version.
     pub(crate) steps_per_rev: Option<f64>,
-    /// Rollers of the head and bore of its tube in words, as the pump file stated them. `None` in one of an early version.
+    /// Rollers of the head and bore of its tube in words, as the pump file stated them. `None` in one of an early
+    /// version.
     pub(crate) head: Option<String>,
 }
 

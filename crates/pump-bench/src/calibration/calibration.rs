@@ -64,8 +64,8 @@ pub struct Calibration {
     /// versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steps_per_rev: Option<f64>,
-    /// Rollers of the head and bore of its tube in words, as the pump file stated them; `None` in calibrations of earlier
-    /// versions.
+    /// Rollers of the head and bore of its tube in words, as the pump file stated them; `None` in calibrations of
+    /// earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub head: Option<String>,
     /// Displacement factor; `None` while only the zero was sought.

@@ -288,8 +288,8 @@ fn is_of_board(error: &DriveError) -> bool {
     matches!(error, DriveError::Interrupted) || board_has_answered(error)
 }
 
-/// Returns true for the error of a board that has answered, and that this program cannot use: it has firmware of another
-/// version, or none that its driver takes.
+/// Returns true for the error of a board that has answered, and that this program cannot use: it has firmware of
+/// another version, or none that its driver takes.
 pub fn board_has_answered(error: &DriveError) -> bool {
     match error {
         DriveError::Device(error) | DriveError::Refused(error) => {

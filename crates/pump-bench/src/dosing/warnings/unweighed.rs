@@ -87,8 +87,8 @@ fn other_head(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
     let Made { version, head, .. } = weighed.calibration.as_ref()?;
     let (then, now) = (head.as_ref()?, head_in_words(file));
     let text = format!(
-        "calibration {version} was weighed with {then}, and the pump file states {now} now; the dose's \u{b1} holds for \
-         the head that was weighed"
+        "calibration {version} was weighed with {then}, and the pump file states {now} now; the dose's \u{b1} holds \
+         for the head that was weighed"
     );
     (*then != now).then(|| Notice::from(text).with_remedy(Remedy::Weigh))
 }
