@@ -153,6 +153,7 @@ impl<'a> Session<'a> {
         device.holds_since = Instant::now();
         match ended {
             Ok(IndexSearch { made, beyond }) => {
+                let before = self.turned(before);
                 let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
             }
@@ -163,7 +164,10 @@ impl<'a> Session<'a> {
                 Err(DoseError::Connection(fault.error))
             }
             // The device is met anew before it moves again.
-            Err(fault) => Err(self.record_fault(device, &before, intent, fault, disk_times.pauses)),
+            Err(fault) => {
+                let before = self.turned(before);
+                Err(self.record_fault(device, &before, intent, fault, disk_times.pauses))
+            }
         }
     }
 
@@ -183,14 +187,17 @@ impl<'a> Session<'a> {
         self.record_meeting()?;
         self.record_confirmation()?;
         let mut before = self.stands();
-        if !self.bench.is_simulated() {
-            before.turned_by = Some(self.bench.motor_way());
-        }
         if motion.given {
             before.disturbances = 0;
         }
         let intent = self.announce(motion, &before)?;
         Ok((before, intent))
+    }
+
+    /// Returns the state before a motion that a real motor has made, with the way in which it was turned.
+    fn turned(&self, before: PumpState) -> PumpState {
+        let way = (!self.bench.is_simulated()).then(|| self.bench.motor_way());
+        PumpState { turned_by: way.or(before.turned_by), ..before }
     }
 
     /// Writes the intent of a motion.
