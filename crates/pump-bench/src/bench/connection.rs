@@ -42,7 +42,7 @@ fn moved_elsewhere(before: i64, now: i64, find_angle: Remedy) -> Notice {
 
 /// Returns the way to the angle of a pump in `state`: while a dose is unfinished, one that keeps it.
 pub(super) fn find_angle(state: &PumpState) -> Remedy {
-    if state.unfinished.is_some() { Remedy::FindAngleOfUnfinished } else { Remedy::FindAngle }
+    Remedy::finding_angle(state.unfinished.is_some())
 }
 
 /// Returns the state after an event that the rotor's angle may not have survived. A released rotor falls by `fall_rad`

@@ -211,6 +211,11 @@ pub enum Remedy {
 }
 
 impl Remedy {
+    /// Returns the way to the rotor's angle: while a dose `is_unfinished`, one that keeps it.
+    pub(crate) fn finding_angle(is_unfinished: bool) -> Self {
+        if is_unfinished { Self::FindAngleOfUnfinished } else { Self::FindAngle }
+    }
+
     /// Every remedy.
     pub const ALL: &[Self] = &[
         Self::FinishOrAccept,

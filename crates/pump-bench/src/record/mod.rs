@@ -2,7 +2,6 @@
 
 mod account;
 mod after_stop;
-mod angle_loss;
 mod backup;
 mod delivered_range;
 mod folder;
@@ -10,7 +9,6 @@ mod intent;
 mod journal;
 mod last_dose;
 mod log;
-mod motor_way;
 mod phase_source;
 mod purpose;
 mod state;
@@ -21,7 +19,6 @@ mod whole;
 
 pub(crate) use account::Account;
 pub use after_stop::AfterStop;
-pub use angle_loss::AngleLoss;
 pub use backup::{BackedUp, BackupError, Position, Restored, backup, is_backup, restore};
 pub(crate) use delivered_range::DeliveredRange;
 pub(crate) use folder::BOARDS;
@@ -37,10 +34,10 @@ pub use log::{
 pub(crate) use log::{Log, LogPlace, LogTail, Told, pending};
 
 pub use crate::cut_text::{CutText, ShortText};
-pub(crate) use motor_way::{MotorWay, motor_way};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;
-pub use state::PumpState;
+pub use state::{AngleLoss, PumpState};
+pub(crate) use state::{MotorWay, motor_way};
 pub(crate) use terms::{DoseTerms, WeighingTerms};
 pub use unfinished::Unfinished;
 pub use wear::Wear;

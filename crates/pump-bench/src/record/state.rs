@@ -1,6 +1,8 @@
 //! The state of a pump between doses.
 
+mod angle_loss;
 mod disturbed;
+mod motor_way;
 
 use std::f64::consts::PI;
 
@@ -10,10 +12,11 @@ use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
-use super::{
-    Account, AfterStop, AngleLoss, Intent, LastDose, MotorWay, PhaseSource, Purpose, Unfinished, Wear,
-};
+use super::{Account, AfterStop, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
 use crate::safety::SafetyAccount;
+
+pub use angle_loss::AngleLoss;
+pub(crate) use motor_way::{MotorWay, motor_way};
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
 /// unknown when the number of rollers is corrected in the pump file.

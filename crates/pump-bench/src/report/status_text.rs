@@ -44,10 +44,7 @@ impl Status {
     }
 
     fn lost(&self, words: Wording) -> Option<String> {
-        let find = match self.unfinished {
-            Some(_) => Remedy::FindAngleOfUnfinished,
-            None => Remedy::FindAngle,
-        };
+        let find = Remedy::finding_angle(self.unfinished.is_some());
         self.angle_lost_by
             .map(|cause| format!("the angle is unknown, because {}; {}", cause.told(), words(find)))
     }

@@ -1,6 +1,5 @@
 //! The print of a pump's head: an angle on record is the angle of one head.
 
-use crate::bench::connection::find_angle;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
@@ -35,7 +34,10 @@ pub fn head_print(file: &PumpFile) -> u32 {
 pub(in crate::bench) fn changes_of_file(file: &PumpFile, story: &Story) -> impl Iterator<Item = Notice> {
     let other_head = story.other_head.then(|| other_head(file));
     let is_of_others = story.other_steps && other_head.is_none();
-    let other_steps = story.state.filter(|_| is_of_others).map(|state| other_steps(file, find_angle(&state)));
+    let other_steps = story
+        .state
+        .filter(|_| is_of_others)
+        .map(|state| other_steps(file, Remedy::finding_angle(state.unfinished.is_some())));
     let other_volumes = story.other_volumes.map(other_volumes);
     [other_head, other_steps, other_volumes].into_iter().flatten()
 }

@@ -4,8 +4,8 @@ use pump_ctl::plan::Phase;
 use pump_model::Pump;
 use pump_model::units::{TURN_RAD, wrap};
 
-use super::super::{AngleLoss, Intent, Purpose, Unfinished};
-use super::{PumpState, UNKNOWN_RAD};
+use super::super::{Intent, Purpose, Unfinished};
+use super::{AngleLoss, PumpState, UNKNOWN_RAD};
 
 /// Relative difference between the angles of two steps that is rounding.
 const SAME_STEPS: f64 = 1e-9;

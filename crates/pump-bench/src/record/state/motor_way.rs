@@ -2,7 +2,7 @@
 
 use crate::pump_file::{DriveTable, DriverName, MotorTable};
 
-use super::CutText;
+use crate::cut_text::CutText;
 
 /// Way in which a motor is turned, in words. The record keeps it, so that a changed pump file is seen before the motor
 /// moves by it.
