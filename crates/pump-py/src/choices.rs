@@ -8,7 +8,7 @@ use pump_bench::dosing::{Missed, ShareSource};
 use pump_bench::heads::Provenance;
 use pump_bench::pump_file::{CurveFit, DriverName, Pace, UncheckedLimit};
 use pump_bench::rack::RackEnd;
-use pump_bench::record::{LogEnd, PhaseSource, Purpose};
+use pump_bench::record::{AngleLoss, LogEnd, PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
 use pump_bench::simulation::{AskedMethod, ModelName};
 use pump_ctl::plan::{Finish, LimitedBy, Ramps, SetBy};
@@ -23,6 +23,7 @@ use crate::simulation::INITIALS;
 #[pyfunction]
 pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
     vec![
+        ("AngleLoss", words(AngleLoss::ALL)),
         ("Begin", words(&BEGINS)),
         ("BalanceProtocol", words(Protocol::ALL)),
         ("CalibrationFit", words(Fit::ALL)),

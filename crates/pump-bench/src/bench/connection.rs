@@ -11,6 +11,8 @@ use pump_model::units::degrees;
 use super::device::{Device, as_allowed};
 use super::session::Session;
 use crate::dosing::DoseError;
+#[cfg(feature = "klipper")]
+use crate::drives::KlipperError;
 #[cfg(feature = "node")]
 use crate::drives::NodeError;
 use crate::drives::{Disturbance, Drive, DriveError, Opening, registry};
@@ -404,6 +406,10 @@ pub(super) fn lost_by(error: &DriveError) -> AngleLoss {
     match error {
         #[cfg(feature = "node")]
         DriveError::Device(told) if matches!(told.downcast_ref(), Some(NodeError::Driver)) => {
+            AngleLoss::CurrentLost
+        }
+        #[cfg(feature = "klipper")]
+        DriveError::Device(told) if matches!(told.downcast_ref(), Some(KlipperError::Driver(_))) => {
             AngleLoss::CurrentLost
         }
         _ if told_event(error) == Some(Disturbance::EmergencyStop) => AngleLoss::EmergencyStop,

@@ -153,7 +153,7 @@ impl<'a> Session<'a> {
         device.holds_since = Instant::now();
         match ended {
             Ok(IndexSearch { made, beyond }) => {
-                let before = self.turned(before);
+                let before = if made > 0 { self.turned(before) } else { before };
                 let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
             }
@@ -165,7 +165,8 @@ impl<'a> Session<'a> {
             }
             // The device is met anew before it moves again.
             Err(fault) => {
-                let before = self.turned(before);
+                let has_turned = (fault.made_least, fault.made_most) != (0, 0);
+                let before = if has_turned { self.turned(before) } else { before };
                 Err(self.record_fault(device, &before, intent, fault, disk_times.pauses))
             }
         }

@@ -2,6 +2,10 @@
 
 mod abilities;
 #[cfg(any(feature = "node", feature = "klipper"))]
+#[cfg_attr(
+    not(feature = "klipper"),
+    allow(dead_code, unused_imports, unreachable_pub, reason = "a node needs a part of the clock")
+)]
 mod board_clock;
 mod board_share;
 mod borrowed;

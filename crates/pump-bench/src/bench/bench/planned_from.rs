@@ -40,9 +40,11 @@ impl Bench {
         if !self.plans_afresh {
             return Ok(self.story()?.state);
         }
-        let confirmed_pump = self.story()?.state.and_then(|state| state.confirmed_pump);
+        let recorded = self.story()?.state;
+        let confirmed_pump = recorded.and_then(|state| state.confirmed_pump);
+        let turned_by = recorded.and_then(|state| state.turned_by);
         let fresh = PumpState::fresh(Phase::known(0.0), PhaseSource::Home);
-        Ok(Some(PumpState { confirmed_pump, ..fresh.as_recorded(self.model().pitch_rad()) }))
+        Ok(Some(PumpState { confirmed_pump, turned_by, ..fresh.as_recorded(self.model().pitch_rad()) }))
     }
 
     /// Plans as if `state` were on record. Where the record is left out and that is refused, other angles of a pitch

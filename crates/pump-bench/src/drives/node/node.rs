@@ -148,7 +148,11 @@ impl Node {
                 self.disturbed = disturbed;
                 self.current = if disturbed.is_some() { Current::Told } else { Current::Held };
                 self.notes.extend(faults_noted(unread));
-                self.learn_clock(self.terms.opening.with_other_boards)
+                // What the board has told must reach the session. A motion learns the clock again before it moves.
+                match self.learn_clock(self.terms.opening.with_other_boards) {
+                    Err(NodeError::Interrupted) => Ok(()),
+                    learnt => learnt,
+                }
             }
             Err((link, error)) => {
                 self.at = At::Apart(link);

@@ -82,7 +82,8 @@ impl<'a> Tail<'a> {
         for (n, entry) in entries.into_iter().rev() {
             match (entry, &mut under_way) {
                 (Entry::Intent(intent), None) => {
-                    other_volumes = other_volumes.or(intent.other_volumes(pump));
+                    let is_delivery = intent.purpose.is_delivery();
+                    other_volumes = other_volumes.or(intent.other_volumes(pump).filter(|_| is_delivery));
                     under_way = Some(Unfinished::of(&intent.of_volumes(pump), 0, 0));
                 }
                 (Entry::Progress { made, may }, Some(dose)) if made <= may => {

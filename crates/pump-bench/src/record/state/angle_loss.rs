@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::words::words;
+
 /// Cause for which the rotor's angle, once known, is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -49,6 +51,29 @@ impl AngleLoss {
             Self::OtherSteps => {
                 "the pump file's motor has other steps per revolution of the head than before, or turns the other way"
             }
+        }
+    }
+}
+
+words!(AngleLoss {
+    Disturbed = "disturbed",
+    CurrentLost = "current_lost",
+    EmergencyStop = "emergency_stop",
+    TakenOver = "taken_over",
+    OtherCount = "other_count",
+    UncountedSteps = "uncounted_steps",
+    OtherHead = "other_head",
+    OtherSteps = "other_steps",
+});
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_and_reports_name_a_cause_by_its_word() {
+        for cause in AngleLoss::ALL {
+            assert_eq!(serde_json::to_string(cause).unwrap(), format!("\"{cause}\""));
         }
     }
 }

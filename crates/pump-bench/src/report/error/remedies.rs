@@ -54,11 +54,7 @@ impl DoseError {
             }
             Self::SlowDisk { .. } => vec![Remedy::FasterDisk, Remedy::ThenSeeStatus],
             Self::Panicked => vec![Remedy::SeeStatusThenFinish],
-            Self::Drive { error, unfinished: true, over_time, .. } => {
-                let last = if *over_time { Remedy::Accept } else { Remedy::SeeStatusThenFinish };
-                then(while_unfinished(of_stopped(error)), last)
-            }
-            Self::Drive { error, unfinished: false, .. } => then(of_stopped(error), Remedy::SeeStatus),
+            Self::Drive { error, unfinished, over_time, .. } => of_fault(error, *unfinished, *over_time),
             Self::DeviceSpeed { source, .. } | Self::Retraction { source, .. } => source.known_remedies(),
             Self::AngleNotRecorded { source, .. } => then(source.known_remedies(), Remedy::ThenFindAngle),
             Self::PumpFile(error) => error.known_remedies(),
@@ -84,6 +80,18 @@ impl DoseError {
             | Self::NothingUnfinished(_) => Vec::new(),
         }
     }
+}
+
+/// Returns the remedies of a fault in motion, which may have left a dose unfinished.
+fn of_fault(error: &DriveError, unfinished: bool, over_time: bool) -> Vec<Remedy> {
+    let remedies = of_stopped(error);
+    let (mut remedies, last) = match (unfinished, over_time) {
+        (true, true) => (while_unfinished(remedies), Remedy::Accept),
+        (true, false) => (while_unfinished(remedies), Remedy::SeeStatusThenFinish),
+        (false, _) => (remedies, Remedy::SeeStatus),
+    };
+    remedies.push(last);
+    remedies
 }
 
 /// Returns the remedies of an error that has stopped a motor. The status of the pump, which comes after them, tells how

@@ -14,6 +14,7 @@ mod step_rate;
 mod terms;
 
 pub(super) use board::{Board, Talk, reason};
+#[cfg(all(feature = "grbl", feature = "node"))]
 pub(super) use commands::Commands;
 pub(super) use connect::{Met, be_still, marks, meet};
 pub(super) use driver_line::{ask as ask_driver, check as check_driver};

@@ -105,7 +105,7 @@ fn stream(mut motions: Vec<Motion<'_>>, place: Option<BeginPlace>) -> Outcomes {
 /// Has a motion begin at the instant at which those at other boards do. Returns false once there is nothing more to be
 /// done.
 fn begin_at_instant(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
-    if motion.lead.stops() {
+    if motion.lead.stops() || motion.is_failing() {
         return false;
     }
     if motion.ready_at().is_none() {

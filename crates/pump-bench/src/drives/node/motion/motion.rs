@@ -240,6 +240,11 @@ impl<'a> Motion<'a> {
         Some(feed.begin_at(self.heard_at))
     }
 
+    /// Returns true once the motion is to end with an error.
+    pub(super) fn is_failing(&self) -> bool {
+        self.failed.is_some()
+    }
+
     /// Has the motion end with this error.
     pub(super) fn refuse(&mut self, error: NodeError) {
         self.failed.get_or_insert(error);
