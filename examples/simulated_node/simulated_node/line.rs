@@ -34,6 +34,7 @@ impl Line {
     }
 
     /// Waits for bytes for as long as `longest`.
+    #[allow(dead_code, reason = "a board whose time is the emulator's does not wait")]
     pub(super) fn wait(&self, longest: Duration) {
         let longest = Timespec { tv_sec: 0, tv_nsec: longest.subsec_nanos().into() };
         let _ = rustix::event::poll(&mut [PollFd::new(&self.master, PollFlags::IN)], Some(&longest));
