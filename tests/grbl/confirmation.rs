@@ -183,7 +183,7 @@ fn a_trial_refuses_a_pump_that_nobody_has_confirmed_and_takes_the_word_and_the_b
     // A word for other values is none.
     let other = |file: &mut PumpFile| file.motor.gear = 2.0;
     let refused = bench(folder.path(), &board, other).planning_afresh(true).prepare(DoseRequest::dose(0.2));
-    assert!(matches!(refused.unwrap_err(), DoseError::Unconfirmed { changed: true, .. }));
+    assert!(matches!(refused.unwrap_err(), DoseError::TurnedOtherwise { .. }));
 }
 
 #[test]
