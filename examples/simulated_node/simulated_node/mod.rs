@@ -29,7 +29,7 @@ const USB_LOOK: Duration = Duration::from_micros(500);
 /// another matter: the board's time goes on without it.
 const LONGEST_LOOK_US: u64 = 5_000;
 
-/// The same of a board at a USB port, whose clock is compared with another one's.
+/// Longest time, us, that a late board at a USB port makes up at once. Its clock is compared with another one's.
 const LONGEST_USB_LOOK_US: u64 = 100_000;
 
 /// Rate of the line, bytes a second, as at 460,800 baud.
@@ -174,7 +174,7 @@ impl Simulation {
             let longest_us = if self.character.usb { LONGEST_USB_LOOK_US } else { LONGEST_LOOK_US };
             let since_us = now.saturating_duration_since(before).as_micros() as u64;
             let passed_us = since_us.min(longest_us);
-            // What is left of a microsecond counts at the next look.
+            // The rest of a microsecond counts at the next look.
             before += Duration::from_micros(since_us);
             if self.hardware.take_reset() {
                 (self.node, self.axes) = power_up(self.character, &self.hardware);

@@ -148,7 +148,7 @@ impl Node {
                 self.disturbed = disturbed;
                 self.current = if disturbed.is_some() { Current::Told } else { Current::Held };
                 self.notes.extend(faults_noted(unread));
-                // What the board has told must reach the session. A motion learns the clock again before it moves.
+                // The session must hear what the board has told. A motion learns the clock again before it moves.
                 match self.learn_clock(self.terms.opening.with_other_boards) {
                     Err(NodeError::Interrupted) => Ok(()),
                     learnt => learnt,

@@ -73,7 +73,7 @@ pub struct Story {
     /// unknown that was known then.
     pub(crate) other_steps: bool,
     /// Volumes of a revolution, in mL, when the unfinished dose was begun and by the pump file of now, if they differ.
-    /// What was delivered counts by the first.
+    /// The delivered volume counts by the first.
     pub(crate) other_volumes: Option<(f64, f64)>,
     /// State before the last motion, and that motion, if the process ended during it. `None` if the rotor
     /// stood.

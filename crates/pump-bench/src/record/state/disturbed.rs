@@ -1,4 +1,4 @@
-//! What a state still tells after a disturbance of the rotor, and of another head or motor than the one on record.
+//! The state after a disturbance of the rotor, and that of another head or motor than the one on record.
 
 use pump_ctl::plan::Phase;
 use pump_model::Pump;

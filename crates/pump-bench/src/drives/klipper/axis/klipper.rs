@@ -122,7 +122,7 @@ impl Klipper {
                 self.notes.extend(of_board.into_iter().map(Notice::from));
                 self.at = At::Met(Box::new(board));
                 (self.stands, self.disturbed) = (Some(position), disturbed);
-                // What the board has told must reach the session. A motion learns the drift again before it moves.
+                // The session must hear what the board has told. A motion learns the drift again before it moves.
                 match self.learn_drift(self.terms.opening.with_other_boards) {
                     Err(KlipperError::Interrupted) => Ok(()),
                     learnt => learnt,
