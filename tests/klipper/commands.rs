@@ -76,14 +76,15 @@ fn a_pump_file_that_turns_the_motor_otherwise_is_refused_until_a_person_confirms
         ("dir = \"PB12\"", "dir = \"!PB12\"", "pins PB13 (step), !PB12 (direction) and !PB14 (enable)"),
         ("step = \"PB13\"", "step = \"PB10\"", "pins PB10 (step), PB12 (direction)"),
         ("invert = false", "invert = true", "and !PB14 (enable), inverted"),
-        ("steps_per_rev = 12800", "steps_per_rev = 6400", "turns it by 6400 steps per revolution"),
+        ("steps_per_rev = 12800", "steps_per_rev = 6400", "drives it with 6400 steps per revolution"),
     ] {
         let changed = text.replace(from, to);
         assert_ne!(changed, text, "{from} stands in the file");
         fs::write(&path, changed).unwrap();
         let (code, said) = types(&["1mL"]);
         assert_eq!(code, Some(2), "{said}");
-        let then = "it moved last by 12800 steps per revolution, gear 1, pins PB13 (step), PB12 (direction) and !PB14";
+        let then =
+            "it was driven with 12800 steps per revolution, gear 1, pins PB13 (step), PB12 (direction) and";
         assert!(said.contains(now) && said.contains(then) && said.contains("--confirm-pump"), "{said}");
         assert_eq!(rig.board.truth().steps, steps, "{said}");
     }

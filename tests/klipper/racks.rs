@@ -31,14 +31,32 @@ fn runs(rig: &Rig, red: &Path, blue: &Path) -> (Option<i32>, String) {
 
 /// Runs the rack as its files are. Returns the exit code and what was said.
 pub(crate) fn runs_rack(rig: &Rig) -> (Option<i32>, String) {
+    ended(command(rig).arg("--confirm-pump").spawn().unwrap())
+}
+
+/// Runs a rack of the pumps that are there, as [`runs_rack`] does, with a pump that nobody has confirmed.
+fn runs_unconfirmed(rig: &Rig) -> (Option<i32>, String) {
+    let folder = rig.folder.path();
+    for path in [rig.pump(), folder.join("blue.toml")] {
+        let text = fs::read_to_string(&path).unwrap();
+        let port = format!("driver = \"klipper\"\nport = \"{}\"", rig.board.path().display());
+        fs::write(path, text.replace("driver = \"klipper\"", &port)).unwrap();
+    }
+    fs::write(folder.join("rack.toml"), RACK).unwrap();
+    ended(command(rig).spawn().unwrap())
+}
+
+/// Returns the command that runs the rack.
+fn command(rig: &Rig) -> Command {
     let folder = rig.folder.path();
     let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
     for name in ["DOSE_PUMP", "DOSE_CONFIG"] {
         command.env_remove(name);
     }
     command.env("XDG_CONFIG_HOME", folder).env("DOSE_STATE_DIR", folder.join("state")).current_dir(folder);
-    command.args(["run", "rack.toml", "--confirm-pump"]);
-    ended(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
+    command.args(["run", "rack.toml"]);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
 }
 
 #[test]
@@ -89,6 +107,8 @@ fn a_dose_of_a_new_pump_that_is_refused_resets_no_neighbour() {
         let (code, said) = types(&[&["2mL", "--confirm-pump"][..], &refused].concat());
         assert_eq!(code, Some(2), "{said}");
     }
+    let (code, said) = runs_unconfirmed(&rig);
+    assert!(code == Some(2) && said.contains("nobody has confirmed"), "{code:?}: {said}");
     let (code, said) = rig.runs(&["1mL"]);
     assert!(code == Some(0) && !said.contains("reset"), "{said}");
 }

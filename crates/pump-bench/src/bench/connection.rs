@@ -8,6 +8,7 @@ use pump_ctl::plan::PlannedMotion;
 use pump_model::Pump;
 use pump_model::units::degrees;
 
+use super::bench::Bench;
 use super::device::{Device, as_allowed};
 use super::session::Session;
 use crate::dosing::DoseError;
@@ -18,7 +19,7 @@ use crate::drives::NodeError;
 use crate::drives::{Disturbance, Drive, DriveError, Opening, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
-use crate::record::{AngleLoss, JournalError, PumpState, Unfinished, Why};
+use crate::record::{AngleLoss, JournalError, PumpState, Story, Unfinished, Why};
 
 /// Returns the unfinished dose during which the device was lost, and the steps counted since its start.
 /// `None` if the count does not fit or begins anew.
@@ -57,6 +58,28 @@ pub(super) fn after_event(state: PumpState, event: Disturbance, fall_rad: f64, p
     }
 }
 
+/// Returns true if a device may tell more of the pump's last motion than the record does, so that only the device can
+/// refuse the next one. `is_cut_off` is true if the record of that motion has no end.
+fn device_knows_more(is_cut_off: bool, state: Option<&PumpState>) -> bool {
+    let unfinished = state.and_then(|state| state.unfinished);
+    is_cut_off || unfinished.is_some_and(|dose| dose.count_before.is_some())
+}
+
+impl Bench {
+    /// Refuses a pump that its record alone refuses to move. Returns true if its device may tell more of its last
+    /// motion than the record does.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Unconfirmed`], [`DoseError::TurnedOtherwise`], and [`DoseError::Journal`] if the record cannot be
+    /// read.
+    pub(crate) fn check_before_meeting(&self) -> Result<bool, DoseError> {
+        let Story { cut_off, state, .. } = self.story()?;
+        self.check_confirmed(state.as_ref())?;
+        Ok(device_knows_more(cut_off.is_some(), state.as_ref()))
+    }
+}
+
 impl<'a> Session<'a> {
     /// Connects the drive, unless it is connected, and compares its count with the record.
     ///
@@ -80,9 +103,8 @@ impl<'a> Session<'a> {
         &mut self,
         plan: impl FnOnce(&PumpFile, Option<PumpState>) -> Result<T, DoseError>,
     ) -> Result<(), DoseError> {
-        let device_knows_more = self.cut_off.is_some()
-            || self.state.and_then(|state| state.unfinished).is_some_and(|dose| dose.count_before.is_some());
-        if self.device.is_none() && self.bench.identity().abilities.resets_as_met && !device_knows_more {
+        let only_device_knows = device_knows_more(self.cut_off.is_some(), self.state.as_ref());
+        if self.device.is_none() && self.bench.identity().abilities.resets_as_met && !only_device_knows {
             plan(&self.bench.file_for_dry_run()?, self.state)?;
         }
         self.connect()

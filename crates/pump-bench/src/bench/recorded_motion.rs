@@ -11,7 +11,7 @@ use super::connection::lost_by;
 use super::device::Device;
 use crate::displacement::Correction;
 use crate::dosing::{DoseError, Prepared};
-use crate::drives::{DriveError, DriveFault, IndexSearch, Leave};
+use crate::drives::{BeginPlace, BeginView, DriveError, DriveFault, IndexSearch, Leave};
 use crate::notice::with_sources;
 use crate::pump_file::Pace;
 use crate::record::Purpose;
@@ -111,7 +111,7 @@ impl<'a> Session<'a> {
     ) -> Result<Moved, DoseError> {
         // An error on the way gives the place up, and the others hear of it.
         let place = self.place.take();
-        let begins_with_others = place.is_some();
+        let begin = place.as_ref().map(BeginPlace::view);
         self.check_confirmed()?;
         self.check_stand()?;
         self.connect()?;
@@ -139,8 +139,10 @@ impl<'a> Session<'a> {
                 }
             }
         });
+        // Once others begin, a motion that has made no step is an unfinished part of what they make together.
+        let others_begin = begin.as_ref().is_some_and(BeginView::is_fixed);
         let Driven { ended, is_refused, measured_s, disk_times, halt } = match driven {
-            Ok(driven) => driven.unless(self.is_called_off(motion)),
+            Ok(driven) => driven.unless(!others_begin && self.is_called_off(motion)),
             // Nothing has moved.
             Err(error) => {
                 device.drive.forget_plan();
@@ -153,22 +155,17 @@ impl<'a> Session<'a> {
         device.holds_since = Instant::now();
         match ended {
             Ok(IndexSearch { made, beyond }) => {
-                let before = if made > 0 { self.turned(before) } else { before };
                 let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
             }
             // Nothing has moved.
-            Err(fault) if is_refused || begins_with_others && fault.is_at_rest() => {
+            Err(fault) if is_refused || begin.is_some() && !others_begin && fault.is_at_rest() => {
                 self.put_away(device.drive);
                 self.rest(Why::Fault, before)?;
                 Err(DoseError::Connection(fault.error))
             }
             // The device is met anew before it moves again.
-            Err(fault) => {
-                let has_turned = (fault.made_least, fault.made_most) != (0, 0);
-                let before = if has_turned { self.turned(before) } else { before };
-                Err(self.record_fault(device, &before, intent, fault, disk_times.pauses))
-            }
+            Err(fault) => Err(self.record_fault(device, &before, intent, fault, disk_times.pauses)),
         }
     }
 
@@ -195,12 +192,6 @@ impl<'a> Session<'a> {
         Ok((before, intent))
     }
 
-    /// Returns the state before a motion that a real motor has made, with the way in which it was turned.
-    fn turned(&self, before: PumpState) -> PumpState {
-        let way = (!self.bench.is_simulated()).then(|| self.bench.motor_way());
-        PumpState { turned_by: way.or(before.turned_by), ..before }
-    }
-
     /// Writes the intent of a motion.
     fn announce(&mut self, motion: &RecordedMotion<'_>, before: &PumpState) -> Result<Intent, DoseError> {
         let RecordedMotion { plan, correction, purpose, carry_out_ml, .. } = *motion;
@@ -217,6 +208,7 @@ impl<'a> Session<'a> {
         intent.told = self.told(motion, now);
         intent.revolution_ml = Some(self.bench.model().revolution_ml());
         intent.inverted = self.bench.drive().invert;
+        intent.motor_way = (!self.bench.is_simulated()).then(|| self.bench.motor_way());
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
         intent.whole = motion.whole;

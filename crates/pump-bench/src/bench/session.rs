@@ -177,8 +177,9 @@ impl<'a> Session<'a> {
     /// Has the next motion begin with those of the other places of a [`CommonBegin`]. Each session has a thread of its
     /// own, since a motion waits for the others until its begin.
     ///
-    /// If a motion fails or is stopped before the begin, none begins. A session that fails before its motion gives its
-    /// place up, and so does one that is dropped.
+    /// If a motion fails or is stopped while they wait for each other, none begins. A session that fails before its
+    /// motion gives its place up, and so does one that is dropped. Several boards are told their begin 0.2 s ahead: a
+    /// motion that fails or is stopped in that time leaves its dose unfinished, and the others begin.
     ///
     /// ```
     /// use std::time::Duration;

@@ -111,7 +111,8 @@ pub enum DoseError {
     /// The pump file turns the motor in another way than when it moved last: by other steps, at another place of the
     /// board, or in the other direction. Nothing has moved.
     #[error(
-        "the motor of pump {pump} does not move: its pump file turns it by {now}, and it moved last by {then}"
+        "the motor of pump {pump} does not move: its pump file now drives it with {now}; when it last moved, it was \
+         driven with {then}"
     )]
     TurnedOtherwise {
         /// Id of the pump.

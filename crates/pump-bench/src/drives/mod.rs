@@ -41,6 +41,7 @@ pub use abilities::{Abilities, Together};
 #[cfg(feature = "klipper")]
 pub use board_clock::ClockError;
 pub use board_share::BoardShare;
+pub(crate) use common_begin::BeginView;
 #[cfg(any(feature = "node", feature = "klipper"))]
 use common_begin::{BEGIN_LEAD, Met};
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};

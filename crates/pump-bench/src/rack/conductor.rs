@@ -43,7 +43,7 @@ impl Rack {
         self.check_pace()?;
         // A rack that is refused by the records alone resets no board.
         if self.members().iter().any(|member| member.bench.resets_as_met()) {
-            self.rehearse()?;
+            self.check_records()?;
         }
         let stop = self.shared_stop();
         let benches = self.benches(&stop);

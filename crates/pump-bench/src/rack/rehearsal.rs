@@ -51,6 +51,19 @@ impl Rack {
         Ok(RackReport::of(self, RackEnd::Planned, None, timetable.ends_s, rows))
     }
 
+    /// Refuses what the records alone refuse. If a device may tell more of a pump's last motion than its record does,
+    /// the steps are left to the run.
+    pub(super) fn check_records(&self) -> Result<(), RackError> {
+        let mut only_device_knows = false;
+        for (pump, member) in self.members().iter().enumerate() {
+            match member.bench.check_before_meeting() {
+                Ok(knows_more) => only_device_knows |= knows_more,
+                Err(refused) => return Err(self.with_waiting(pump, self.refused(pump, (0, refused)))),
+            }
+        }
+        if only_device_knows { Ok(()) } else { self.rehearse().map(drop) }
+    }
+
     /// Returns the numbers of the steps in which a pump takes part, from 0.
     pub(super) fn parts(&self, pump: usize) -> impl Iterator<Item = usize> {
         let takes_part = move |step: &super::step::RackStep| step.flows.iter().any(|flow| flow.pump == pump);

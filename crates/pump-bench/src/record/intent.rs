@@ -4,7 +4,7 @@ use pump_ctl::plan::{FlowMotion, Phase, Plan, Turned};
 use pump_model::Pump;
 use serde::{Deserialize, Serialize};
 
-use super::{Account, DeliveredRange, DoseTerms, Purpose, Told, Whole};
+use super::{Account, DeliveredRange, DoseTerms, MotorWay, Purpose, Told, Whole};
 use crate::displacement::Correction;
 
 /// Plan of a motion, as the journal announces it before the rotor turns.
@@ -45,6 +45,9 @@ pub struct Intent {
     /// True if the motor's direction was turned round by the pump file of that day.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) inverted: bool,
+    /// Way in which the motor is turned. `None` for a simulated motor, and in an entry of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) motor_way: Option<MotorWay>,
     /// Duration of the motion, in s.
     pub(crate) motion_s: f64,
     /// Cruise speed, in rad/s, positive. 0 in an entry of an early version, which does not tell it.
@@ -200,6 +203,7 @@ impl Intent {
             step_rad: flow.step_rad(),
             revolution_ml: None,
             inverted: false,
+            motor_way: None,
             motion_s: flow.duration_s(),
             speed_rad_s: turn_rad / flow.duration_s(),
             retract_ml: None,
@@ -233,6 +237,7 @@ impl Intent {
             step_rad: plan.step_rad(),
             revolution_ml: None,
             inverted: false,
+            motor_way: None,
             motion_s: plan.profile().duration_s(),
             speed_rad_s: plan.profile().cruise_rad_s().abs(),
             retract_ml: None,

@@ -268,6 +268,7 @@ impl PumpState {
             source: PhaseSource::Recorded,
             lost_by: self.lost_by_now(part.phase(), AngleLoss::UncountedSteps, pump),
             step_rad: Some(intent.way_rad()),
+            turned_by: intent.motor_way.filter(|_| (made_least, made_most) != (0, 0)).or(self.turned_by),
             safety: Some(self.safety_after(&part, lasted_s, pump)),
             ..self.booked(&part, pump)
         }
@@ -328,6 +329,7 @@ mod tests {
         step_rad: 0.001,
         revolution_ml: None,
         inverted: false,
+        motor_way: None,
         motion_s: 1.0,
         speed_rad_s: 1.0,
         retract_ml: None,
@@ -409,6 +411,18 @@ mod tests {
         ] {
             assert!(!recounted(unknown).phase().is_known(PITCH_RAD));
         }
+    }
+
+    #[test]
+    fn a_motion_that_may_have_turned_the_motor_tells_the_way() {
+        let [one, other] = ["12800 steps, axis X", "6400 steps, axis X"].map(|way| Some(MotorWay::new(way)));
+        let pump = Pump::three_roller();
+        let before = PumpState { turned_by: one, ..PumpState::fresh(Phase::known(1.0), PhaseSource::Home) };
+        let intent = Intent { motor_way: other, ..TURN };
+        assert_eq!(before.after(&intent, 0, 0, &pump).turned_by, one);
+        // A kill leaves bounds: the motor may have made none of the steps.
+        assert_eq!(before.after(&intent, 0, 256, &pump).turned_by, other);
+        assert_eq!(before.after(&TURN, 0, 256, &pump).turned_by, one, "an entry of an early version");
     }
 
     #[test]

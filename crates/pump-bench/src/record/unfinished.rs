@@ -206,6 +206,7 @@ mod tests {
                 step_rad: 0.001,
                 revolution_ml: None,
                 inverted: false,
+                motor_way: None,
                 motion_s: 1.0,
                 speed_rad_s: 1.0,
                 retract_ml: None,

@@ -49,6 +49,10 @@ impl Seat {
         (0..count).map(|number| Self { number, begin: Arc::clone(&begin), since: None }).collect()
     }
 
+    pub(super) fn view(&self) -> View {
+        View(Arc::clone(&self.begin))
+    }
+
     fn meet(&mut self, now: Instant, ahead: Duration) -> Met {
         let mut state = self.begin.state.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = state.at {
@@ -71,6 +75,17 @@ impl Seat {
         let at = now + ahead;
         state.at = Some(at);
         Met::At(at)
+    }
+}
+
+/// View of a meeting.
+#[derive(Debug)]
+pub(super) struct View(Arc<Begin>);
+
+impl View {
+    /// Returns true if the instant was chosen.
+    pub(super) fn is_fixed(&self) -> bool {
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner).at.is_some()
     }
 }
 

@@ -77,6 +77,10 @@ impl Seat {
         (0..count).map(|number| Self { number, begin: Arc::clone(&begin), since: None }).collect()
     }
 
+    pub(super) fn view(&self) -> View {
+        View(Arc::clone(&self.begin))
+    }
+
     #[cfg(feature = "node")]
     fn is_sent(&self) -> bool {
         self.begin.state.lock().unwrap_or_else(PoisonError::into_inner).sender.is_some()
@@ -103,7 +107,10 @@ impl Seat {
         let failed = match state.sender {
             _ if state.failed.is_some() => state.failed,
             // From here on the board decides. Its answer is on the way.
-            Some(sender) if sender == self.number && standing.is_refused => Some(CommonBeginError::Another),
+            Some(sender) if sender == self.number && standing.is_refused => {
+                state.sender = None;
+                Some(CommonBeginError::Another)
+            }
             Some(sender) if sender == self.number && !standing.stops => {
                 if let Some(place) = state.ready.get_mut(self.number) {
                     *place = standing.ready.or(*place);
@@ -132,6 +139,18 @@ impl Seat {
         }
         state.sender = Some(self.number);
         Next::Send(all)
+    }
+}
+
+/// View of a meeting.
+#[derive(Debug)]
+pub(super) struct View(Arc<Begin>);
+
+impl View {
+    /// Returns true if the board was told to begin all, and has not refused.
+    pub(super) fn is_fixed(&self) -> bool {
+        let state = self.0.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.has_begun || state.sender.is_some()
     }
 }
 

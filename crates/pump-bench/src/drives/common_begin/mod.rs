@@ -7,25 +7,27 @@ mod alone;
 mod instant;
 #[cfg(any(feature = "grbl", feature = "node"))]
 mod meeting;
+#[cfg(all(test, any(feature = "node", feature = "klipper")))]
+mod tests;
 
 use std::time::Duration;
 
 use thiserror::Error;
 
 #[cfg(not(any(feature = "grbl", feature = "node")))]
-use alone::Seat;
+use alone::{Seat, View};
 #[cfg(any(feature = "node", feature = "klipper"))]
 pub(super) use instant::Met;
 #[cfg(any(feature = "grbl", feature = "node"))]
-use meeting::Seat;
-#[cfg(any(feature = "grbl", feature = "node"))]
 pub(super) use meeting::{Next, Ready, Standing};
+#[cfg(any(feature = "grbl", feature = "node"))]
+use meeting::{Seat, View};
 
 /// Time from the moment at which the motions of several boards are ready to the instant at which all begin. Each thread
 /// looks within some milliseconds, and a Klipper board is loaded then.
 pub(super) const BEGIN_LEAD: Duration = Duration::from_millis(200);
 
-/// Reason for which axes that were to begin together did not begin. Nothing has moved.
+/// Reason for which a motion did not begin with the others. Its motor has not moved.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CommonBeginError {
@@ -41,14 +43,23 @@ pub enum CommonBeginError {
         /// Time that was allowed, in s.
         limit_s: f64,
     },
-    /// The instant at which boards were to begin together has passed.
+    /// The instant at which boards were to begin together has passed. The others have begun.
     #[error(
         "the time at which this pump was to begin together with others has passed before the board had its steps, so \
-         it has not begun; check what held this computer up"
+         it has not begun, and the others have; check what held this computer up"
     )]
     Missed,
+    /// The clock of the motion's board was not read.
+    #[error(
+        "the clock of this pump's board was not read, so it begins nothing together with others; check its cable, and \
+         run it again"
+    )]
+    Clock,
     /// The axes are not different axes of one board.
-    #[error("axes that begin together are different axes of one board; begin the others one after another")]
+    #[error(
+        "these places are for different axes of one board, and a motion of another board has one; make places for \
+         several boards with `CommonBegin::places_of_boards`"
+    )]
     Boards,
 }
 
@@ -57,8 +68,9 @@ pub enum CommonBeginError {
 /// [`Self::places`] makes a place for each axis of one board: all begin at one tick of its clock.
 /// [`Self::places_of_boards`] makes those of motions at several boards, nodes and Klipper boards: all begin at one
 /// instant, each by the clock of its own board. A thread gives its place to its session by
-/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. If a motion fails or is stopped before, none
-/// begins.
+/// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. If a motion fails or is stopped while they
+/// wait for each other, none begins. Several boards are told their instant 0.2 s ahead. From then on the others begin,
+/// and a motion that fails or is stopped leaves its dose unfinished.
 ///
 /// ```
 /// use std::time::Duration;
@@ -82,6 +94,25 @@ pub struct BeginPlace {
     at_instant: instant::Seat,
     /// True if the motions are of several boards.
     is_of_boards: bool,
+}
+
+/// View of a common begin.
+#[derive(Debug)]
+pub(crate) struct BeginView {
+    seat: View,
+    #[cfg(any(feature = "node", feature = "klipper"))]
+    at_instant: instant::View,
+}
+
+impl BeginView {
+    /// Returns true if the motions begin, or may have begun: nothing calls their begin off any more.
+    pub(crate) fn is_fixed(&self) -> bool {
+        #[cfg(any(feature = "node", feature = "klipper"))]
+        if self.at_instant.is_fixed() {
+            return true;
+        }
+        self.seat.is_fixed()
+    }
 }
 
 impl CommonBegin {
@@ -115,6 +146,15 @@ impl BeginPlace {
     /// Returns true if motions at other boards begin with this one.
     pub fn is_of_boards(&self) -> bool {
         self.is_of_boards
+    }
+
+    /// Returns a view of the begin, which holds no place in it.
+    pub(crate) fn view(&self) -> BeginView {
+        BeginView {
+            seat: self.seat.view(),
+            #[cfg(any(feature = "node", feature = "klipper"))]
+            at_instant: self.at_instant.view(),
+        }
     }
 
     /// Returns the time from the moment at which all motions are ready to their begin, in s.

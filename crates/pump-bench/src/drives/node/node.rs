@@ -248,11 +248,11 @@ impl Node {
         gate: &mut Gate<'_>,
         seeks: bool,
     ) -> Result<Made, DriveFault> {
+        let place = self.place.take();
+        let learnt = self.learn_clock(place.as_ref().is_some_and(BeginPlace::is_of_boards));
         // From here on the gate hears the user.
         self.be_deaf(true);
-        let place = self.place.take();
-        let begins_together = place.as_ref().is_some_and(BeginPlace::is_of_boards);
-        let task = self.task(plan).and_then(|task| self.learn_clock(begins_together).map(|()| task));
+        let task = learnt.and_then(|()| self.task(plan));
         let made = task.map_err(Fault::at_rest).and_then(|task| {
             let (leads, free) = ([SentLead::new(plan, AHEAD, task.brake_steps)], Lead::free());
             let [lead] = &leads;

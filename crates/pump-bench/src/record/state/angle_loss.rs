@@ -39,9 +39,7 @@ impl AngleLoss {
             Self::EmergencyStop => {
                 "the emergency stop cut the motor's current, and people may have turned the rotor"
             }
-            Self::TakenOver => {
-                "another program has had the board, or it is another board, and may have turned the rotor"
-            }
+            Self::TakenOver => "another program or another board may have turned the rotor",
             Self::OtherCount => {
                 "the device's count does not follow from the steps on record: something else has moved the motor, or \
                  it was stopped at once"

@@ -117,10 +117,15 @@ impl PumpState {
         }
     }
 
-    /// Returns the state with the angle unknown, because of `cause` if it was known.
+    /// Returns the state with the angle unknown, because of `cause` if it was known. Steps that nobody has counted are
+    /// the lesser cause: a count may tell them later.
     pub(crate) fn lost(self, cause: AngleLoss, pump: &Pump) -> Self {
         let unknown = Phase::within(0.0, UNKNOWN_RAD);
-        Self { lost_by: self.lost_by_now(unknown, cause, pump), ..self.closed(pump).at(unknown) }
+        let lost_by = match self.lost_by {
+            Some(AngleLoss::UncountedSteps) => Some(cause),
+            _ => self.lost_by_now(unknown, cause, pump),
+        };
+        Self { lost_by, ..self.closed(pump).at(unknown) }
     }
 
     /// Returns the cause for which the angle is unknown once the rotor stands at `phase`: `cause` if it was known

@@ -186,17 +186,14 @@ impl Klipper {
         gate: &mut Gate<'_>,
         seeks: bool,
     ) -> Result<Made, DriveFault> {
-        // From here on the gate hears the user. A place that is not used is given up, and the others hear of it.
+        // A place that is not used is given up, and the others hear of it.
         let place = self.place.take();
+        // Motors of one board begin at one tick of its clock, whatever that is.
+        let is_of_one_board = !self.terms.opening.beside.is_empty() && !self.terms.opening.with_other_boards;
+        let learnt = self.learn_drift(place.is_some() && !is_of_one_board);
+        // From here on the gate hears the user.
         self.be_deaf(true);
-        let made = self.task(plan).and_then(|task| {
-            self.announce(task)?;
-            // Motors of one board begin at one tick of its clock, whatever that is.
-            let is_of_one_board =
-                !self.terms.opening.beside.is_empty() && !self.terms.opening.with_other_boards;
-            self.learn_drift(place.is_some() && !is_of_one_board)?;
-            Ok(task)
-        });
+        let made = learnt.and_then(|()| self.task(plan)).and_then(|task| self.announce(task).map(|()| task));
         let start = self.stands.unwrap_or(0);
         let (made, slip_steps) = match (made, &mut self.at) {
             (Ok(task), At::Met(board)) => motion::run(board, plan, task, start, (seeks, place), gate),

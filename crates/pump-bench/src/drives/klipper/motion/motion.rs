@@ -427,12 +427,13 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// Ends a move from rest to rest, and compares the board's count with the steps that were sent.
+    /// Ends a move from rest to rest, and compares the board's count with the steps that were sent. Until the board has
+    /// told its count, the move's bounds count.
     fn end_move(&mut self) -> Result<(), KlipperError> {
         if self.seeks && self.index_at.is_none() {
             self.look_last()?;
         }
-        let sent = self.made + self.feed.take().map_or(0, |feed| feed.pushed);
+        let sent = self.made + self.feed.as_ref().map_or(0, |feed| feed.pushed);
         let was_halted = self.failed.as_ref().is_some_and(KlipperError::halts);
         let reason = if was_halted { reason::MET } else { reason::ENDED };
         if self.seeks {
@@ -440,6 +441,9 @@ impl<'a> Motion<'a> {
         }
         let ended = self.board.talk.end_dead_man(reason)?;
         let counted = self.counted()?;
+        self.feed = None;
+        (self.made, self.heard) = (counted, counted);
+        self.lead.note_made(counted);
         if ended == reason::EXPIRED && self.failed.is_none() {
             self.failed = Some(KlipperError::DeadMan { dead_man_ms: self.board.dead_man.as_millis() });
         }
@@ -454,8 +458,6 @@ impl<'a> Motion<'a> {
             let at = |steps: u64| self.start + direction * i64::try_from(steps).unwrap_or(i64::MAX);
             self.failed = Some(KlipperError::Count { counted: at(counted), expected: at(sent) });
         }
-        (self.made, self.heard) = (counted, counted);
-        self.lead.note_made(counted);
         Ok(())
     }
 

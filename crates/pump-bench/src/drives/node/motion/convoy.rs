@@ -111,6 +111,10 @@ fn begin_at_instant(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
     if motion.ready_at().is_none() {
         return true;
     }
+    if motion.board.link.tick_at(Instant::now()).is_none() {
+        motion.refuse(CommonBeginError::Clock.into());
+        return false;
+    }
     match place.meet(Instant::now(), BEGIN_LEAD) {
         Met::Waits => return true,
         Met::Failed(error) => motion.refuse(error.into()),

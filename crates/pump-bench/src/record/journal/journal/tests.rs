@@ -55,6 +55,7 @@ const INTENT: Entry = Entry::Intent(Intent {
     step_rad: 0.0005,
     revolution_ml: None,
     inverted: false,
+    motor_way: None,
     motion_s: 1.0,
     speed_rad_s: 1.0,
     retract_ml: None,
