@@ -2,6 +2,8 @@
 //! happens.
 
 mod before_motion;
+#[cfg(all(test, any(feature = "node", feature = "klipper")))]
+mod begin_together;
 mod patience;
 
 use std::ops::ControlFlow;

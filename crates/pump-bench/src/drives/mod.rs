@@ -41,9 +41,11 @@ pub use abilities::{Abilities, Together};
 #[cfg(feature = "klipper")]
 pub use board_clock::ClockError;
 pub use board_share::BoardShare;
+#[cfg(any(feature = "node", feature = "klipper"))]
+use common_begin::BEGIN_LEAD;
 pub(crate) use common_begin::BeginView;
 #[cfg(any(feature = "node", feature = "klipper"))]
-use common_begin::{BEGIN_LEAD, Met};
+pub(crate) use common_begin::Met;
 pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
 pub use error::{DriveError, DriveFault};

@@ -32,7 +32,7 @@ pub(super) struct Seat {
 
 /// State of a meeting.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::drives) enum Met {
+pub(crate) enum Met {
     /// Another motion is not ready yet.
     Waits,
     /// All begin at this instant.
@@ -91,7 +91,7 @@ impl View {
 
 impl BeginPlace {
     /// Tells that this motion is ready at `now`. The last of all has them begin `ahead` of its time.
-    pub(in crate::drives) fn meet(&mut self, now: Instant, ahead: Duration) -> Met {
+    pub(crate) fn meet(&mut self, now: Instant, ahead: Duration) -> Met {
         self.at_instant.meet(now, ahead)
     }
 }

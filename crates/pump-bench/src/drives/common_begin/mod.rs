@@ -7,8 +7,6 @@ mod alone;
 mod instant;
 #[cfg(any(feature = "grbl", feature = "node"))]
 mod meeting;
-#[cfg(all(test, any(feature = "node", feature = "klipper")))]
-mod tests;
 
 use std::time::Duration;
 
@@ -17,7 +15,7 @@ use thiserror::Error;
 #[cfg(not(any(feature = "grbl", feature = "node")))]
 use alone::{Seat, View};
 #[cfg(any(feature = "node", feature = "klipper"))]
-pub(super) use instant::Met;
+pub(crate) use instant::Met;
 #[cfg(any(feature = "grbl", feature = "node"))]
 pub(super) use meeting::{Next, Ready, Standing};
 #[cfg(any(feature = "grbl", feature = "node"))]

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 
 use pump_ctl::plan::Plan;
 
-use super::{BEGIN_LEAD, BeginPlace, CommonBegin, Met};
-use crate::drives::{Abilities, Drive, DriveError, DriveFault, Gate, Leave, Together};
+use crate::drives::{
+    Abilities, BeginPlace, CommonBegin, Drive, DriveError, DriveFault, Gate, Leave, Met, Together,
+};
 use crate::record::PumpState;
 use crate::{Bench, DoseError, DoseRequest, Session, built_in};
 
@@ -52,7 +53,7 @@ impl Drive for Motor {
         let failed = || DriveFault::at(0, DriveError::device(io::Error::from(io::ErrorKind::BrokenPipe)));
         let mut place = self.place.take().unwrap();
         loop {
-            match place.meet(Instant::now(), BEGIN_LEAD) {
+            match place.meet(Instant::now(), Duration::ZERO) {
                 Met::Waits if self.fails == Some(Fails::Waiting) => return Err(failed()),
                 Met::Waits => thread::sleep(Duration::from_millis(1)),
                 Met::Failed(error) => return Err(DriveFault::at(0, DriveError::device(error))),
