@@ -52,9 +52,12 @@ impl Drive for Motor {
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         let failed = || DriveFault::at(0, DriveError::device(io::Error::from(io::ErrorKind::BrokenPipe)));
         let mut place = self.place.take().unwrap();
+        // The other waits for this one.
+        if self.fails == Some(Fails::Waiting) {
+            return Err(failed());
+        }
         loop {
             match place.meet(Instant::now(), Duration::ZERO) {
-                Met::Waits if self.fails == Some(Fails::Waiting) => return Err(failed()),
                 Met::Waits => thread::sleep(Duration::from_millis(1)),
                 Met::Failed(error) => return Err(DriveFault::at(0, DriveError::device(error))),
                 Met::At(_) if self.fails == Some(Fails::Told) => return Err(failed()),
