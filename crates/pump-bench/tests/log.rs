@@ -207,6 +207,7 @@ fn accept_status_log_and_safety_tell_one_volume_of_a_dose_that_was_cut_off() {
     let range_ml = (unfinished.delivered_least_ml, unfinished.delivered_most_ml);
     assert!(unfinished.steps_made_least < unfinished.steps_made_most);
     assert!(range_ml.1 - range_ml.0 > 0.3, "the angle makes the volume unsure: {range_ml:?}");
+    assert_eq!((unfinished.end, unfinished.cause), (None, None), "the log does not have it yet");
     let accepted = bench.session().unwrap().accept().unwrap();
     let report = AcceptedReport::new(&bench, &accepted, Vec::new());
     assert_eq!((report.delivered_least_ml, report.delivered_most_ml), range_ml);

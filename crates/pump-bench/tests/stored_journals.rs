@@ -47,8 +47,8 @@ fn journals_of_the_first_version_give_the_status_that_it_printed() {
         assert!((0.0..=pumped_ml + 1e-9).contains(&day_ml), "{day_ml} {pumped_ml}");
         if let Some(unfinished) = found["unfinished"].as_object_mut() {
             assert_eq!(
-                ["number", "target_g"].map(|key| unfinished.remove(key)),
-                [Some(Value::Null), Some(Value::Null)]
+                ["number", "target_g", "end", "cause"].map(|key| unfinished.remove(key)),
+                [const { Some(Value::Null) }; 4]
             );
             assert_eq!(unfinished.remove("searched_ml"), Some(Value::from(0.0)));
             let added = ["by_weight", "over_time", "until_stopped"].map(|key| unfinished.remove(key));

@@ -1,5 +1,6 @@
 //! `dose log`: every dose that is on record.
 
+use std::collections::VecDeque;
 use std::io::{self, BufWriter, ErrorKind, Write};
 
 use clap::{Args, ValueEnum};
@@ -22,6 +23,9 @@ pub(crate) struct LogArgs {
     /// List doses that began before then, written as for --since
     #[arg(long, value_name = "TIME")]
     until: Option<String>,
+    /// List only the last N of these doses; the totals count all of them
+    #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "totals")]
+    last: Option<u32>,
     /// Print only the totals by day and by tube
     #[arg(long)]
     totals: bool,
@@ -68,6 +72,7 @@ impl LogArgs {
         let lines = bench.log().map_err(Failure::of)?;
         let span = LogSpan::new(since, until, now.unix_s);
         let mut out = Listing::new(&bench, self.format.unwrap_or_default(), self.totals, span);
+        out.most = self.last.map(|last| usize::try_from(last).unwrap_or(usize::MAX));
         let mut to = BufWriter::new(io::stdout().lock());
         let mut listed = out.begin(&mut to);
         for line in lines {
@@ -95,7 +100,7 @@ impl LogArgs {
     }
 }
 
-/// The list under way. It keeps the totals, and no doses.
+/// The list under way. It keeps the totals, and no doses but the last ones that were asked for.
 struct Listing<'a> {
     bench: &'a Bench,
     format: LogFormat,
@@ -104,13 +109,27 @@ struct Listing<'a> {
     /// The span of the doses that are listed.
     span: LogSpan,
     listed: u64,
+    /// Number of doses that are listed at most. `None` for all.
+    most: Option<usize>,
+    /// Lines of the last doses, if only some are listed.
+    last: VecDeque<String>,
     /// Number of doses in the log, those outside the span among them.
     logged: u64,
 }
 
 impl<'a> Listing<'a> {
     fn new(bench: &'a Bench, format: LogFormat, only_totals: bool, span: LogSpan) -> Self {
-        Self { bench, format, only_totals, totals: LogTotals::default(), span, listed: 0, logged: 0 }
+        Self {
+            bench,
+            format,
+            only_totals,
+            totals: LogTotals::default(),
+            span,
+            listed: 0,
+            most: None,
+            last: VecDeque::new(),
+            logged: 0,
+        }
     }
 
     fn begin(&self, to: &mut dyn Write) -> io::Result<()> {
@@ -135,16 +154,21 @@ impl<'a> Listing<'a> {
             return Ok(());
         }
         let (pump, driver) = (self.bench.file().pump.id.as_str(), self.bench.drive_id());
-        match self.format {
-            LogFormat::Text => {
-                writeln!(to, "{}", shown(&log_text(&self.bench.file().fluid, entry, went_back)))
-            }
-            LogFormat::Csv => writeln!(to, "{}", log_csv(pump, driver, entry, went_back)),
-            LogFormat::Json => writeln!(to, "{}", log_json(pump, driver, entry, went_back)),
+        let line = match self.format {
+            LogFormat::Text => shown(&log_text(&self.bench.file().fluid, entry, went_back)).to_string(),
+            LogFormat::Csv => log_csv(pump, driver, entry, went_back),
+            LogFormat::Json => log_json(pump, driver, entry, went_back),
+        };
+        let Some(most) = self.most else { return writeln!(to, "{line}") };
+        if self.last.len() >= most {
+            self.last.pop_front();
         }
+        self.last.push_back(line);
+        Ok(())
     }
 
     fn end(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.last.iter().try_for_each(|line| writeln!(to, "{line}"))?;
         let text = match self.format {
             LogFormat::Text if self.listed == 0 => {
                 let (pump, driver) = (&self.bench.file().pump.id, self.bench.drive_id());

@@ -226,7 +226,10 @@ fn a_signal_in_motion_stops_the_dose_and_with_it_the_batch() {
     assert_eq!((code, reports.len()), (130, 1), "{err}");
     assert_eq!(reports[0]["completed"], false);
     assert!(err.contains("`dose resume`") && err.contains("1 of 3 doses of the batch were done"), "{err}");
-    assert!((number(&user.json(&["status"])["unfinished"], "requested_ml") - 1000.0).abs() < 1e-9);
+    let unfinished = user.json(&["status"])["unfinished"].clone();
+    assert!((number(&unfinished, "requested_ml") - 1000.0).abs() < 1e-9);
+    assert_eq!((&unfinished["end"], &unfinished["cause"]), (&"stopped".into(), &"SIGINT".into()));
+    assert!(user.types(&["status"]).out.contains("; stopped by SIGINT; `dose resume`"));
     let rest = user.json(&["resume"]);
     assert!(number(&rest, "carry_ml").abs() < STEP_ML);
 }

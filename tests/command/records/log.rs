@@ -48,6 +48,11 @@ fn every_dose_is_listed_as_it_was_typed_with_the_time_of_its_report() {
     let csv = user.types(&["log", "--format", "csv"]).out;
     assert_eq!(csv.lines().count(), 5);
     assert!(csv.starts_with("number,time,purpose,asked,"), "{csv}");
+    let last = objects(&user.types(&["log", "-n", "2", "--format", "json"]).out);
+    assert_eq!(last, listed[2..]);
+    let last = user.types(&["log", "--last", "1"]).out;
+    assert!(!last.contains("25 mL") && last.contains("tube 1: ") && last.contains("tube 2: 0.99"), "{last}");
+    assert!(user.is_refused(&["log", "-n", "0"]).contains("--last"));
     let text = user.types(&["log"]).out;
     assert!(text.contains("25 mL") && text.contains("tube 2: 0.99"), "{text}");
 }

@@ -108,7 +108,7 @@ impl Sureness {
         (calibrated.speeds_rpm.len() < 3 && percent > 0.0).then(|| {
             let speeds = calibrated.speeds_rpm.iter().map(|speed| significant(*speed, 5));
             format!(
-                "calibration {version} was made at {} r/min alone, and this dose cruises at {}: {percent:.2} \
+                "calibration {version} was made at {} r/min alone, and this dose cruises at {} r/min: {percent:.2} \
                  % of the volume is added to the uncertainty for that; calibrate at three speeds or more",
                 speeds.collect::<Vec<_>>().join(" and "),
                 significant(rpm, 5),

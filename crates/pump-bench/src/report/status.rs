@@ -13,7 +13,7 @@ pub use self::safety::{SafetyStatus, StandStatus};
 use crate::bench::Bench;
 use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;
-use crate::record::{AngleLoss, PhaseSource, Purpose, Wear};
+use crate::record::{AngleLoss, LogEnd, PhaseSource, Purpose, Wear};
 
 /// The record of a pump (`schema` `status/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -107,7 +107,7 @@ impl CalibrationStatus {
 }
 
 /// A dose that was begun and not finished.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct UnfinishedStatus {
     /// Number of its last motion in the log; null in a record of an early version.
@@ -153,6 +153,10 @@ pub struct UnfinishedStatus {
     pub by_weight: bool,
     /// Mass that the balance was to show, g; null if no balance was to end it.
     pub target_g: Option<f64>,
+    /// End of its last motion; null as long as the log does not have it.
+    pub end: Option<LogEnd>,
+    /// Cause of a fault with its sources, or who or what stopped it; null where there is none, or nobody says.
+    pub cause: Option<String>,
 }
 
 /// A guided calibration that was begun and not finished.
@@ -194,6 +198,7 @@ impl Status {
         let state = recorded.unwrap_or(bench.fresh());
         let unfinished = state.unfinished.map(|dose| {
             let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
+            let logged = dose.intent.told.and_then(|told| bench.logged(told.number));
             UnfinishedStatus {
                 number: dose.intent.told.map(|told| told.number),
                 purpose: dose.intent.purpose,
@@ -215,6 +220,8 @@ impl Status {
                 target_g: Weighing::of(bench.file())
                     .reading_g(dose.intent.whole_requested_ml())
                     .filter(|_| dose.intent.terms.by_weight),
+                end: logged.as_ref().map(|entry| entry.end),
+                cause: logged.and_then(|entry| entry.cause),
             }
         });
         let angle_known = state.phase().is_known(bench.model().pitch_rad());

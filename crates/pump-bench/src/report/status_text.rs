@@ -99,11 +99,12 @@ impl Status {
             0.0 => String::new(),
             ml => format!("; turns to find the angle pumped another {} mL", significant(ml, 3)),
         };
+        let end = dose.end.map_or(String::new(), |end| format!("; {}", end.told(dose.cause.as_deref())));
         match &self.in_use_by {
             Some(holder) => format!("in motion, by {holder}: {}", dose.made(true)),
             None => {
                 format!(
-                    "unfinished: {}{of_then}{by_angle}{searched}{no_rest}; {}",
+                    "unfinished: {}{of_then}{by_angle}{searched}{end}{no_rest}; {}",
                     dose.made(false),
                     words(remedy)
                 )

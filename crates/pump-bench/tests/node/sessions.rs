@@ -130,6 +130,7 @@ fn a_board_that_was_out_of_reach_tells_its_steps_to_the_log_and_one_that_was_res
             status.text(|_| "").contains(text)
         };
         assert_eq!(told("a board that was not reset since knows the exact steps"), tells);
+        assert!(told(&format!("; ended by a fault ({})", first.cause.as_deref().unwrap())), "{first:?}");
         // By the record of a reset board the angle is unknown, and no plan pretends that the board knows better.
         let planned = bench.prepare_rest(DoseRequest::dose(0.0));
         assert_eq!(planned.is_ok(), tells, "{planned:?}");

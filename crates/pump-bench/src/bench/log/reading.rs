@@ -49,6 +49,13 @@ impl Bench {
         Ok(self.folder().log().last_of(is_asked)?.map(|(_, entry)| entry))
     }
 
+    /// Reads the motion with this number in the log. `None` if the log does not have it, or cannot be read.
+    pub(crate) fn logged(&self, number: u64) -> Option<LogEntry> {
+        // The last entries are read first, so that a number that the log lacks ends the search.
+        let (_, entry) = self.folder().log().last_of(|entry| entry.number <= number).ok()??;
+        Some(entry).filter(|entry| entry.number == number)
+    }
+
     /// Returns the smallest and largest volume, in mL, that an order of a service has delivered, and the numbers of its
     /// doses in the log. What is unfinished counts with its bounds. `None` if the record cannot be read.
     pub fn delivered_by(&self, order: &str) -> Option<((f64, f64), Vec<u64>)> {

@@ -21,6 +21,20 @@ pub enum LogEnd {
     CutOff,
 }
 
+impl LogEnd {
+    /// Returns the end in words, with its cause if one is on record.
+    pub(crate) fn told(self, cause: Option<&str>) -> String {
+        let because = cause.map_or(String::new(), |cause| format!(" ({cause})"));
+        match self {
+            Self::Done => format!("done{because}"),
+            Self::Weighed => format!("ended by the balance{because}"),
+            Self::Stopped => format!("stopped by {}", cause.unwrap_or("the user")),
+            Self::Fault => format!("ended by a fault{because}"),
+            Self::CutOff => format!("cut off: the process ended{because}"),
+        }
+    }
+}
+
 words!(LogEnd {
     Done = "done",
     Weighed = "weighed",

@@ -29,15 +29,7 @@ pub fn log_text(own: &FluidTable, entry: &LogEntry, went_back: bool) -> String {
         }
         None => format!("{:.4}{unsure} mL", entry.delivered_ml),
     };
-    let cause = entry.cause.as_ref().map_or(String::new(), |cause| format!(" ({cause})"));
-    let end = match (entry.end, &entry.cause) {
-        (LogEnd::Done, _) => format!("done{cause}"),
-        (LogEnd::Weighed, _) => format!("ended by the balance{cause}"),
-        (LogEnd::Stopped, Some(cause)) => format!("stopped by {cause}"),
-        (LogEnd::Stopped, None) => "stopped by the user".to_owned(),
-        (LogEnd::Fault, _) => format!("ended by a fault{cause}"),
-        (LogEnd::CutOff, _) => format!("cut off: the process ended{cause}"),
-    };
+    let end = entry.end.told(entry.cause.as_deref());
     let rack = entry.rack.map_or(String::new(), |rack| format!(", rack {}", rack.as_str()));
     let clock = if went_back { "; the clock had gone back" } else { "" };
     let rest = if entry.resumed { ", the rest of a dose" } else { "" };

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from pumpmodel._results.record import Record
-from pumpmodel.choices import AngleLoss, PhaseSource
+from pumpmodel.choices import AngleLoss, LogEnd, PhaseSource
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,8 @@ class Unfinished(Record):
 
     A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one
     run makes. A flow over time has `over_time`: no rest of it can be made, and it can be accepted alone.
-    Turns to find the angle have pumped `searched_ml` meanwhile, which counts as not delivered.
+    Turns to find the angle have pumped `searched_ml` meanwhile, which counts as not delivered. `end` is that of
+    its last motion, with its `cause`; None as long as the log does not have it.
     """
 
     number: int | None
@@ -41,6 +42,8 @@ class Unfinished(Record):
     over_time: bool
     by_weight: bool
     target_g: float | None
+    end: LogEnd | None
+    cause: str | None
 
 
 @dataclass(frozen=True)
