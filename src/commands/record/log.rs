@@ -24,7 +24,13 @@ pub(crate) struct LogArgs {
     #[arg(long, value_name = "TIME")]
     until: Option<String>,
     /// List only the last N of these doses; the totals count all of them
-    #[arg(short = 'n', long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "totals")]
+    #[arg(
+        short = 'n',
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..),
+        conflicts_with = "totals"
+    )]
     last: Option<u32>,
     /// Print only the totals by day and by tube
     #[arg(long)]
