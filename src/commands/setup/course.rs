@@ -45,6 +45,10 @@ pub(super) struct Course {
     neighbours: Vec<Neighbour>,
     /// Board that answered at the port, once it was asked.
     pub(super) board: Option<FoundBoard>,
+    /// True if the answers name another place than the pump file, so that the board there is to be asked.
+    pub(super) is_elsewhere: bool,
+    /// True if the person has said that the board at the port turns the pump from now on, whatever is on record.
+    pub(super) accepts_board: bool,
     /// Port at which no board answered. A script is told so once.
     pub(super) silent_port: Option<PathBuf>,
     /// True if the motor has turned in this call.
@@ -82,6 +86,8 @@ impl Course {
             reviews: false,
             neighbours,
             board: None,
+            is_elsewhere: false,
+            accepts_board: false,
             silent_port: None,
             has_moved: false,
             warned: Vec::new(),
@@ -241,6 +247,21 @@ impl Course {
         Ok(())
     }
 
+    /// True if the motor of these answers is at another place than by the answers before or by the pump file, or if
+    /// there is no pump file yet.
+    pub(super) fn moves_to(&self, answers: &Answers) -> bool {
+        let at =
+            |answers: &Answers| (answers.driver, answers.port.clone(), answers.axis, answers.socket.clone());
+        if answers.done.written.is_none() || at(answers) != at(&self.answers) {
+            return true;
+        }
+        let file = PumpFile::read(&self.folder.pump_file(&answers.name)).ok();
+        file.and_then(|file| file.drive).is_none_or(|drive| {
+            (Some(drive.driver), drive.port) != (answers.driver, answers.port.clone())
+                || answers.axis.is_some_and(|axis| axis != drive.axis)
+        })
+    }
+
     /// Refuses an axis or a socket that was said in this call and turns another pump.
     pub(super) fn check_axis(&self, answers: &Answers) -> Result<(), Failure> {
         let at = |answers: &Answers| (answers.port.clone(), answers.axis, answers.socket.clone());
@@ -286,7 +307,8 @@ impl Course {
         let is_open = !self.answers.done.turned;
         let configures = is_open && !self.is_simulated() && self.answers.configure == Some(true);
         let bench = Bench::new(file, None, &self.state_dir)?;
-        let bench = bench.configuring(configures).watching_the_turn(true);
+        let bench =
+            bench.configuring(configures).accepting_settings(self.accepts_board).watching_the_turn(true);
         Ok(bench.stopping_on(interrupt::stop_request()))
     }
 

@@ -196,6 +196,7 @@ impl SetupArgs {
             // A balance that is silent or says no mass is found before anything moves.
             weigh::still(balance.as_mut(), &self.balance)?;
         }
+        course.is_elsewhere = course.moves_to(&answers);
         course.take(answers)?;
         introduce(course, is_new, self.like.is_some());
         loop {
@@ -208,7 +209,7 @@ impl SetupArgs {
 
     /// Follows the course from its answers to its end, or to a question that goes back to the answers.
     fn follow_on(&self, course: &mut Course, given: &mut Given) -> Asked<()> {
-        if course.answers.done.written.is_none() {
+        if std::mem::take(&mut course.is_elsewhere) {
             board::meet_said(course, self.no_motion)?;
         }
         written::write(course)?;

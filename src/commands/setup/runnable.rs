@@ -23,11 +23,11 @@ impl Runnable {
         match self.scale.is_empty() {
             true => |remedy| match remedy {
                 Remedy::WeighOneMore => "`dose setup` makes it and asks for its weight",
-                other => advice::words(other),
+                other => in_setup(other),
             },
             false => |remedy| match remedy {
                 Remedy::WeighOneMore => "`dose setup` makes it and weighs it",
-                other => advice::words(other),
+                other => in_setup(other),
             },
         }
     }
@@ -66,6 +66,21 @@ impl Runnable {
         };
         let added = [scale, &names].into_iter().filter(|added| !added.is_empty());
         [words.as_str()].into_iter().chain(added).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// The words of a remedy for a setup, which takes other options than a dose.
+fn in_setup(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::AcceptBoard => {
+            "if the board was replaced, `dose home --unknown --accept-settings` takes the one that is there"
+        }
+        Remedy::AcceptSettings => {
+            "if another board is at this port, connect the pump's own board or name its port with --port; if you \
+             changed the settings or replaced the board, `dose home --unknown --accept-settings` takes it as it is; \
+             otherwise set them back"
+        }
+        other => advice::words(other),
     }
 }
 

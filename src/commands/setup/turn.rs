@@ -116,8 +116,13 @@ fn meet_board(course: &mut Course) -> Asked<()> {
                 wait_for_current(course, &error)?;
                 continue;
             }
+            Err(error) if is_of_other_board(&error) && !course.asker.is_silent() => {
+                take_board(course, &error)?;
+                continue;
+            }
             Err(error) => {
-                board_is_away(course, Failure::from(error))?;
+                let told = error.told(course.runnable.words());
+                board_is_away(course, Failure::from(error).saying(told))?;
                 continue;
             }
         };
@@ -160,6 +165,29 @@ fn board_fits(driver: Option<DriverName>) -> &'static str {
 fn is_without_current(error: &DoseError) -> bool {
     let DoseError::Connection(DriveError::Device(source)) = error else { return false };
     matches!(source.downcast_ref(), Some(NodeError::Estop | NodeError::Driver))
+}
+
+/// True if the record of the pump is of another board, or of the same one with other settings.
+fn is_of_other_board(error: &DoseError) -> bool {
+    error.remedies().iter().any(|remedy| matches!(remedy, Remedy::AcceptBoard | Remedy::AcceptSettings))
+}
+
+/// Asks if the board at the port turns the pump from now on. Otherwise its port is asked for anew.
+fn take_board(course: &mut Course, error: &DoseError) -> Asked<()> {
+    tell_person(&format!("  {}", with_sources(error)));
+    let question = Question {
+        text: "Does the board at this port turn the pump from now on? (yes, no)",
+        option: "--no-motion",
+        usual: None,
+        help: "yes takes the board as it is: its count begins anew, and the rollers' angle is unknown; no asks for the \
+               port of the pump's own board",
+    };
+    if course.asker.agrees(&question)? {
+        course.accepts_board = true;
+        return Ok(());
+    }
+    board::ask_again(course)?;
+    rewrite(course)
 }
 
 /// Waits until a person has seen to an emergency stop or a fault of the stepper driver: the board is the right one.
