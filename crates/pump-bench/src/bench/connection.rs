@@ -58,16 +58,9 @@ pub(super) fn after_event(state: PumpState, event: Disturbance, fall_rad: f64, p
     }
 }
 
-/// Returns true if a device may tell more of the pump's last motion than the record does, so that only the device can
-/// refuse the next one. `is_cut_off` is true if the record of that motion has no end.
-fn device_knows_more(is_cut_off: bool, state: Option<&PumpState>) -> bool {
-    let unfinished = state.and_then(|state| state.unfinished);
-    is_cut_off || unfinished.is_some_and(|dose| dose.count_before.is_some())
-}
-
 impl Bench {
-    /// Refuses a pump that its record alone refuses to move. Returns true if its device may tell more of its last
-    /// motion than the record does.
+    /// Refuses a pump that nobody has confirmed as its file is now. Returns true if its last motion was cut off, so
+    /// that its device may tell more of it than the record does.
     ///
     /// # Errors
     ///
@@ -76,7 +69,8 @@ impl Bench {
     pub(crate) fn check_before_meeting(&self) -> Result<bool, DoseError> {
         let Story { cut_off, state, .. } = self.story()?;
         self.check_confirmed(state.as_ref())?;
-        Ok(device_knows_more(cut_off.is_some(), state.as_ref()))
+        // A motion that another process makes has no end on record either.
+        Ok(cut_off.is_some() && !self.is_held())
     }
 }
 
@@ -103,8 +97,9 @@ impl<'a> Session<'a> {
         &mut self,
         plan: impl FnOnce(&PumpFile, Option<PumpState>) -> Result<T, DoseError>,
     ) -> Result<(), DoseError> {
-        let only_device_knows = device_knows_more(self.cut_off.is_some(), self.state.as_ref());
-        if self.device.is_none() && self.bench.identity().abilities.resets_as_met && !only_device_knows {
+        let device_knows_more = self.cut_off.is_some()
+            || self.state.and_then(|state| state.unfinished).is_some_and(|dose| dose.count_before.is_some());
+        if self.device.is_none() && self.bench.identity().abilities.resets_as_met && !device_knows_more {
             plan(&self.bench.file_for_dry_run()?, self.state)?;
         }
         self.connect()

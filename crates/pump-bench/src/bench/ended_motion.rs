@@ -33,6 +33,8 @@ pub(super) struct EndedMotion {
     pub(super) disk_times: DiskTimes,
     /// Reason of the journal to end the motion.
     pub(super) halt: Option<Halt>,
+    /// True if motions that were to begin with this one begin.
+    pub(super) others_begin: bool,
     /// State before the motion.
     pub(super) before: PumpState,
     pub(super) intent: Intent,
@@ -47,14 +49,14 @@ impl<'a> Session<'a> {
         ended: EndedMotion,
         watch: &mut Watch<'_>,
     ) -> Result<Moved, DoseError> {
-        let EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent } = ended;
+        let EndedMotion { made, beyond, measured_s, disk_times, halt, others_begin, before, intent } = ended;
         let plan = motion.plan;
         let whole = made == plan.steps().unsigned_abs();
         // A run until it is stopped is complete once somebody stopped it.
         let is_complete = halt.is_none() && motion.terms.until_stopped;
         // A flow over time cannot go on later, so a stop is its end.
-        let is_ended =
-            is_complete || (halt.is_none() && (motion.terms.profile || self.is_unbegun(motion, made)));
+        let is_unbegun = !others_begin && self.is_unbegun(motion, made);
+        let is_ended = is_complete || (halt.is_none() && (motion.terms.profile || is_unbegun));
         let after =
             after_steps(before, self.log.clock.now().unix_s, &intent, made, is_ended, self.bench.model());
         // The plan of a flow over time tells no time for a part of its steps.

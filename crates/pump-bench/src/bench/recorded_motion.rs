@@ -155,7 +155,8 @@ impl<'a> Session<'a> {
         device.holds_since = Instant::now();
         match ended {
             Ok(IndexSearch { made, beyond }) => {
-                let after = EndedMotion { made, beyond, measured_s, disk_times, halt, before, intent };
+                let after =
+                    EndedMotion { made, beyond, measured_s, disk_times, halt, others_begin, before, intent };
                 self.conclude(device, motion, after, &mut || watch(made))
             }
             // Nothing has moved.

@@ -180,8 +180,9 @@ impl<'a> Session<'a> {
     /// own, since a motion waits for the others until its begin.
     ///
     /// If a motion fails or is stopped while they wait for each other, none begins. A session that fails before its
-    /// motion gives its place up, and so does one that is dropped. Several boards are told their begin 0.2 s ahead: a
-    /// motion that fails or is stopped in that time leaves its dose unfinished, and the others begin.
+    /// motion gives its place up, and so does one that is dropped. Several boards, and the motors of a Klipper
+    /// board, are told their begin 0.2 s ahead: a motion that fails or is stopped in that time leaves its dose
+    /// unfinished, and the others begin.
     ///
     /// ```
     /// use std::time::Duration;

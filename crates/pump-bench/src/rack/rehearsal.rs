@@ -51,17 +51,25 @@ impl Rack {
         Ok(RackReport::of(self, RackEnd::Planned, None, timetable.ends_s, rows))
     }
 
-    /// Refuses what the records alone refuse. If a device may tell more of a pump's last motion than its record does,
-    /// the steps are left to the run.
+    /// Refuses what the records alone refuse. A pump whose last motion was cut off is left to the run, because its
+    /// device may tell more of that motion than the record does.
     pub(super) fn check_records(&self) -> Result<(), RackError> {
-        let mut only_device_knows = false;
+        let refused = |pump: usize, refused| Err(self.with_waiting(pump, self.refused(pump, refused)));
+        let mut known = Vec::new();
         for (pump, member) in self.members().iter().enumerate() {
             match member.bench.check_before_meeting() {
-                Ok(knows_more) => only_device_knows |= knows_more,
-                Err(refused) => return Err(self.with_waiting(pump, self.refused(pump, (0, refused)))),
+                Ok(is_cut_off) => known.extend((!is_cut_off).then_some((pump, member))),
+                Err(error) => return refused(pump, (0, error)),
             }
         }
-        if only_device_knows { Ok(()) } else { self.rehearse().map(drop) }
+        if known.len() == self.members().len() {
+            return self.rehearse().map(drop);
+        }
+        known.into_iter().try_for_each(|(pump, member)| {
+            let checked = member.bench.check_waiting().map_err(|error| (0, error));
+            let planned = checked.and_then(|()| member.bench.prepare_series(&self.requests(pump)));
+            planned.map(drop).or_else(|error| refused(pump, error))
+        })
     }
 
     /// Returns the numbers of the steps in which a pump takes part, from 0.

@@ -27,6 +27,8 @@ struct Motor {
 enum Fails {
     Waiting,
     Told,
+    /// It is stopped before its first step.
+    Stopped,
 }
 
 impl Motor {
@@ -61,6 +63,7 @@ impl Drive for Motor {
                 Met::Waits => thread::sleep(Duration::from_millis(1)),
                 Met::Failed(error) => return Err(DriveFault::at(0, DriveError::device(error))),
                 Met::At(_) if self.fails == Some(Fails::Told) => return Err(failed()),
+                Met::At(_) if self.fails == Some(Fails::Stopped) => return Ok(0),
                 Met::At(_) => break,
             }
         }
@@ -108,6 +111,16 @@ fn a_motor_that_fails_once_the_others_were_told_to_begin_leaves_its_dose_unfinis
     let dose = state.unwrap().unfinished.unwrap();
     assert_eq!((dose.made_least, dose.made_most), (0, 0), "it made no step of what the other made all of");
     assert!(matches!(failed, Err(DoseError::Drive { unfinished: true, .. })), "{failed:?}");
+}
+
+#[test]
+fn a_motor_that_is_stopped_once_the_others_were_told_to_begin_leaves_its_dose_unfinished() {
+    let [(whole, made), (state, stopped)] = both(Fails::Stopped);
+    made.unwrap();
+    stopped.unwrap();
+    assert_eq!(whole.unwrap().unfinished, None);
+    let dose = state.unwrap().unfinished.unwrap();
+    assert_eq!((dose.made_least, dose.made_most), (0, 0));
 }
 
 #[test]

@@ -19,6 +19,8 @@ struct State {
     /// Place whose motion has told the board to begin all.
     sender: Option<usize>,
     has_begun: bool,
+    /// True once the board was told to move, and has not refused.
+    is_told: bool,
     failed: Option<CommonBeginError>,
 }
 
@@ -72,7 +74,8 @@ pub(in crate::drives) enum Next {
 impl Seat {
     /// Returns the seats of so many motions.
     pub(super) fn all(count: usize, limit: Duration) -> Vec<Self> {
-        let state = State { ready: vec![None; count], sender: None, has_begun: false, failed: None };
+        let state =
+            State { ready: vec![None; count], sender: None, has_begun: false, is_told: false, failed: None };
         let begin = Arc::new(Begin { limit, state: Mutex::new(state) });
         (0..count).map(|number| Self { number, begin: Arc::clone(&begin), since: None }).collect()
     }
@@ -108,7 +111,7 @@ impl Seat {
             _ if state.failed.is_some() => state.failed,
             // From here on the board decides. Its answer is on the way.
             Some(sender) if sender == self.number && standing.is_refused => {
-                state.sender = None;
+                state.is_told = false;
                 Some(CommonBeginError::Another)
             }
             Some(sender) if sender == self.number && !standing.stops => {
@@ -150,7 +153,7 @@ impl View {
     /// Returns true if the board was told to begin all, and has not refused.
     pub(super) fn is_fixed(&self) -> bool {
         let state = self.0.state.lock().unwrap_or_else(PoisonError::into_inner);
-        state.has_begun || state.sender.is_some()
+        state.is_told
     }
 }
 
@@ -170,6 +173,11 @@ impl BeginPlace {
     #[cfg(feature = "node")]
     pub(in crate::drives) fn gives_up(&mut self) -> bool {
         self.seat.gives_up()
+    }
+
+    /// Notes that the board is told to move now: whatever becomes of this thread, the motions may begin.
+    pub(in crate::drives) fn is_told(&mut self) {
+        self.seat.begin.state.lock().unwrap_or_else(PoisonError::into_inner).is_told = true;
     }
 
     /// Notes that all have begun.

@@ -41,10 +41,10 @@ pub enum CommonBeginError {
         /// Time that was allowed, in s.
         limit_s: f64,
     },
-    /// The instant at which boards were to begin together has passed. The others have begun.
+    /// The instant at which boards were to begin together has passed. The others may have begun.
     #[error(
         "the time at which this pump was to begin together with others has passed before the board had its steps, so \
-         it has not begun, and the others have; check what held this computer up"
+         it has not begun, and the others may have; check what held this computer up"
     )]
     Missed,
     /// The clock of the motion's board was not read.
@@ -55,8 +55,8 @@ pub enum CommonBeginError {
     Clock,
     /// The axes are not different axes of one board.
     #[error(
-        "these places are for different axes of one board, and a motion of another board has one; make places for \
-         several boards with `CommonBegin::places_of_boards`"
+        "these places are for different axes of one board, and one of them was given to a motion of another board; \
+         make places for several boards with `CommonBegin::places_of_boards`"
     )]
     Boards,
 }
@@ -67,8 +67,8 @@ pub enum CommonBeginError {
 /// [`Self::places_of_boards`] makes those of motions at several boards, nodes and Klipper boards: all begin at one
 /// instant, each by the clock of its own board. A thread gives its place to its session by
 /// [`Session::begin_with`](crate::Session::begin_with) and runs its dose. If a motion fails or is stopped while they
-/// wait for each other, none begins. Several boards are told their instant 0.2 s ahead. From then on the others begin,
-/// and a motion that fails or is stopped leaves its dose unfinished.
+/// wait for each other, none begins. Several boards, and the motors of a Klipper board, are told their instant 0.2 s
+/// ahead. From then on the others begin, and a motion that fails or is stopped leaves its dose unfinished.
 ///
 /// ```
 /// use std::time::Duration;

@@ -264,7 +264,7 @@ impl Grbl {
             Ok(Met::Stopped) => return Ok(0),
             Ok(Met::Follows(led)) => Ok(follow(&led, task.steps, gate, SILENCE)),
             Ok(Met::Leads(others)) => match self.board.lock() {
-                Ok(mut board) => lead(&mut board, own, &others, gate, || place.has_begun()),
+                Ok(mut board) => lead(&mut board, own, &others, gate, &mut place),
                 Err(_) => return Ok(0),
             },
             Err(error) => Err(error),

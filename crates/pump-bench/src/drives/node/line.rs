@@ -381,6 +381,11 @@ impl Line {
         self.read_at.saturating_sub(self.read_from)
     }
 
+    /// Returns true if the board's clock was read.
+    pub(super) fn has_clock(&self) -> bool {
+        self.clock.is_some()
+    }
+
     /// Returns the tick of the board's clock at an instant. `None` if its clock was not read, or another link waits at
     /// the wire.
     pub(super) fn tick_at(&mut self, at: Instant) -> Option<u64> {

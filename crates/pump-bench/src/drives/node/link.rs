@@ -122,6 +122,11 @@ impl Link {
         line.clock_span()
     }
 
+    /// Returns true if the board's clock was read.
+    pub(super) fn has_clock(&mut self) -> bool {
+        self.line.with_free(|line| line.has_clock())
+    }
+
     /// Returns the tick of the board's clock at an instant. `None` if its clock was not read.
     pub(super) fn tick_at(&mut self, at: Instant) -> Option<u64> {
         self.line.with_free(|line| line.tick_at(at))

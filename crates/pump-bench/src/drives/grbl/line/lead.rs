@@ -7,14 +7,13 @@ use super::meeting::{Share, Word};
 use crate::drives::grbl::board::Board;
 use crate::drives::grbl::error::GrblError;
 use crate::drives::grbl::jogs::{Follower, Jogs};
-use crate::drives::{Gate, Leave};
+use crate::drives::{BeginPlace, Gate, Leave};
 
 /// Longest wait for the leaves of the other axes. They come once those axes have their steps on record. A disk that
 /// takes longer stops the line.
 const LEAVE: Duration = Duration::from_secs(10);
 
-/// Makes the line of `own` axis and those of the `others`. Calls `begins` before the first step is asked for, once
-/// nothing can refuse the line any more.
+/// Makes the line of `own` axis and those of the `others`, whose places are at the meeting of `place`.
 ///
 /// # Errors
 ///
@@ -24,7 +23,7 @@ pub(in crate::drives::grbl) fn lead(
     own: Follower,
     others: &[Share],
     gate: &mut Gate<'_>,
-    begins: impl FnOnce(),
+    place: &mut BeginPlace,
 ) -> Result<AxisEnd, GrblError> {
     // The place of the axis in `others`; none is that of this thread.
     let mut order: Vec<(Option<usize>, Follower)> = vec![(None, own)];
@@ -53,7 +52,8 @@ pub(in crate::drives::grbl) fn lead(
             both(leave, share.leaves.recv_timeout(left).unwrap_or(Leave::Stop))
         })
     };
-    begins();
+    // Nothing refuses the line any more.
+    place.has_begun();
     board.attend_axis(first.scale.axis.number());
     let ends = board.undisturbed(|board| {
         let mut jogs = Jogs::new(board, &first.scale, line.task, followers);
@@ -62,6 +62,9 @@ pub(in crate::drives::grbl) fn lead(
             Err(error) => Err(jogs.recover(error)),
         };
         let (sent, rests) = (jogs.sent, jogs.rests.count());
+        if sent > 0 {
+            place.is_told();
+        }
         line.ends(board, &outcome, sent, rests)
     });
     let mut own_end = None;

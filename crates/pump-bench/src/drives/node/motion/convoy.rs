@@ -111,7 +111,7 @@ fn begin_at_instant(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
     if motion.ready_at().is_none() {
         return true;
     }
-    if motion.board.link.tick_at(Instant::now()).is_none() {
+    if !motion.board.link.has_clock() {
         motion.refuse(CommonBeginError::Clock.into());
         return false;
     }
@@ -161,6 +161,7 @@ fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
                     }
                 }
                 let at = all.iter().map(|ready| ready.at).max().unwrap_or(0);
+                place.is_told();
                 // A full window has room in the next turn.
                 drop(motion.board.link.request(&Request::Begin { at, moves }, Subject::Begin));
             }
