@@ -40,6 +40,7 @@ Lines on standard input are hands at the board:
   reset                resets the board, which loses its configuration and its clock
   pull, plug           pulls its cable, and plugs it in again
   cut, restore         cuts the motors' supply, as an emergency stop does, and gives it back
+  shutdown             its firmware shuts down by itself, as if a step had come late
   jump <ticks>         lets its clock jump
   fault <socket> <flag>  a driver reports otpw, ot, s2ga, s2gb, s2vsa, s2vsb, ola or olb, as fault X ot
   mend <socket> <flag>   ends it

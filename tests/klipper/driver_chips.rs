@@ -140,3 +140,17 @@ fn a_supply_that_is_cut_at_rest_is_told_by_the_driver_and_the_motor_is_set_anew(
     run(&mut drive, &dose(1.0, 2.0, false)).unwrap();
     assert_eq!(rig.board.truth().stray, 0);
 }
+
+#[test]
+fn an_enable_pin_that_switches_no_current_on_is_refused_before_anything_moves() {
+    // A pin that leads nowhere, the right one with the wrong level, and that of another socket.
+    for enable in ["!PA4", "PB14", "!PB11"] {
+        let mut pins = with_driver("X", 0);
+        pins.enable = Some(enable.parse().unwrap());
+        let rig = Rig::of(Character::default(), pins);
+        let (code, said) = rig.runs(&["1mL", "--confirm-pump"]);
+        let words = "the TMC2209 at address 0 tells that its enable input is off";
+        assert!(code == Some(2) && said.contains(words) && !said.contains(" delivered"), "{code:?}: {said}");
+        assert_eq!((rig.board.truth().steps, rig.board.truth().stray), ([0; 4], 0));
+    }
+}

@@ -26,8 +26,8 @@ pub(crate) use options::{Character, IndexSensor, pin_of};
 use simulation::Simulation;
 
 /// Words for what a person's hand does at the board.
-pub(crate) const HANDS: &str = "the words are: reset, pull, plug, cut, restore, jump <ticks>, fault <socket> <flag>, \
-                                mend <socket> <flag>; each on a line of its own";
+pub(crate) const HANDS: &str = "the words are: reset, pull, plug, cut, restore, shutdown, jump <ticks>, fault <socket> \
+                                <flag>, mend <socket> <flag>; each on a line of its own";
 
 /// Truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]
@@ -64,6 +64,8 @@ enum Hand {
     Plug,
     /// The motors' supply is cut, or there again.
     Supply(bool),
+    /// The firmware shuts down by itself.
+    Shutdown,
     Jump(u64),
     Fault {
         socket: usize,
@@ -155,6 +157,7 @@ fn hand(words: &str) -> Result<Option<Hand>, String> {
         ["plug"] => Hand::Plug,
         ["cut"] => Hand::Supply(false),
         ["restore"] => Hand::Supply(true),
+        ["shutdown"] => Hand::Shutdown,
         ["jump", ticks] => Hand::Jump(ticks.parse().map_err(|_| format!("`{ticks}` is no number of ticks"))?),
         [word @ ("fault" | "mend"), socket, fault] => {
             let is_there = *word == "fault";

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::board::Board;
 use super::clock::Clock;
+use super::dictionary::Reason;
 use super::line::Line;
 use super::noise::NoisyLine;
 use super::options::{Character, SOCKETS};
@@ -164,6 +165,7 @@ impl Simulation {
             }
             Hand::Plug => self.is_pulled = false,
             Hand::Supply(is_there) => self.board.supply(*is_there),
+            Hand::Shutdown => self.board.shut_down(Reason::TooClose),
             Hand::Jump(ticks) => self.clock.jump(*ticks),
             Hand::Fault { socket, fault, is_there } => {
                 let driver =
@@ -182,7 +184,7 @@ impl Simulation {
         truth.configured = board.is_configured();
         truth.most_used = board.most_used;
         (truth.now, truth.clock) = (board.now, Some(self.clock));
-        truth.shutdown = board.shutdown.map(super::dictionary::Reason::words);
+        truth.shutdown = board.shutdown.map(Reason::words);
         truth.drivers =
             board.drivers.iter().map(|driver| [0x00, 0x10, 0x6c].map(|n| driver.register(n))).collect();
     }

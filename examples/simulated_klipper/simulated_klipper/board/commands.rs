@@ -2,7 +2,8 @@
 
 use super::super::codec::Argument;
 use super::super::dictionary::Reason;
-use super::super::parts::{Homing, Move, Stepper, Trigger, widened};
+use super::super::options::{SOCKETS, Socket};
+use super::super::parts::{Homing, Move, State, Stepper, Trigger, widened};
 use super::board::Board;
 use super::part::Part;
 
@@ -184,8 +185,13 @@ impl Board {
         let Some(Some(Part::Uart(uart))) = self.parts.get_mut(oid as usize) else { return Err(Reason::Oid) };
         self.asked += 1;
         let drivers: &mut [_] = if self.has_supply { &mut self.drivers } else { &mut [] };
+        let outputs = &self.outputs;
         uart.send(bits, size, (now, hz), |datagram| {
-            drivers.iter_mut().find_map(|driver| driver.answer(datagram, is_moving))
+            // A resistor pulls an enable pin up that is no output yet.
+            let is_off = |socket: &Socket| outputs.get(&socket.enable) != Some(&false);
+            let state = |socket| State { is_moving, is_off: is_off(socket) };
+            let mut drivers = drivers.iter_mut().zip(&SOCKETS);
+            drivers.find_map(|(driver, socket)| driver.answer(datagram, state(socket)))
         });
         Ok(())
     }

@@ -28,9 +28,10 @@ const READABLE: [(u8, u32); 12] = [
 /// Registers that can be written.
 const WRITABLE: [u8; 13] = [0x00, 0x01, 0x03, 0x04, 0x10, 0x11, 0x13, 0x14, 0x22, 0x40, 0x42, 0x6c, 0x70];
 
-/// Numbers of GSTAT, whose bits a written 1 clears, of IFCNT, of IHOLD_IRUN and of DRV_STATUS.
+/// Numbers of GSTAT, whose bits a written 1 clears, of IFCNT, of IOIN, of IHOLD_IRUN and of DRV_STATUS.
 const GSTAT: u8 = 0x01;
 const IFCNT: u8 = 0x02;
+const IOIN: u8 = 0x06;
 const IHOLD_IRUN: u8 = 0x10;
 const DRV_STATUS: u8 = 0x6f;
 
@@ -54,6 +55,15 @@ fn checksum(bytes: &[u8]) -> u8 {
         }
     }
     sum
+}
+
+/// State of a driver's motor and of its pins.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in super::super) struct State {
+    /// True while the motor moves.
+    pub(in super::super) is_moving: bool,
+    /// True while the enable input takes the motor's current away.
+    pub(in super::super) is_off: bool,
 }
 
 /// Driver.
@@ -93,7 +103,7 @@ impl Driver {
     }
 
     /// Answers a datagram, or says nothing to one that is damaged or for another driver.
-    pub(in super::super) fn answer(&mut self, datagram: &[u8], is_moving: bool) -> Option<Vec<u8>> {
+    pub(in super::super) fn answer(&mut self, datagram: &[u8], state: State) -> Option<Vec<u8>> {
         let (sum, inner) = datagram.split_last()?;
         let (start, address, register) = (*inner.first()?, *inner.get(1)?, *inner.get(2)?);
         if start & 0x0f != SYNC || address != self.address || checksum(inner) != *sum {
@@ -104,7 +114,7 @@ impl Driver {
                 self.write(register & 0x7f, u32::from_be_bytes([a, b, c, d]));
                 None
             }
-            None if register & 0x80 == 0 => Some(self.reply(register, is_moving)),
+            None if register & 0x80 == 0 => Some(self.reply(register, state)),
             _ => None,
         }
     }
@@ -120,7 +130,8 @@ impl Driver {
     }
 
     /// Returns the answer to a read. Registers that can only be written read as 0.
-    fn reply(&self, register: u8, is_moving: bool) -> Vec<u8> {
+    fn reply(&self, register: u8, state: State) -> Vec<u8> {
+        let State { is_moving, is_off } = state;
         let is_readable = READABLE.iter().any(|(number, _)| *number == register);
         let value = match register {
             DRV_STATUS => {
@@ -128,6 +139,8 @@ impl Driver {
                 let current = self.register(IHOLD_IRUN) >> if is_moving { 8 } else { 0 } & 0x1f;
                 self.faults | u32::from(!is_moving) << 31 | current << 16
             }
+            // Bit 0 is the level of ENN.
+            IOIN => self.register(IOIN) | u32::from(is_off),
             _ if is_readable => self.register(register),
             _ => 0,
         };
@@ -140,12 +153,12 @@ impl Driver {
 
 #[cfg(test)]
 mod tests {
-    use super::{Driver, checksum};
+    use super::{Driver, State, checksum};
 
     fn read(driver: &mut Driver, address: u8, register: u8) -> Option<u32> {
         let mut datagram = vec![0xf5, address, register];
         datagram.push(checksum(&datagram));
-        let reply = driver.answer(&datagram, false)?;
+        let reply = driver.answer(&datagram, State::default())?;
         assert_eq!((reply.len(), reply[..3].to_vec()), (8, vec![0x05, 0xff, register]));
         assert_eq!(checksum(&reply[..7]), reply[7]);
         Some(u32::from_be_bytes([reply[3], reply[4], reply[5], reply[6]]))
@@ -155,7 +168,7 @@ mod tests {
         let mut datagram = vec![0xf5, 0, register | 0x80];
         datagram.extend(value.to_be_bytes());
         datagram.push(checksum(&datagram));
-        assert_eq!(driver.answer(&datagram, false), None);
+        assert_eq!(driver.answer(&datagram, State::default()), None);
     }
 
     #[test]
@@ -195,8 +208,8 @@ mod tests {
         let mut driver = Driver::new(2);
         assert_eq!(read(&mut driver, 1, 0x00), None);
         assert!(read(&mut driver, 2, 0x00).is_some());
-        assert_eq!(driver.answer(&[0xf5, 2, 0, 0x11], false), None);
-        assert_eq!(driver.answer(&[], false), None);
+        assert_eq!(driver.answer(&[0xf5, 2, 0, 0x11], State::default()), None);
+        assert_eq!(driver.answer(&[], State::default()), None);
         assert!(driver.set_fault("smoke", true).is_err());
     }
 }

@@ -11,7 +11,7 @@ mod trigger;
 mod uart;
 
 pub(super) use digital_out::DigitalOut;
-pub(super) use driver::Driver;
+pub(super) use driver::{Driver, State};
 pub(super) use endstop::{Endstop, Homing};
 pub(super) use stepper::{Made, Move, Stepper, widened};
 pub(super) use trigger::{Trigger, TriggerEvent};

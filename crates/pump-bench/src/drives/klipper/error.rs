@@ -317,7 +317,11 @@ impl KlipperError {
 
     /// Returns true if the motor is without current after this error.
     pub(crate) fn cuts_current(&self) -> bool {
-        matches!(self, Self::Shutdown { .. } | Self::Driver(TmcError::Off { .. } | TmcError::Reset { .. }))
+        matches!(
+            self,
+            Self::Shutdown { .. }
+                | Self::Driver(TmcError::Off { .. } | TmcError::Reset { .. } | TmcError::Disabled { .. })
+        )
     }
 
     /// Returns true if nobody knows whether the motor holds after this error.

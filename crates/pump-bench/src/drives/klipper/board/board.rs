@@ -223,6 +223,8 @@ impl Talk {
 pub(in crate::drives::klipper) struct Board {
     pub(in crate::drives::klipper) talk: Talk,
     pub(in crate::drives::klipper) clock: SharedClock,
+    /// True once the clock was read for so long that its drift moves no begin in common.
+    pub(super) has_drift: bool,
     /// Ticks of a second.
     pub(in crate::drives::klipper) hz: u32,
     /// Commands that the queue holds.
@@ -296,10 +298,12 @@ impl Board {
     pub(in crate::drives::klipper) fn learn_drift(&mut self) -> Result<(), KlipperError> {
         let began = self.talk.link.now();
         // A clock forgets readings that tell nothing more, so its span alone may never be so long.
-        while self.clock.span() < LEARNT && self.talk.link.now().saturating_sub(began) < LEARNT {
+        while !self.has_drift && self.clock.span() < LEARNT {
             self.talk.link.sleep(BETWEEN);
             self.talk.follow_clock(&self.clock)?;
+            self.has_drift = self.talk.link.now().saturating_sub(began) >= LEARNT;
         }
+        self.has_drift = true;
         Ok(())
     }
 
@@ -323,6 +327,7 @@ impl Board {
         match self.talk.follow_clock(&self.clock) {
             Err(KlipperError::Clock(ClockError::Stale { .. })) => {
                 self.clock.renew(self.talk.read_first(self.hz)?);
+                self.has_drift = false;
                 self.talk.follow_clock(&self.clock)
             }
             followed => followed,

@@ -114,6 +114,7 @@ pub(in crate::drives::klipper) fn meet(
     let mut board = Board {
         talk,
         clock,
+        has_drift: false,
         hz,
         slots: state.slots,
         timer,
@@ -446,12 +447,14 @@ fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool)
     let of_driver = match &terms.driver {
         // The registers are set while the motor has no current, and checked while it has.
         Some(driver) if board.record.has_current => match driver_line::check(&mut board.talk, driver.0) {
-            Err(KlipperError::Driver(lost @ (TmcError::Reset { .. } | TmcError::Off { .. }))) => {
+            Err(error) if error.cuts_current() => {
                 was_off = true;
                 board.set_current(false)?;
                 // A fault that is still there is refused now.
                 let mut of_driver = driver_line::set(&mut board.talk, driver)?;
-                of_driver.insert(0, lost.to_string());
+                if let KlipperError::Driver(lost @ (TmcError::Reset { .. } | TmcError::Off { .. })) = error {
+                    of_driver.insert(0, lost.to_string());
+                }
                 of_driver
             }
             checked => checked?.into_iter().collect(),
@@ -460,6 +463,12 @@ fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool)
         None => Vec::new(),
     };
     board.set_current(true)?;
+    if let Some((address, _)) = &terms.driver {
+        driver_line::check_enabled(&mut board.talk, *address).or_else(|error| {
+            board.set_current(false)?;
+            Err(error)
+        })?;
+    }
     if !board.record.has_current || board.record.slip_steps > 0 {
         let record = SessionRecord { has_current: true, slip_steps: 0, ..board.record };
         board.put_on_record(record)?;

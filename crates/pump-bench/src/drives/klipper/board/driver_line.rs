@@ -54,12 +54,21 @@ pub(super) fn set(talk: &mut Talk, driver: &(u8, TmcSettings)) -> Result<Vec<Str
     Ok(warning(status).into_iter().collect())
 }
 
-/// Refuses the driver at an address if it was reset, or has switched its motor off. Returns its warning, if it has one.
+/// Refuses the driver at an address if it was reset, has switched its motor off, or is switched off by its enable input.
+/// Returns its warning, if it has one.
 pub(in crate::drives::klipper) fn check(
     talk: &mut Talk,
     address: u8,
 ) -> Result<Option<String>, KlipperError> {
-    Tmc::new(talk, address).check().map(warning)
+    let mut driver = Tmc::new(talk, address);
+    let status = driver.check()?;
+    driver.check_enabled()?;
+    Ok(warning(status))
+}
+
+/// Refuses the driver at an address if its enable input is off.
+pub(super) fn check_enabled(talk: &mut Talk, address: u8) -> Result<(), KlipperError> {
+    Tmc::new(talk, address).check_enabled()
 }
 
 /// Has the board put a question to a driver, unless the line is taken by another motor's. Waits for no answer, after

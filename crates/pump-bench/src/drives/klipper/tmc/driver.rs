@@ -3,7 +3,7 @@
 use super::datagram::{self, ANSWER_BYTES};
 use super::error::TmcError;
 use super::frames::{pack, packed_len, unpack};
-use super::register::{DRV_STATUS, GSTAT, IFCNT, IOIN, Register, VERSION};
+use super::register::{DRV_STATUS, ENN, GSTAT, IFCNT, IOIN, Register, VERSION};
 use super::settings::TmcSettings;
 use super::status::TmcStatus;
 
@@ -165,6 +165,18 @@ impl<'a, L: TmcLine> Tmc<'a, L> {
     pub(in crate::drives::klipper) fn check(&mut self) -> Result<TmcStatus, L::Error> {
         let status = TmcStatus { events: self.read(GSTAT)?, flags: self.read(DRV_STATUS)? };
         Ok(status.checked(self.address)?)
+    }
+
+    /// Refuses to go on if the driver's enable input is off, whatever the board's pin says.
+    ///
+    /// # Errors
+    ///
+    /// The line's error; [`TmcError::Disabled`] if the motor has no current.
+    pub(in crate::drives::klipper) fn check_enabled(&mut self) -> Result<(), L::Error> {
+        match self.read(IOIN)? & ENN {
+            0 => Ok(()),
+            _ => Err(TmcError::Disabled { address: self.address }.into()),
+        }
     }
 
     /// Returns the number of writes that the driver has counted, modulo 256.

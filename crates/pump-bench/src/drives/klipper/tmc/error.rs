@@ -124,6 +124,15 @@ pub enum TmcError {
         /// Faults, as the message words them.
         faults: String,
     },
+    /// The driver's enable input is off while the board gives the motor current.
+    #[error(
+        "the TMC2209 at address {address} tells that its enable input is off, so its motor has no current; check the \
+         pin `enable` of the pump file and its `!`, and that no emergency stop holds that line"
+    )]
+    Disabled {
+        /// Address of the driver.
+        address: u8,
+    },
 }
 
 impl TmcError {

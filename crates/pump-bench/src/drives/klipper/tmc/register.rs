@@ -34,6 +34,9 @@ pub(super) const SLAVECONF: Register = write_only(0x03, "SLAVECONF");
 /// Levels of the pins, and the version of the chip in the highest byte.
 pub(super) const IOIN: Register = readable(0x06, "IOIN");
 
+/// Bit of IOIN: the level of the pin ENN, which takes the motor's current away where it is high.
+pub(super) const ENN: u32 = 1;
+
 /// Currents in motion and at rest.
 pub(super) const IHOLD_IRUN: Register = write_only(0x10, "IHOLD_IRUN");
 
