@@ -25,6 +25,12 @@ const DEVICES: &str = "/dev";
 pub(super) fn ask(course: &mut Course) -> Asked<()> {
     if course.answers.driver.is_none() {
         heading("The board");
+        // The board at a port that was said tells its driver.
+        if course.answers.port.is_some() && !meet(course)? {
+            forget_port(course)?;
+        }
+    }
+    if course.answers.driver.is_none() {
         ask_driver(course)?;
     }
     if course.answers.driver == Some(DriverName::Sim) {

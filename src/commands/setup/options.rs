@@ -163,8 +163,7 @@ fn is_reverse(text: &str) -> Result<IsReverse, String> {
 
 /// Reads the letter of an axis.
 pub(super) fn axis(text: &str) -> Result<Axis, String> {
-    let unknown = |error| format!("{error}; a node has X, Y, Z and A alone");
-    text.to_uppercase().parse().map_err(unknown)
+    Axis::try_from(text.to_owned())
 }
 
 /// Reads how far the head turned, in turns.

@@ -45,7 +45,16 @@ impl Session<'_> {
         }
         let [took, plan_s, slowest] =
             [measured_s, planned_s, disk_times.slowest.as_secs_f64()].map(|time_s| significant(time_s, 3));
-        let mut text = format!("the motion took {took} s, and {plan_s} s by its plan: ");
+        let makes_each_step = [DriverName::Node, DriverName::Klipper]
+            .iter()
+            .any(|driver| driver.as_str() == self.bench.drive_id());
+        let mut text = match makes_each_step && disk_times.pauses == 0 {
+            true => {
+                let late_s = significant(measured_s - planned_s, 3);
+                format!("the end of the motion was heard {late_s} s late, {took} s after its begin: ")
+            }
+            false => format!("the motion took {took} s, and {plan_s} s by its plan: "),
+        };
         if disk_times.pauses > 0 {
             let times = if disk_times.pauses == 1 {
                 "once".to_owned()
@@ -56,10 +65,7 @@ impl Session<'_> {
                 "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}",
                 self.journal.path().display()
             );
-        } else if [DriverName::Node, DriverName::Klipper]
-            .iter()
-            .any(|driver| driver.as_str() == self.bench.drive_id())
-        {
+        } else if makes_each_step {
             text += "the board made each step at its time, and other programs held this computer up, or its line \
                      to the board was late";
         } else if self.bench.identity().abilities.step_times {

@@ -99,6 +99,7 @@ pub enum DriverName {
 
 /// An axis of a controller. grbl 1.1 has the first three, a node the first four: its axes 0 to 3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "String")]
 pub enum Axis {
     /// Axis with the settings 100, 110 and 120.
     #[default]
@@ -113,6 +114,16 @@ pub enum Axis {
     B,
     /// Axis with the settings 105, 115 and 125.
     C,
+}
+
+impl TryFrom<String> for Axis {
+    type Error = String;
+
+    /// Reads an axis, in capitals or not.
+    fn try_from(text: String) -> Result<Self, String> {
+        let unknown = |error| format!("{error}; a node has X, Y, Z and A alone");
+        text.to_uppercase().parse().map_err(unknown)
+    }
 }
 
 /// The pace of a simulated motor. A real one keeps real time.

@@ -3,7 +3,7 @@
 use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{between, microlitres, significant};
-use crate::record::{Purpose, Wear};
+use crate::record::{AngleLoss, Purpose, Wear};
 
 impl Status {
     /// The record in words, a line each for the rotor, the tube, the calibration and an unfinished dose. A front end
@@ -44,9 +44,17 @@ impl Status {
     }
 
     fn lost(&self, words: Wording) -> Option<String> {
-        let find = Remedy::finding_angle(self.unfinished.is_some());
-        self.angle_lost_by
-            .map(|cause| format!("the angle is unknown, because {}; {}", cause.told(), words(find)))
+        let (cause, find) = (self.angle_lost_by?, Remedy::finding_angle(self.unfinished.is_some()));
+        let board_may_tell = self.unfinished.as_ref().is_some_and(|dose| dose.board_may_tell);
+        let (told, find) = (cause.told(), words(find));
+        Some(match cause {
+            AngleLoss::UncountedSteps if board_may_tell => {
+                format!(
+                    "the angle is unknown until the board tells its count, because {told}; if it was reset: {find}"
+                )
+            }
+            _ => format!("the angle is unknown, because {told}; {find}"),
+        })
     }
 
     fn disturbed(&self) -> Option<String> {

@@ -4,8 +4,12 @@ use crate::bench::bench::{Bench, print_of};
 use crate::bench::session::Session;
 use crate::catalogue::built_in;
 use crate::dosing::DoseError;
+#[cfg(feature = "klipper")]
+use crate::drives::KlipperError;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
+#[cfg(feature = "klipper")]
+use crate::pump_file::DriverName;
 use crate::pump_file::PumpFile;
 use crate::record::{MotorWay, PumpState, Why, motor_way};
 
@@ -73,8 +77,14 @@ impl Bench {
     ///
     /// # Errors
     ///
-    /// [`DoseError::TurnedOtherwise`] or [`DoseError::Unconfirmed`] with the values.
+    /// [`DoseError::TurnedOtherwise`] or [`DoseError::Unconfirmed`] with the values, and [`DoseError::Connection`] if
+    /// no pins of a Klipper board are named.
     pub(in crate::bench) fn check_confirmed(&self, state: Option<&PumpState>) -> Result<(), DoseError> {
+        // Whoever confirms a pump without pins would only be asked for them next.
+        #[cfg(feature = "klipper")]
+        if self.drive().driver == DriverName::Klipper && self.drive().klipper.is_none() {
+            return Err(DoseError::Connection(KlipperError::NoPins.into()));
+        }
         if let Some(then) = state.and_then(|state| state.turned_by).filter(|_| !self.may_turn_otherwise())
             && let now = self.motor_way()
             && now != then

@@ -139,8 +139,8 @@ pub enum KlipperError {
     },
     /// The pump file names no pins.
     #[error(
-        "the pump file names no pins for the board; add the table [drive.klipper] with step and dir, as \
-         step = \"PB13\", and enable where the motor has one"
+        "no pins of the board are named for this pump; a pump file names them in the table [drive.klipper], as \
+         step = \"PB13\", with dir, and enable where the motor has one; a built-in pump names none"
     )]
     NoPins,
     /// The board would have to be configured anew, and turns another pump of this process.

@@ -311,10 +311,10 @@ impl fmt::Display for KnownBoard {
             (Some(number), Some(name)) => write!(to, "number {number:016x} ({name})"),
             (Some(number), None) => write!(to, "number {number:016x}"),
             (None, Some(name)) => to.write_str(name),
-            (None, None) => to.write_str("a board whose port has no name"),
+            (None, None) => to.write_str("a board without a port name"),
         }?;
         match &self.text {
-            Some(text) => write!(to, " that calls itself {text:?}"),
+            Some(text) => write!(to, ", which calls itself {text:?}"),
             None => Ok(()),
         }
     }

@@ -54,8 +54,8 @@ pub(super) fn set(talk: &mut Talk, driver: &(u8, TmcSettings)) -> Result<Vec<Str
     Ok(warning(status).into_iter().collect())
 }
 
-/// Refuses the driver at an address if it was reset, has switched its motor off, or is switched off by its enable input.
-/// Returns its warning, if it has one.
+/// Refuses the driver at an address if it was reset, has switched its motor off, or is off by its enable input. Returns
+/// its warning, if it has one.
 pub(in crate::drives::klipper) fn check(
     talk: &mut Talk,
     address: u8,
