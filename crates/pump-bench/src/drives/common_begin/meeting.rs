@@ -176,7 +176,7 @@ impl BeginPlace {
     }
 
     /// Notes that the board is told to move now: whatever becomes of this thread, the motions may begin.
-    pub(in crate::drives) fn is_told(&mut self) {
+    pub(in crate::drives) fn note_told(&mut self) {
         self.seat.begin.state.lock().unwrap_or_else(PoisonError::into_inner).is_told = true;
     }
 

@@ -63,7 +63,7 @@ pub(in crate::drives::grbl) fn lead(
         };
         let (sent, rests) = (jogs.sent, jogs.rests.count());
         if sent > 0 {
-            place.is_told();
+            place.note_told();
         }
         line.ends(board, &outcome, sent, rests)
     });

@@ -161,7 +161,7 @@ fn begin_with(motion: &mut Motion<'_>, place: &mut BeginPlace) -> bool {
                     }
                 }
                 let at = all.iter().map(|ready| ready.at).max().unwrap_or(0);
-                place.is_told();
+                place.note_told();
                 // A full window has room in the next turn.
                 drop(motion.board.link.request(&Request::Begin { at, moves }, Subject::Begin));
             }
