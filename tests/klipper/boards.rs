@@ -39,7 +39,7 @@ fn pins_that_are_absent_in_use_or_not_named_are_refused() {
     }
     let without = DriveTable::of(DriverName::Klipper).with_port(rig.board.path());
     let said = rig.refusal(&without);
-    assert!(said.contains("the pump file names no pins for the board"), "{said}");
+    assert!(said.contains("no pins of the board are named for this pump"), "{said}");
     assert!(!rig.board.truth().configured);
 }
 
@@ -172,8 +172,13 @@ fn a_pump_whose_driver_is_not_reached_takes_no_place_and_one_that_is_takes_the_s
     let (code, said) = runs("green", with_driver("X", 2), &dose);
     assert!(code == Some(2) && said.contains("pump `red`"), "the pin is still that of red: {code:?}: {said}");
     assert_eq!(rig.board.truth().steps, made, "nothing moves");
-    // A pump that is reached takes the driver's address, and leaves the pins.
+    // The driver at that address is not switched on by the enable pin of another socket.
     let (code, said) = runs("blue", with_driver("Y", 0), &accepts);
+    assert!(code == Some(2) && said.contains("its enable input is off"), "{code:?}: {said}");
+    // A pump that is reached takes the driver's address, and leaves the pins.
+    let mut reached = with_driver("Y", 0);
+    reached.enable = Some("!PB14".parse().unwrap());
+    let (code, said) = runs("blue", reached, &accepts);
     assert_eq!(code, Some(0), "{said}");
     let (code, said) = runs("green", with_driver("X", 2), &dose);
     assert!(code == Some(2) && said.contains("the pin PB13"), "{code:?}: {said}");

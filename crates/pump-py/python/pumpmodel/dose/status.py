@@ -24,8 +24,8 @@ class Unfinished(Record):
 
     A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one
     run makes. A flow over time has `over_time`: no rest of it can be made, and it can be accepted alone.
-    Turns to find the angle have pumped `searched_ml` meanwhile, which counts as not delivered. `end` is that of
-    its last motion, with its `cause`; None as long as the log does not have it.
+    Turns to find the angle have pumped `searched_ml` meanwhile, which counts as not delivered. `end` and
+    `cause` are those of its last motion; None as long as the log does not have it.
     """
 
     number: int | None
