@@ -465,6 +465,8 @@ fn a_person_is_asked_if_another_board_turns_a_pump_that_has_moved_and_a_script_i
     let script = desk.types(&["setup", "acid", "--port", &other_port, "--turned", "1", "--yes"]);
     let told = "`dose home --unknown --accept-settings --pump acid` takes the one that is there";
     assert!(script.code == 2 && script.err.contains(told), "{}", script.err);
+    let of_other = "is of board 0000000000000007, and another one is at";
+    assert!(script.err.contains(of_other), "{}", script.err);
     let mut asked = Vec::new();
     let mut pump = TruePump::behind(other, 0.55, 3200.0, (0.3, 60.0), 0.4);
     let ended = desk.answers(&["setup", "acid"], &mut |question| {

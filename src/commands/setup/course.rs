@@ -235,6 +235,16 @@ impl Course {
         let Some(board) = self.board.as_ref().filter(|_| !self.is_simulated()) else { return Ok(()) };
         let bench = self.bench()?;
         if bench.story()?.state.is_some() {
+            if let Some(recorded) = board.other_on_record(bench.opening()) {
+                let text = format!(
+                    "the record of `{}` is of board {recorded:016x}, and another one is at {}: its motor does not move \
+                     there before `dose home --unknown --accept-settings` takes it, and the rollers' angle is unknown \
+                     then",
+                    self.answers.name,
+                    port.display()
+                );
+                warn(&[self.runnable.complete(&text)]);
+            }
             return Ok(());
         }
         for pump in board.expect(port, *axis, bench.opening()).map_err(Failure::of)? {

@@ -93,6 +93,12 @@ impl FoundBoard {
         Ok(self.marks(port, Some(axis), opening).expect(opening).map_err(NodeError::from)?)
     }
 
+    /// Returns the number of another board that the pump's record is of. `None` if either board tells none.
+    pub fn other_on_record(&self, opening: &Opening) -> Option<u64> {
+        let recorded = RecordedPump::named(opening.pump.as_deref()?, opening)?.board.number?;
+        self.number().filter(|number| *number != recorded).map(|_| recorded)
+    }
+
     fn marks(&self, port: &Path, axis: Option<Axis>, opening: &Opening) -> KnownBoard {
         KnownBoard { number: self.number(), axis, ..KnownBoard::at_port(Some(port), opening) }
     }

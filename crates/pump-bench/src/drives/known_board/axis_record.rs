@@ -18,7 +18,7 @@ pub(in crate::drives) struct RecordedPump {
 
 impl RecordedPump {
     /// Returns the record of the pump of this name under the same drive. `None` if it has none that can be read.
-    #[cfg(feature = "klipper")]
+    #[cfg(any(feature = "klipper", all(feature = "grbl", feature = "node")))]
     pub(in crate::drives) fn named(pump: &str, opening: &Opening) -> Option<Self> {
         let drive = opening.settings_record.as_deref().and_then(Path::parent).and_then(Path::file_name)?;
         let all = opening.boards.as_deref().and_then(Path::parent)?;
