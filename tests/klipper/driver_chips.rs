@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use pump_bench::drives::{Disturbance, Drive};
 
-use crate::rig::{Rig, dose, ended, run, said, with_driver};
+use crate::rig::{Rig, command, dose, ended, run, said, with_driver};
 use crate::simulated_klipper::Character;
 
 /// Waits until the motor has made so many steps, and returns how many it has made then.
@@ -142,15 +142,33 @@ fn a_supply_that_is_cut_at_rest_is_told_by_the_driver_and_the_motor_is_set_anew(
 }
 
 #[test]
-fn an_enable_pin_that_switches_no_current_on_is_refused_before_anything_moves() {
-    // A pin that leads nowhere, the right one with the wrong level, and that of another socket.
-    for enable in ["!PA4", "PB14", "!PB11"] {
-        let mut pins = with_driver("X", 0);
-        pins.enable = Some(enable.parse().unwrap());
-        let rig = Rig::of(Character::default(), pins);
-        let (code, said) = rig.runs(&["1mL", "--confirm-pump"]);
-        let words = "the TMC2209 at address 0 tells that its enable input is off";
-        assert!(code == Some(2) && said.contains(words) && !said.contains(" delivered"), "{code:?}: {said}");
-        assert_eq!((rig.board.truth().steps, rig.board.truth().stray), ([0; 4], 0));
+fn an_enable_pin_that_does_not_switch_the_driver_is_refused_before_anything_moves() {
+    let (off, on) = ("that its enable input is off", "that its enable input is on while");
+    // A pin that leads nowhere, that of another socket, and the right one with the wrong level, which holds the chip on
+    // whatever pin is named next, until the right one takes its current away.
+    for (first, next) in [(("!PA4", off), ("!PB11", off)), (("PB14", on), ("!PC3", on))] {
+        let with = |enable: &str| {
+            let mut pins = with_driver("X", 0);
+            pins.enable = Some(enable.parse().unwrap());
+            pins
+        };
+        let rig = Rig::of(Character::default(), with_driver("X", 0));
+        let runs = |enable: &str, words: &[&str]| {
+            let pump = rig.pump_at("red", with(enable));
+            ended(command(rig.folder.path(), &pump, rig.board.path(), words).spawn().unwrap())
+        };
+        for (enable, words) in [first, next, next] {
+            let (code, said) = runs(enable, &["1mL", "--confirm-pump"]);
+            assert!(
+                code == Some(2) && said.contains(words) && !said.contains(" delivered"),
+                "{enable}: {said}"
+            );
+            let (code, said) = runs(enable, &["release"]);
+            assert!(code != Some(0) && !said.contains("without current"), "{enable}: {said}");
+            assert_eq!((rig.board.truth().steps, rig.board.truth().stray), ([0; 4], 0));
+        }
+        let (code, said) = runs("!PB14", &["1mL", "--confirm-pump"]);
+        assert!(code == Some(0) && said.contains(" delivered"), "{said}");
+        assert_eq!(rig.board.truth().stray, 0);
     }
 }

@@ -22,7 +22,7 @@ use crate::drives::klipper::dictionary::Dictionary;
 use crate::drives::klipper::error::KlipperError;
 use crate::drives::klipper::link::Link;
 use crate::drives::klipper::refit::{RefitError, StepTimer};
-use crate::drives::klipper::tmc::TmcError;
+use crate::drives::klipper::tmc::{TmcError, TmcSettings};
 use crate::drives::known_board::{KnownBoard, MadePlace, RecordedPump};
 
 /// Longest wait for a first answer.
@@ -440,6 +440,17 @@ fn configure(
     }
 }
 
+/// Sets the stepper driver while its motor has no current, and refuses an enable pin that does not take it away. A pin
+/// of an earlier pump file may still hold the chip's input on, which would hide that this one leads elsewhere.
+fn set_driver(board: &mut Board, driver: &(u8, TmcSettings)) -> Result<Vec<String>, KlipperError> {
+    board.set_current(false)?;
+    let of_driver = driver_line::set(&mut board.talk, driver)?;
+    if board.current_on.is_some() {
+        driver_line::check_enable(&mut board.talk, driver.0, false)?;
+    }
+    Ok(of_driver)
+}
+
 /// Sets the stepper driver, and gives the motor current. Returns the count, what a person is to know of the
 /// stepper driver, and true if that has lost its motor's current since it was set.
 fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool), KlipperError> {
@@ -449,9 +460,8 @@ fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool)
         Some(driver) if board.record.has_current => match driver_line::check(&mut board.talk, driver.0) {
             Err(error) if error.cuts_current() => {
                 was_off = true;
-                board.set_current(false)?;
                 // A fault that is still there is refused now.
-                let mut of_driver = driver_line::set(&mut board.talk, driver)?;
+                let mut of_driver = set_driver(board, driver)?;
                 if let KlipperError::Driver(lost @ (TmcError::Reset { .. } | TmcError::Off { .. })) = error {
                     of_driver.insert(0, lost.to_string());
                 }
@@ -459,12 +469,12 @@ fn energise(board: &mut Board, terms: &Terms) -> Result<(i64, Vec<String>, bool)
             }
             checked => checked?.into_iter().collect(),
         },
-        Some(driver) => driver_line::set(&mut board.talk, driver)?,
+        Some(driver) => set_driver(board, driver)?,
         None => Vec::new(),
     };
     board.set_current(true)?;
     if let Some((address, _)) = &terms.driver {
-        driver_line::check_enabled(&mut board.talk, *address).or_else(|error| {
+        driver_line::check_enable(&mut board.talk, *address, true).or_else(|error| {
             board.set_current(false)?;
             Err(error)
         })?;

@@ -62,13 +62,13 @@ pub(in crate::drives::klipper) fn check(
 ) -> Result<Option<String>, KlipperError> {
     let mut driver = Tmc::new(talk, address);
     let status = driver.check()?;
-    driver.check_enabled()?;
+    driver.check_enable(true)?;
     Ok(warning(status))
 }
 
-/// Refuses the driver at an address if its enable input is off.
-pub(super) fn check_enabled(talk: &mut Talk, address: u8) -> Result<(), KlipperError> {
-    Tmc::new(talk, address).check_enabled()
+/// Refuses the driver at an address if its enable input is not on, or not off, as the board's pin is to have it.
+pub(super) fn check_enable(talk: &mut Talk, address: u8, is_on: bool) -> Result<(), KlipperError> {
+    Tmc::new(talk, address).check_enable(is_on)
 }
 
 /// Has the board put a question to a driver, unless the line is taken by another motor's. Waits for no answer, after

@@ -167,15 +167,17 @@ impl<'a, L: TmcLine> Tmc<'a, L> {
         Ok(status.checked(self.address)?)
     }
 
-    /// Refuses to go on if the driver's enable input is off, whatever the board's pin says.
+    /// Refuses to go on if the driver's enable input is not on, or not off, as the board's pin is to have it.
     ///
     /// # Errors
     ///
-    /// The line's error; [`TmcError::Disabled`] if the motor has no current.
-    pub(in crate::drives::klipper) fn check_enabled(&mut self) -> Result<(), L::Error> {
-        match self.read(IOIN)? & ENN {
-            0 => Ok(()),
-            _ => Err(TmcError::Disabled { address: self.address }.into()),
+    /// The line's error; [`TmcError::Disabled`] or [`TmcError::Enabled`] if the input is otherwise.
+    pub(in crate::drives::klipper) fn check_enable(&mut self, is_on: bool) -> Result<(), L::Error> {
+        let address = self.address;
+        match (is_on, self.read(IOIN)? & ENN) {
+            (true, 0) | (false, ENN) => Ok(()),
+            (true, _) => Err(TmcError::Disabled { address }.into()),
+            (false, _) => Err(TmcError::Enabled { address }.into()),
         }
     }
 

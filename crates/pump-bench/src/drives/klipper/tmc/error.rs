@@ -133,6 +133,16 @@ pub enum TmcError {
         /// Address of the driver.
         address: u8,
     },
+    /// The driver's enable input is on while the board takes the motor's current away.
+    #[error(
+        "the TMC2209 at address {address} tells that its enable input is on while the board switches the pin `enable` \
+         off, so its motor keeps its current; switch the motor supply off before you touch the rotor, and check that \
+         pin of the pump file and its `!`"
+    )]
+    Enabled {
+        /// Address of the driver.
+        address: u8,
+    },
 }
 
 impl TmcError {
