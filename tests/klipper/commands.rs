@@ -122,3 +122,33 @@ fn each_bad_input_is_one_message_and_nothing_moves() {
     }
     assert_eq!((rig.board.truth().steps, rig.board.truth().configured), ([0; 4], false));
 }
+
+#[test]
+fn a_shutdown_in_motion_is_one_disturbance_and_on_record_with_its_fault() {
+    // 6 mL/s is above the start-stop speed, and 1 mL/s below.
+    for (volume, rate, slips) in [("20mL", "6mL/s", true), ("5mL", "1mL/s", false)] {
+        let rig = Rig::new(Character::default());
+        let dose = rig.starts(&[volume, "--rate", rate, "--confirm-pump", "--start-angle", "0deg"]);
+        let until = Instant::now() + Duration::from_secs(20);
+        while rig.board.truth().steps[0] < 900 && Instant::now() < until {
+            sleep(Duration::from_millis(5));
+        }
+        rig.board.touch("shutdown").unwrap();
+        let (code, said) = ended(dose);
+        assert!(code != Some(0) && said.contains("has shut itself down"), "{code:?}: {said}");
+        let cut = rig.state().unwrap();
+        let left = cut.unfinished.expect("the dose is unfinished");
+        let fall_rad = 2.0 * std::f64::consts::TAU / 200.0;
+        assert!(cut.half_width_rad >= fall_rad && cut.half_width_rad < 0.5, "{}", cut.half_width_rad);
+        assert_eq!((cut.disturbances, cut.released, cut.lost_by), (1, true, None), "{said}");
+        assert_eq!(left.made_least < left.made_most, slips, "{said}");
+        let made = rig.board.truth().steps[0];
+        assert!((left.made_least..=left.made_most).contains(&made), "{made}: {said}");
+        let (code, resumed) = rig.runs(&["resume"]);
+        assert_eq!(code, Some(0), "{said}; {resumed}");
+        let whole = rig.state().unwrap();
+        assert_eq!((whole.disturbances, whole.released, whole.lost_by), (1, false, None), "{resumed}");
+        assert!((whole.half_width_rad - cut.half_width_rad).abs() < 1e-9, "{resumed}");
+        assert!(!resumed.contains("angle is unknown"), "{resumed}");
+    }
+}

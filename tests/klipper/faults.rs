@@ -67,7 +67,10 @@ fn a_cable_that_is_pulled_for_a_moment_costs_no_count() {
     assert!(made > 1500 && (made as u64) < all);
     let mut drive = rig.open();
     // The motor was stopped without a ramp.
-    assert!(matches!(drive.disturbed(), Some(Disturbance::Halted { slip_steps: 1.. })));
+    assert!(matches!(
+        drive.disturbed(),
+        Some(Disturbance::Halted { slip_steps: 1.., without_current: false })
+    ));
     assert_eq!(drive.count(), Some(made));
     let plan = dose(1.0, 2.0, false);
     run(&mut drive, &plan).unwrap();
@@ -140,7 +143,10 @@ fn a_shutdown_is_told_with_its_reason_and_keeps_the_count() {
     let words = said(&fault);
     assert!(words.contains("the board has shut itself down: Stepper too far in past"), "{words}");
     let mut drive = rig.open();
-    assert!(matches!(drive.disturbed(), Some(Disturbance::Halted { slip_steps: 1.. })));
+    assert!(matches!(
+        drive.disturbed(),
+        Some(Disturbance::Halted { slip_steps: 1.., without_current: true })
+    ));
     assert_eq!(drive.count(), Some(made));
     run(&mut drive, &dose(1.0, 1.0, false)).unwrap();
     assert_eq!(rig.board.truth().stray, 0);

@@ -197,7 +197,10 @@ impl<'a> Session<'a> {
         let (model, stands) = (self.bench.model(), self.stands());
         // The drive reports disturbances first: it may hear of a reset that changes the count.
         let (told, halted) = match drive.disturbed() {
-            Some(Disturbance::Halted { slip_steps }) => (None, Some(slip_steps)),
+            Some(Disturbance::Halted { slip_steps, without_current }) => {
+                // To give a motor current whose loss is on record is no disturbance.
+                (None, Some((slip_steps, without_current && !stands.released)))
+            }
             told => (told, None),
         };
         let count = drive.count();
@@ -236,23 +239,40 @@ impl<'a> Session<'a> {
         }
         // The board made the plan's own ramp if it made all of its steps.
         let made_all = self.cut_off.is_some_and(|(_, part)| self.moved(count) == Some(part.intent.steps));
-        if let Some(slip_steps) = halted.filter(|_| !made_all) {
+        let halted = halted.map(|(slip_steps, is_off)| (if made_all { 0 } else { slip_steps }, is_off));
+        if let Some((slip_steps, without_current)) = halted.filter(|halted| *halted != (0, false)) {
             // The count is that of the steps all the same, so the halt comes on top.
-            met = met.halted(slip_steps, self.file().limits().motor.step_rad(), model);
-            let (halted, pitch_rad) = (Disturbance::Halted { slip_steps }, model.pitch_rad());
-            let note = match (stands.phase().is_known(pitch_rad), met.phase().is_known(pitch_rad)) {
-                (false, _) => Notice::from(halted.to_string()),
-                (true, is_known) => {
-                    let now = if is_known { "known less well" } else { "unknown" };
-                    let text = format!("{halted}: the rollers' angle is {now}");
-                    Notice::from(text).with_remedy(find_angle(&stands))
-                }
+            let (halted, note) = self.after_halt(met, slip_steps, without_current);
+            let note = match stands.phase().is_known(model.pitch_rad()) {
+                true => note.with_remedy(find_angle(&stands)),
+                false => note,
             };
+            met = halted;
             notes.push(note);
         }
         // A motion that was cut off and counted since was of the steps of its own day.
         let met = met.of_steps(self.bench.way_rad(), model);
         PumpState { count, released: false, ..met }
+    }
+
+    /// Returns the state of a rotor whose motor was stopped without a ramp in `state`, with a note of it. It may have
+    /// slipped by so many steps, and have fallen as well if it was without current.
+    pub(super) fn after_halt(
+        &self,
+        state: PumpState,
+        slip_steps: u32,
+        without_current: bool,
+    ) -> (PumpState, Notice) {
+        let model = self.bench.model();
+        let halted = state.halted(slip_steps, self.bench.halt_rad(slip_steps, without_current), model);
+        let is_known = |state: &PumpState| state.phase().is_known(model.pitch_rad());
+        let event = Disturbance::Halted { slip_steps, without_current };
+        let text = match (is_known(&state), is_known(&halted)) {
+            (false, _) => event.to_string(),
+            (true, true) => format!("{event}: the rollers' angle is known less well"),
+            (true, false) => format!("{event}: the rollers' angle is unknown"),
+        };
+        (halted, Notice::from(text))
     }
 
     /// Returns the steps by which a device that counts `count` now has moved since its count on record.

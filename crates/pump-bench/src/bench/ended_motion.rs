@@ -175,9 +175,10 @@ impl<'a> Session<'a> {
         self.notes.append(&mut device.drive.notes());
         let state = PumpState { count: device.drive.count(), ..state };
         let Some(event) = event else { return state };
-        if let Disturbance::Halted { slip_steps } = event {
-            self.notes.push(format!("{event}: the rollers' angle is known less well").into());
-            return state.halted(slip_steps, device.file.limits().motor.step_rad(), self.bench.model());
+        if let Disturbance::Halted { slip_steps, without_current } = event {
+            let (halted, note) = self.after_halt(state, slip_steps, without_current);
+            self.notes.push(note);
+            return halted;
         }
         let (fall_rad, model) = (self.bench.fall_rad(), self.bench.model());
         let is_let_go = event == Disturbance::Disabled;

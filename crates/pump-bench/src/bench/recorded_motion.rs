@@ -237,6 +237,7 @@ impl<'a> Session<'a> {
         let after = before.after_until(ended_s, &intent, made_least, made_most, model);
         let after = if lost { after.lost(lost_by(&error), model) } else { after };
         let mut state = self.with_device(&mut device, after, Some(pauses));
+        state.released = device.drive.is_without_current();
         // A turn to find the angle is no part of the unfinished dose that stays on record.
         let is_delivery = intent.purpose.is_delivery();
         let may_tell = state.count.is_none() && !lost && !count_lost && is_delivery;

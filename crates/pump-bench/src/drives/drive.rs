@@ -96,8 +96,10 @@ pub enum Disturbance {
     /// The motor was stopped in motion without a ramp, and may have slipped by so many steps. The device's count is
     /// that of the steps which the motor was given.
     Halted {
-        /// Most steps by which the motor may have slipped.
+        /// Most steps by which the motor may have slipped. 0 below the speed from which it stops within a step.
         slip_steps: u32,
+        /// True if the motor was without current from then on, so that the rotor may have fallen as well.
+        without_current: bool,
     },
     /// Another program has had the device, or the device was exchanged for another one, since the motor moved last.
     /// Nobody knows what has turned meanwhile.
@@ -123,6 +125,9 @@ impl Display for Disturbance {
             }
             Self::TakenOver => {
                 "another program has had the board, or it is another board, since the motor moved last"
+            }
+            Self::Halted { without_current: true, .. } => {
+                "the motor was stopped in motion without a ramp, and was without current from then on"
             }
             Self::Halted { .. } => "the motor was stopped in motion without a ramp, and may have slipped",
             Self::OtherAxis => {

@@ -67,14 +67,14 @@ impl PumpState {
     }
 
     /// Returns the state of a rotor whose motor was stopped in motion without a ramp. It may have slipped by so many
-    /// steps, and so may the dose that the stop has left unfinished.
-    pub(crate) fn halted(self, slip_steps: u32, step_rad: f64, pump: &Pump) -> Self {
+    /// steps, and so may the dose that the stop has left unfinished. In all it may stand `by_rad` from its steps.
+    pub(crate) fn halted(self, slip_steps: u32, by_rad: f64, pump: &Pump) -> Self {
         let ended_here = |part: &Unfinished| wrap(part.phase().angle_rad(), TURN_RAD) == self.angle_rad;
         let unfinished = self.unfinished.map(|part| {
             // A turn to find the angle after that dose has slipped in its place.
             if ended_here(&part) { part.slipped(slip_steps.into()) } else { part }
         });
-        Self { unfinished, ..self.disturbed(f64::from(slip_steps) * step_rad, pump) }
+        Self { unfinished, ..self.disturbed(by_rad, pump) }
     }
 
     /// Returns the state of a rotor whose motor had no current, from some step of its last motion on or from its begin,

@@ -51,6 +51,8 @@ pub struct Klipper {
     /// True if the slip of the last motion was told with its fault. Once that is on record, no later meeting tells it
     /// again.
     tells_slip: bool,
+    /// True if the last motion ended with a shutdown, which was told with its fault.
+    is_shut_down: bool,
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
@@ -99,6 +101,7 @@ impl Klipper {
             stands: None,
             disturbed: None,
             tells_slip: false,
+            is_shut_down: false,
             notes: Vec::new(),
             place: None,
             shared,
@@ -121,6 +124,7 @@ impl Klipper {
                 self.notes.extend(replaced.notes());
                 self.notes.extend(of_board.into_iter().map(Notice::from));
                 self.at = At::Met(Box::new(board));
+                self.is_shut_down = false;
                 (self.stands, self.disturbed) = (Some(position), disturbed);
                 // The session must hear what the board has told. A motion learns the drift again before it moves.
                 match self.learn_drift(self.terms.opening.with_other_boards) {
@@ -214,9 +218,11 @@ impl Klipper {
         self.stands = self.stands.zip(signed).map(|(before, made)| before + direction * made);
         made.map_err(|fault| {
             self.part();
-            if slip_steps > 0 {
-                self.disturbed = Some(Disturbance::Halted { slip_steps });
-                self.tells_slip = true;
+            // The next meeting tells of a shutdown after which the board's count was not found.
+            let is_shut_down = matches!(fault.error, KlipperError::Shutdown { .. }) && known.is_some();
+            if slip_steps > 0 || is_shut_down {
+                self.disturbed = Some(Disturbance::Halted { slip_steps, without_current: is_shut_down });
+                (self.tells_slip, self.is_shut_down) = (true, is_shut_down);
             }
             fault.of_drive()
         })
@@ -290,6 +296,10 @@ impl Drive for Klipper {
 
     fn disturbed(&mut self) -> Option<Disturbance> {
         self.disturbed.take()
+    }
+
+    fn is_without_current(&self) -> bool {
+        self.is_shut_down
     }
 
     fn recorded(&mut self) {

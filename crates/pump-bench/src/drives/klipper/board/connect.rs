@@ -315,7 +315,7 @@ fn keep(
         let kept = keep(talk, Some(fresh), (session, cuts), state, shared_path)?;
         return Ok(kept.map(|(record, _)| (record, Some(Disturbance::Reset))));
     };
-    let halted = Disturbance::Halted { slip_steps: record.slip_steps };
+    let halted = |without_current| Disturbance::Halted { slip_steps: record.slip_steps, without_current };
     if state.is_shut_down {
         let cuts = BoardRecord::note_cut(shared_path, cuts)?;
         if !talk.clear_shutdown()? {
@@ -323,7 +323,7 @@ fn keep(
         }
         // A shutdown takes the current away, and stops a motor without a ramp.
         talk.end_dead_man(reason::MET)?;
-        let disturbed = if record.slip_steps > 0 { halted } else { Disturbance::Disabled };
+        let disturbed = if record.slip_steps > 0 { halted(true) } else { Disturbance::Disabled };
         return Ok(Some((SessionRecord { has_current: false, cuts, ..record }, Some(disturbed))));
     }
     be_still(talk)?;
@@ -333,7 +333,7 @@ fn keep(
     let has_current = record.has_current && record.cuts == cuts;
     let disturbed = match record.slip_steps {
         // A motor that was let go at rest has no slip on record, and one without current otherwise had a shutdown.
-        1.. if was_cut_off || !has_current => Some(halted),
+        1.. if was_cut_off || !has_current => Some(halted(!has_current)),
         _ if !has_current => Some(Disturbance::Disabled),
         _ => None,
     };
