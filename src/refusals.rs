@@ -44,6 +44,7 @@ pub(crate) fn unknown(word: &str, root: &Command) -> Failure {
     // Two letters of a word of four or five are another word.
     let near = |command: &&&str| distance(command) <= 2 && 3 * distance(command) <= word.chars().count();
     let message = match commands.iter().filter(near).min_by_key(distance) {
+        _ if word == root.get_name() => format!("a dose needs no command: `{word} 25mL` doses 25 mL"),
         Some(command) => format!("unknown command `{word}`; did you mean `dose {command}`?"),
         None => format!("`{word}` is neither a volume, as 25mL, nor a command: {all}"),
     };

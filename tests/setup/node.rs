@@ -432,18 +432,31 @@ fn a_pump_that_has_not_moved_goes_to_the_board_axis_and_driver_that_setup_finds_
     let words = ["setup", "base", "--port", &other_port, "--axis", "X"];
     let base = desk.types(&[&words[..], &OPTIONS].concat());
     assert!(base.code == 0 && !base.err.contains("takes its place"), "{}", base.err);
-    // A driver that the board has not is refused as often as it is said, and the file stays.
+    // A driver that the board has not, and a script that would forget all answers, leave the pump as it was.
     let file = desk.configured("pumps/acid.toml");
-    for words in [&["--driver", "grbl"][..], &[]] {
+    let before = "; the answers on record are as before";
+    for (words, told) in [
+        (&["--driver", "grbl"][..], "and --driver is grbl"),
+        (&["--anew", "--axis", "Z"], "; --anew forgets every answer"),
+    ] {
         let refused = desk.types(&[&["setup", "acid", "--no-motion", "--yes"][..], words].concat());
-        assert!(refused.code == 2 && refused.err.contains("and --driver is grbl"), "{}", refused.err);
+        let said = refused.err;
+        assert!(refused.code == 2 && said.contains(told) && said.contains(before), "{said}");
         assert_eq!(desk.configured("pumps/acid.toml"), file);
     }
-    let kept = desk.types(&["setup", "acid", "--driver", "node", "--no-motion", "--yes"]);
-    assert_eq!(kept.code, 0, "{}", kept.err);
+    let kept = desk.types(&["setup", "acid", "--rate", "0.5mL/s", "--no-motion", "--yes"]);
+    assert!(kept.code == 0 && kept.err.contains("axis Y, board 0000000000000008"), "{}", kept.err);
     let dosed = desk.json(&["0.2mL", "--pump", "acid", "--confirm-pump"]);
     assert_eq!(dosed["completed"], true, "{dosed}");
     assert!(board.truth().steps == [0; 4] && other.truth().steps[1] > 0);
+    // What is on record stays so until the pump moves at another place.
+    let stands = |told: &str| {
+        let status = desk.types(&["status", "--pump", "acid"]);
+        assert!(status.out.contains(told), "{}", status.out);
+    };
+    stands("board on record: 0000000000000008, axis Y\n");
+    assert_eq!(desk.types(&["setup", "acid", "--axis", "Z", "--no-motion", "--yes"]).code, 0);
+    stands("board on record: 0000000000000008, axis Y; its pump file names axis Z now\n");
     // No board answers at the new port: a file alone names it all the same, with a warning.
     let missing = desk.path("no-such-port").display().to_string();
     let away = desk.types(&["setup", "base", "--port", &missing, "--no-motion", "--yes"]);

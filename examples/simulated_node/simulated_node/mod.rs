@@ -26,8 +26,9 @@ const USB_LOOK: Duration = Duration::from_micros(500);
 
 /// Longest time, us, that a late board makes up at once, so that it hears its host before it goes on. A move may begin
 /// in that time, and a board that has not listened meanwhile takes its own lateness for a lost link. A silent host is
-/// another matter: the board's time goes on without it.
-const LONGEST_LOOK_US: u64 = 5_000;
+/// another matter: the board's time goes on without it. A board's clock that stands for longer is told as one that has
+/// jumped, and pumps that begin together then learn it anew.
+const LONGEST_LOOK_US: u64 = 50_000;
 
 /// Longest time, us, that a late board at a USB port makes up at once. Its clock is compared with another one's.
 const LONGEST_USB_LOOK_US: u64 = 100_000;

@@ -263,8 +263,11 @@ fn other_driver(course: &mut Course, board: &FoundBoard) -> Asked<()> {
     let (driver, port) = (board.driver(), course.answers.port.clone().unwrap_or_default());
     match course.answers.driver {
         Some(named) if named != driver && course.asker.is_silent() => {
-            let port = port.display();
+            let port = port.display().to_string();
             let refused = format!("{board} is at {port}, and --driver is {named}; say --driver {driver}");
+            let mut answers = course.answers.clone();
+            answers.driver = None;
+            course.take(answers)?;
             Err(Failure::refused(refused).value(named).allowed(driver).into())
         }
         _ => take_driver(course, board),

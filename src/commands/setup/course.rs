@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pump_bench::catalogue::unusual;
 use pump_bench::config::Config;
-use pump_bench::drives::{FoundBoard, Opening};
+use pump_bench::drives::{BoardOnRecord, FoundBoard, Opening};
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{Axis, DriverName, PumpFile};
 use pump_bench::report::Explain;
@@ -109,6 +109,18 @@ impl Course {
         }
         self.answers.done = still_done(&before, &self.answers);
         if self.answers == before { Ok(()) } else { self.keep() }
+    }
+
+    /// True if a script has failed before it changed anything but the answers of a pump that is set up: those `before`
+    /// hold on.
+    pub(super) fn is_to_return_to(&self, before: &Answers) -> bool {
+        let written = before.done.written;
+        let has_written = self.answers.done.written != written;
+        self.asker.is_silent()
+            && written.is_some()
+            && !has_written
+            && !self.has_moved
+            && self.answers != *before
     }
 
     /// Forgets a part of the answers, which is asked anew: the former ones are suggested.
@@ -226,6 +238,12 @@ impl Course {
             built_in(pump).is_none() && self.neighbours.iter().all(|other| other.name != *pump)
         });
         recorded
+    }
+
+    /// The board on record, of a pump that a board turns.
+    pub(super) fn board_on_record(&self) -> Option<BoardOnRecord> {
+        let driver = self.answers.driver.filter(|driver| *driver != DriverName::Sim)?;
+        BoardOnRecord::of(&Opening::of_pump(&self.answers.name, driver, &self.state_dir))
     }
 
     /// Puts the board that answered on record, so that another one at its port is refused from now on. A pump whose

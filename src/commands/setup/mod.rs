@@ -92,6 +92,7 @@ impl SetupArgs {
         let mut course = Course::new(asker, answers, folder, (state_dir, &config), like);
         let name = course.answers.name.clone();
         course.runnable = self.runnable(&name);
+        let before = course.folder.read(&name).map_err(Failure::from)?;
         let ended = self.follow(&mut course, &config);
         match ended {
             Ok(()) => Ok(()),
@@ -107,6 +108,19 @@ impl SetupArgs {
             }
             Err(Stop::Failed(failure)) => {
                 let failure = if course.has_moved { failure.after_motion() } else { failure };
+                if let Some(before) = before.filter(|before| course.is_to_return_to(before)) {
+                    course.answers = before;
+                    course.keep()?;
+                    let one = match self.anew {
+                        true => {
+                            "; --anew forgets every answer, and an option without it changes its answer alone"
+                        }
+                        false => "",
+                    };
+                    let failure = failure.with(&format!("; the answers on record are as before{one}"));
+                    let message = course.runnable.complete(failure.message());
+                    return Err(failure.saying(message));
+                }
                 let is_kept = course.folder.read(&name).is_ok_and(|kept| kept.is_some());
                 // A board that has changed its port, or an axis that it lacks, would fail the same way for ever.
                 let elsewhere = match &course.answers.port {

@@ -174,7 +174,10 @@ fn board_in_words(course: &Course, file: &PumpFile) -> String {
         }
         (None, Some(pins)) => format!("steps at {}", pins.step),
         (_, None) => {
-            let number = course.board.as_ref().and_then(|board| board.number());
+            let number = match &course.board {
+                Some(board) => board.number(),
+                None => course.board_on_record().and_then(|board| board.number),
+            };
             let number = number.map_or_else(String::new, |number| format!(", board {number:016x}"));
             format!("axis {}{number}", drive.axis)
         }

@@ -61,8 +61,7 @@ pub(crate) use identity::Identity;
 pub use klipper::BoardPins;
 #[cfg(feature = "klipper")]
 pub use klipper::{DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
-#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
-pub use known_board::PlaceTaken;
+pub use known_board::{BoardOnRecord, PlaceTaken};
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};
 #[cfg(all(feature = "grbl", feature = "node", not(feature = "klipper")))]
@@ -72,5 +71,7 @@ pub(crate) use opening::SETTINGS_RECORD;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
+pub(crate) use wire::port_name;
 #[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 pub use wire::{PortFault, serial_ports};

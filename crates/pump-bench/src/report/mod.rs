@@ -36,7 +36,7 @@ pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::{SimulationReport, cavitation_warning};
 pub use sizing::{sizing_json, sizing_text, sizing_title};
 pub use status::{
-    CalibrationStatus, LastByWeight, SafetyStatus, StandStatus, Status, StatusRow, UnfinishedCalibration,
-    UnfinishedStatus,
+    BoardStatus, CalibrationStatus, LastByWeight, SafetyStatus, StandStatus, Status, StatusRow,
+    UnfinishedCalibration, UnfinishedStatus,
 };
 pub use tube::{TubeCalibration, TubeReport};

@@ -1,5 +1,6 @@
 //! The record of a pump, and its JSON for programs. `status_text.rs` has its words for people.
 
+mod board;
 mod by_weight;
 mod row;
 mod safety;
@@ -7,6 +8,7 @@ mod safety;
 use pump_model::units::degrees;
 use serde::Serialize;
 
+pub use self::board::BoardStatus;
 pub use self::by_weight::LastByWeight;
 pub use self::row::StatusRow;
 pub use self::safety::{SafetyStatus, StandStatus};
@@ -64,6 +66,8 @@ pub struct Status {
     pub unfinished_calibration: Option<UnfinishedCalibration>,
     /// Volumes that the safety limits count, and the stand of the pump if one is reached.
     pub safety: SafetyStatus,
+    /// Board that the record names; null without one that can be told from others.
+    pub board: Option<BoardStatus>,
     /// Process that holds the pump, so that the unfinished dose is in motion; null if none does.
     pub in_use_by: Option<String>,
     /// Folder of the journal.
@@ -249,6 +253,7 @@ impl Status {
             last_by_weight: LastByWeight::of(&state),
             unfinished_calibration: UnfinishedCalibration::of(bench),
             safety: SafetyStatus::of(bench, recorded.as_ref(), under_way.as_ref()),
+            board: BoardStatus::of(bench),
             in_use_by,
             folder: bench.folder().path().display().to_string(),
         })

@@ -1,6 +1,6 @@
 //! The record of a pump in words.
 
-use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
+use super::status::{BoardStatus, CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
 use crate::notice::{Remedy, Wording};
 use crate::numbers::{between, microlitres, significant};
 use crate::record::{AngleLoss, Purpose, Wear};
@@ -23,6 +23,7 @@ impl Status {
         let lines = [
             Some(self.rotor()),
             self.lost(words).or(self.disturbed()),
+            self.board.as_ref().map(BoardStatus::text),
             Some(self.tube()),
             self.calibration.as_ref().map(CalibrationStatus::text),
             self.last_by_weight.map(|weighed| weighed.text()),

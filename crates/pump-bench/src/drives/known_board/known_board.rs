@@ -330,7 +330,7 @@ fn is_built_in_of(opening: &Opening) -> bool {
     opening.pump.as_deref().is_some_and(is_built_in)
 }
 
-fn record_path(opening: &Opening) -> Option<PathBuf> {
+pub(super) fn record_path(opening: &Opening) -> Option<PathBuf> {
     opening.settings_record.as_ref().map(|settings| settings.with_file_name(RECORD))
 }
 

@@ -19,7 +19,7 @@ pub(super) use error::PortError;
 pub(super) use open_ports::{NotShared, OpenPorts};
 pub(super) use port::BoardPort;
 pub use port_fault::PortFault;
-pub(super) use port_name::port_name;
+pub(crate) use port_name::port_name;
 pub use serial_ports::serial_ports;
 
 /// Wire to a board.

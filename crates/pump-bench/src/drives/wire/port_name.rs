@@ -7,7 +7,7 @@ use std::path::Path;
 ///
 /// Linux keeps such names in /dev/serial/by-id (systemd, 60-serial.rules). They are made of what the adapter says of
 /// itself, so a port keeps its name when ttyUSB0 and ttyUSB1 change places.
-pub(in crate::drives) fn port_name(port: &Path, folder: &Path) -> Option<String> {
+pub(crate) fn port_name(port: &Path, folder: &Path) -> Option<String> {
     let device = port.canonicalize().ok()?;
     let entries = std::fs::read_dir(folder).ok()?.flatten();
     let same = entries.filter(|entry| entry.path().canonicalize().is_ok_and(|path| path == device));

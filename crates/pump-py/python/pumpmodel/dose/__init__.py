@@ -16,6 +16,7 @@ from pumpmodel.dose.log import (
     LoggedDose,
 )
 from pumpmodel.dose.status import (
+    BoardOnRecord,
     CalibrationInUse,
     LastByWeight,
     Safety,
@@ -31,6 +32,7 @@ from pumpmodel.dose.verification import (
 )
 
 __all__ = [
+    "BoardOnRecord",
     "ByWeight",
     "CalibrationInUse",
     "CalibrationUsed",

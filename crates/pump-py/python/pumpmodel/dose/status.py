@@ -90,6 +90,18 @@ class UnfinishedCalibration(Record):
 
 
 @dataclass(frozen=True)
+class BoardOnRecord(Record):
+    """Board that the record of a pump names, by its `number` in hexadecimal and the name of its port.
+
+    Either is None if the board or its port has none. `axis` is None for a board without axes.
+    """
+
+    number: str | None
+    port_name: str | None
+    axis: str | None
+
+
+@dataclass(frozen=True)
 class Stand(Record):
     """Stand of a pump at a safety limit, `day` or `vessel`, until `Bench.clear_safety`. Volumes in mL.
 
@@ -138,6 +150,7 @@ class Status(Record):
         "last_by_weight": LastByWeight,
         "unfinished_calibration": UnfinishedCalibration,
         "safety": Safety,
+        "board": BoardOnRecord,
     }
 
     schema: str
@@ -162,5 +175,6 @@ class Status(Record):
     last_by_weight: LastByWeight | None
     unfinished_calibration: UnfinishedCalibration | None
     safety: Safety
+    board: BoardOnRecord | None
     in_use_by: str | None
     folder: str
