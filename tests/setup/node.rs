@@ -422,10 +422,10 @@ fn a_pump_that_has_not_moved_goes_to_the_board_axis_and_driver_that_setup_finds_
     let [port, other_port] = [&board, &other].map(|board| board.path().display().to_string());
     let set_up = |words: &[&str]| desk.types(&[&["setup", "acid"][..], words, &OPTIONS].concat());
     assert_eq!(set_up(&["--port", &port, "--axis", "X"]).code, 0);
-    let moved = set_up(&["--port", &other_port, "--axis", "X", "--anew"]);
+    let moved = desk.types(&["setup", "acid", "--port", &other_port, "--no-motion", "--yes"]);
     assert!(moved.code == 0 && moved.err.contains("axis X, board 0000000000000008"), "{}", moved.err);
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/motor.md")).unwrap();
-    assert!(page.contains("to move a pump that has not yet moved to another board, set it up anew."));
+    assert!(page.contains("`dose setup NAME --port OTHER` moves a pump that has not yet moved to"));
     // The axis alone goes on record too, and leaves the one before to another pump.
     let moved = desk.types(&["setup", "acid", "--axis", "Y", "--no-motion", "--yes"]);
     assert_eq!(moved.code, 0, "{}", moved.err);

@@ -204,8 +204,8 @@ impl Bench {
         2.0 * TURN_RAD / (f64::from(self.file.motor.full_steps_per_rev) * self.file.motor.gear)
     }
 
-    /// Returns the angle that a rotor may stand from its steps after its motor was stopped without a ramp and slipped by
-    /// `slip_steps` at most, in rad of the pump head. `without_current` is true if it may have fallen as well.
+    /// Returns the angle that a rotor may stand from its steps, in rad of the pump head, after its motor was stopped
+    /// without a ramp and slipped by `slip_steps` at most. It may have fallen as well if it is `without_current`.
     pub(crate) fn halt_rad(&self, slip_steps: u32, without_current: bool) -> f64 {
         let fall_rad = if without_current { self.fall_rad() } else { 0.0 };
         f64::from(slip_steps) * self.file.limits().motor.step_rad() + fall_rad
