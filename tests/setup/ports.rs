@@ -7,7 +7,7 @@ use std::os::unix::fs::symlink;
 use std::thread;
 
 use pump_bench::drives::{
-    DriveError, FoundBoard, Grbl, Opening, StopRequest, ask_ports, find_boards, serial_ports,
+    DriveError, FoundBoard, Grbl, Opening, StopRequest, ask_ports, find_board, find_boards, serial_ports,
 };
 use pump_bench::pump_file::{DriveTable, DriverName};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -65,6 +65,18 @@ fn grbl_boards_and_nodes_are_told_apart_and_named() {
     assert!(said[2].is_err());
     assert_eq!(found[1].1.as_ref().unwrap().driver(), DriverName::Node);
     assert_eq!((grbl.rest().starts, node.truth().steps), (0, [0; 4]));
+    // Whichever driver is named, the board that is there is found.
+    thread::scope(|scope| {
+        for (port, board) in &found[..2] {
+            scope.spawn(move || {
+                for named in [Some(DriverName::Klipper), Some(DriverName::Node)] {
+                    let answer = find_board(port, named, &StopRequest::new(|| false));
+                    assert_eq!(answer.as_ref().unwrap(), board.as_ref().unwrap(), "{named:?}");
+                }
+            });
+        }
+    });
+    assert_eq!((grbl.rest().steps, node.truth().steps), (0, [0; 4]));
 }
 
 /// Answer of a node whose firmware speaks version 9 of the protocol: a frame as this version makes it.

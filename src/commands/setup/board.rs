@@ -4,7 +4,9 @@ mod socket;
 
 use std::path::{Path, PathBuf};
 
-use pump_bench::drives::{DriveError, FoundBoard, PortFault, board_has_answered, find_boards, serial_ports};
+use pump_bench::drives::{
+    DriveError, FoundBoard, PortFault, board_has_answered, find_board, find_boards, serial_ports,
+};
 use pump_bench::notice::{Remedy, with_sources};
 use pump_bench::pump_file::{Axis, DriverName};
 use pump_bench::report::Explain;
@@ -93,7 +95,7 @@ fn meet(course: &mut Course) -> Asked<bool> {
     let port = course.answers.port.clone().filter(|_| course.board.is_none());
     let is_told = |port: &PathBuf| course.asker.is_silent() && course.silent_port.as_ref() == Some(port);
     let Some(port) = port.filter(|port| !is_told(port)) else { return Ok(true) };
-    let found = who_is_at(&port);
+    let found = who_is_at(&port, course.answers.driver);
     if let Some(signal) = interrupt::signal() {
         return Err(Failure::stopped(signal, false, "stopped by the user").into());
     }
@@ -152,7 +154,7 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
         usual: of_last.clone().filter(is_there).filter(is_free).or(only).or(of_last).filter(is_free),
         help: "the device that appears when you plug the board's cable in, as /dev/ttyUSB0",
     };
-    let mut board = None;
+    let (mut board, named) = (None, course.answers.driver);
     let read = |answer: &str| {
         let port = Path::new(answer);
         if !port.exists() {
@@ -161,7 +163,7 @@ fn ask_port(course: &mut Course, full: Option<&Path>) -> Asked<()> {
         }
         if !is_silent {
             let known = found.iter().find(|(at, _)| at == port).map(|(_, board)| board.clone());
-            board = Some(known.map_or_else(|| who_is_at(port), Ok)?);
+            board = Some(known.map_or_else(|| who_is_at(port, named), Ok)?);
         }
         Ok(port.to_owned())
     };
@@ -182,7 +184,7 @@ fn shared_board(
     if is_known || !port.exists() || course.others_at(port).is_empty() {
         return None;
     }
-    Some((port.to_owned(), who_is_at(port).ok()?))
+    Some((port.to_owned(), who_is_at(port, course.answers.driver).ok()?))
 }
 
 /// Asks the port anew, of a board that does not answer there.
@@ -191,24 +193,23 @@ pub(super) fn ask_again(course: &mut Course) -> Asked<()> {
     ask(course)
 }
 
-/// Asks a port that the search has not found who is there. It says why there is no board.
-fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
+/// Asks a port that the search has not found who is there, the board of a driver that was `named` first. It says why
+/// there is no board.
+fn who_is_at(port: &Path, named: Option<DriverName>) -> Result<FoundBoard, String> {
     let shown = port.display();
     say(&format!("  asking {shown} (nothing moves)\n"));
-    let answers = find_boards(&[port.to_owned()], &interrupt::stop_request());
-    match answers.into_iter().next() {
-        Some((_, Ok(board))) => {
+    match find_board(port, named, &interrupt::stop_request()) {
+        Ok(board) => {
             tell_person(&format!("  {shown}: {board}"));
             Ok(board)
         }
-        Some((_, Err(error))) => {
+        Err(error) => {
             // The remedy is said below, in the words of these questions.
             let is_no_port = error.remedies().contains(&Remedy::FindPort);
             let why = if is_no_port { with_sources(&error) } else { advice::told(&error) };
             let why = answer_in_words(&error, &shown.to_string(), &why);
             Err(format!("{why}; name the board's port, or quit and come back"))
         }
-        None => Err(format!("nobody was asked at {shown}")),
     }
 }
 
@@ -230,29 +231,29 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
         return Ok(());
     }
     let port = port.clone();
-    let found = find_boards(std::slice::from_ref(&port), &interrupt::stop_request()).into_iter().next();
+    let found = find_board(&port, *driver, &interrupt::stop_request());
     if let Some(signal) = interrupt::signal() {
         return Err(Failure::stopped(signal, false, "stopped by the user").into());
     }
     match found {
-        Some((_, Ok(board))) => {
+        Ok(board) => {
             other_driver(course, &board)?;
             course.board = Some(board);
         }
-        Some((_, Err(error))) if is_file_alone => {
+        Err(error) if is_file_alone => {
             // The board may come later, so only a version that will not change by itself needs its remedy.
             let said = if board_has_answered(&error) { advice::told(&error) } else { with_sources(&error) };
             let why = answer_in_words(&error, &port.display().to_string(), &said);
             warn(&[format!("{why}; the pump file names this port all the same")]);
             course.silent_port = Some(port);
         }
-        Some((_, Err(error))) if is_silent => {
+        Err(error) if is_silent => {
             let failure = Failure::of(error);
             return Err(failure
                 .with("; `--no-motion` writes the pump file of a board that comes later")
                 .into());
         }
-        _ => {}
+        Err(_) => {}
     }
     socket::socket_of_other_board(course)?;
     lack_of_axis(course)

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::error::DriveError;
-use super::grbl::{self, GrblError, ask_boards};
+use super::grbl::{self, GrblError, ask_board};
 #[cfg(feature = "klipper")]
 use super::klipper::{self, BoardPins, KlipperError};
 use super::known_board::{KnownBoard, RecordedPump};
@@ -159,29 +159,51 @@ impl Display for FoundBoard {
 /// # Errors
 /// Each port has an error of its own: [`DriveError::Busy`] where another process holds it.
 pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<FoundBoard, DriveError>)> {
-    let asked = ask_boards(ports, stop);
     thread::scope(|scope| {
-        let asked = asked.into_iter().map(|(port, answer)| {
-            let asks_others = matches!(answer, Err(DriveError::Device(_)));
-            let at = port.clone();
-            (port, answer, asks_others.then(|| scope.spawn(move || ask_others(&at, stop))))
-        });
+        let asked = ports.iter().map(|port| (port, scope.spawn(|| find_any(port, stop))));
         let asked: Vec<_> = asked.collect();
-        let answers = asked.into_iter().map(|(port, answer, other)| {
-            let other =
-                other.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            let found = match (answer, other) {
-                (Ok((state, axes)), _) => Ok(FoundBoard::Grbl { state, axes }),
-                (Err(_), Some(Ok(found))) => Ok(found),
-                // A board that cannot be used is said, and anything else is none.
-                (Err(_), Some(Err(error))) if is_of_board(&error) => Err(error),
-                (Err(grbl), Some(Err(other))) => Err(neither(&port, grbl, &other)),
-                (Err(error), None) => Err(error),
-            };
-            (port, found)
+        let answers = asked.into_iter().map(|(port, thread)| {
+            let found = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            (port.clone(), found)
         });
         answers.collect()
     })
+}
+
+/// Asks one port who is there, as [`find_boards`] does, but for the board of the driver `named` first: a node and a
+/// Klipper board answer at once, and a grbl board may start for seconds. Whoever names a driver lets it ask the port.
+///
+/// # Errors
+/// [`DriveError`] where no board answers that can be used, or another process holds the port.
+pub fn find_board(
+    port: &Path,
+    named: Option<DriverName>,
+    stop: &StopRequest,
+) -> Result<FoundBoard, DriveError> {
+    let (answer, is_none): (_, fn(&DriveError) -> bool) = match named {
+        Some(DriverName::Node) => (ask_node(port, stop), is_no_node),
+        Some(DriverName::Klipper) => (ask_klipper(port, stop), is_no_klipper),
+        _ => return find_any(port, stop),
+    };
+    match answer {
+        Err(error) if is_none(&error) => find_any(port, stop),
+        answer => answer,
+    }
+}
+
+/// Asks one port for a grbl board, and then for the others.
+fn find_any(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
+    let grbl = match ask_board(port, stop) {
+        Ok((state, axes)) => return Ok(FoundBoard::Grbl { state, axes }),
+        Err(error @ DriveError::Device(_)) => error,
+        Err(error) => return Err(error),
+    };
+    // A board that cannot be used is said, and anything else is none.
+    ask_others(port, stop).map_err(
+        |other| {
+            if is_of_board(&other) { other } else { neither(port, grbl, &other) }
+        },
+    )
 }
 
 /// Returns the error of a board that is not there as its driver asks it, or that of the other kind of board that

@@ -50,7 +50,7 @@ pub use common_begin::{BeginPlace, CommonBegin, CommonBeginError};
 pub use drive::{Disturbance, Drive, DriveLimits, Gate, IndexSearch, Leave, Watch};
 pub use error::{DriveError, DriveFault};
 #[cfg(all(feature = "grbl", feature = "node"))]
-pub use find::{FoundBoard, board_has_answered, find_boards};
+pub use find::{FoundBoard, board_has_answered, find_board, find_boards};
 #[doc(hidden)]
 #[cfg(feature = "grbl")]
 pub use grbl::reply as grbl_reply;

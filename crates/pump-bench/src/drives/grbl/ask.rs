@@ -1,6 +1,6 @@
 //! The question to a serial port: is a grbl board there? Nothing moves, and no setting is read or written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
@@ -34,25 +34,18 @@ pub(in crate::drives) fn ask(
 /// # Errors
 /// Each port has an error of its own: [`DriveError::Busy`] where another process holds it.
 pub fn ask_ports(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<String, DriveError>)> {
-    let asked = ask_boards(ports, stop).into_iter();
-    asked.map(|(port, answer)| (port, answer.map(|(state, _)| state))).collect()
-}
-
-/// Asks every port for a grbl board, as [`ask_ports`] does. Returns the number of axes beside the state.
-pub(in crate::drives) fn ask_boards(
-    ports: &[PathBuf],
-    stop: &StopRequest,
-) -> Vec<(PathBuf, Result<Answering, DriveError>)> {
     thread::scope(|scope| {
-        let asked = ports.iter().map(|port| {
-            let table = DriveTable::of(DriverName::Grbl).with_port(port);
-            (port, scope.spawn(move || ask(&table, connect::ANSWER_LIMIT, stop)))
-        });
+        let asked = ports.iter().map(|port| (port, scope.spawn(|| ask_board(port, stop))));
         let asked: Vec<_> = asked.collect();
         let answers = asked.into_iter().map(|(port, thread)| {
             let answer = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            (port.clone(), answer)
+            (port.clone(), answer.map(|(state, _)| state))
         });
         answers.collect()
     })
+}
+
+/// Asks a port for a grbl board, for as long as one takes to start.
+pub(in crate::drives) fn ask_board(port: &Path, stop: &StopRequest) -> Result<Answering, DriveError> {
+    ask(&DriveTable::of(DriverName::Grbl).with_port(port), connect::ANSWER_LIMIT, stop)
 }

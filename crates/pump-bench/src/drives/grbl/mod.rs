@@ -19,7 +19,7 @@ mod settings;
 
 pub use ask::ask_ports;
 #[cfg(feature = "node")]
-pub(super) use ask::{ask, ask_boards};
+pub(super) use ask::{ask, ask_board};
 pub use axis::Grbl;
 pub(super) use axis::open;
 pub use error::GrblError;
