@@ -152,8 +152,17 @@ fn is_made_again(signal: &str, code: i32) -> bool {
     let steps = pump.board.rest().steps;
     assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
     let journal = desk.journal("acid", "grbl").unwrap();
+    // A script does not leave the rest by the way.
+    for again in [&["--again"][..], &[]] {
+        let refused = desk.types(&[&["setup", "acid", "--yes"][..], again].concat());
+        let is_told =
+            refused.err.contains("is unfinished") && refused.err.contains("`dose resume --pump acid`");
+        assert!(refused.code == 4 && is_told, "{}: {}", refused.code, refused.err);
+        assert_eq!(desk.journal("acid", "grbl").unwrap(), journal);
+    }
     let ended = desk.answers(&["setup", "acid"], &mut |question| {
         Some(match question {
+            q if q.starts_with("Is the rest to be left") => "yes".to_owned(),
             q if q.starts_with("Put a vessel") => {
                 pump.tare();
                 String::new()
@@ -166,7 +175,7 @@ fn is_made_again(signal: &str, code: i32) -> bool {
         return false;
     }
     assert_eq!(ended.code, 0, "{signal}: {}", ended.err);
-    assert!(ended.asked[0].starts_with("A motion of this pump was stopped"), "{:?}", ended.asked);
+    assert!(ended.asked[0].starts_with("Is the rest to be left"), "{:?}", ended.asked);
     assert!(!ended.err.contains("One revolution"), "{}", ended.err);
     let after = desk.journal("acid", "grbl").unwrap();
     assert!(after.starts_with(&journal) && after.len() > journal.len(), "the record goes on");

@@ -1,6 +1,7 @@
 //! Ports that are found by asking them.
 
 mod klipper;
+mod moved;
 
 use std::fs;
 use std::os::unix::fs::symlink;

@@ -235,10 +235,14 @@ impl SetupArgs {
             return Ok(course.keep()?);
         }
         weigh::leave_calibration_of_another_head(course)?;
-        if course.answers.done.weighed > 0 && !self.weighs_more(course)? {
-            return outlook::tell_outlook(course);
-        }
         weigh::accept_stopped(course)?;
+        if course.answers.done.weighed > 0 {
+            // A pump that was moved to another place turns in another way.
+            turn::watch(course, &mut given.turned)?;
+            if !self.weighs_more(course)? {
+                return outlook::tell_outlook(course);
+            }
+        }
         if self.again {
             weigh::leave_dose(course)?;
         }

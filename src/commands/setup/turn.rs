@@ -371,7 +371,7 @@ fn steps_of(bench: &Bench) -> u32 {
 fn see_direction(course: &mut Course) -> Asked<()> {
     if course.asker.is_silent() {
         if course.answers.invert == Some(true) {
-            tell_person("  the direction pin is turned round, as --direction says");
+            tell_person("  the axis counts down as the pump runs forward, as --direction says");
         }
         return Ok(seen(course, |answers| answers.done.directed = true)?);
     }

@@ -2,7 +2,7 @@
 
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::calibration::{Earlier, Expected, Stored};
-use pump_bench::report::calibration_text;
+use pump_bench::report::{Explain, calibration_text};
 use pump_bench::setup::Topic;
 use pump_bench::units::{Amount, StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
@@ -298,23 +298,28 @@ pub(super) fn leave_dose(course: &mut Course) -> Result<(), Failure> {
     course.keep()
 }
 
-/// Accepts a dose of the course that was stopped or cut off, so that another can be made. Its volume is on record.
+/// Has a person accept a dose that was stopped or cut off, so that another can be made. Its volume is on record. A
+/// script is refused: the rest of the dose would be lost without a word.
 pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
-    if bench.story()?.state.is_none_or(|state| state.unfinished.is_none()) {
-        return Ok(());
+    let Err(unfinished) = bench.refuse_unfinished(bench.story()?.state) else { return Ok(()) };
+    if course.asker.is_silent() {
+        return Err(Failure::from(unfinished).into());
     }
+    let told = course.runnable.complete(&unfinished.told(course.runnable.words()));
+    tell_person(&format!("  {told}"));
     let question = Question {
-        text: "A motion of this pump was stopped before its end. Leave it as it is, and go on?",
-        option: "--yes",
-        usual: Some(Usual::new("yes")),
-        help: "its volume stays on record; empty and tare the vessel. `dose status` says what was delivered",
+        text: "Is the rest to be left, and setup to go on? (yes, quit)",
+        option: "`dose accept` first",
+        usual: None,
+        help: "yes leaves the rest: what was delivered stays on record; empty and tare the vessel; quit leaves setup, \
+               and the rest can be made",
     };
     if !course.asker.agrees(&question)? {
         return Err(Stop::Left);
     }
     let mut session: Session<'_> = bench.session()?;
-    let accepted = session.accept();
+    let accepted = session.accept_counted();
     noted(&mut session, accepted)?;
     course.answers.done.dosed = false;
     Ok(course.keep()?)

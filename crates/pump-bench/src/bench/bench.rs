@@ -396,7 +396,11 @@ impl Bench {
     }
 
     /// Refuses while a dose is unfinished, because anything else would change the rest of that dose.
-    pub(crate) fn refuse_unfinished(&self, state: Option<PumpState>) -> Result<(), DoseError> {
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Unfinished`], [`DoseError::UnfinishedRun`] or [`DoseError::NoRestOfProfile`] with the volumes.
+    pub fn refuse_unfinished(&self, state: Option<PumpState>) -> Result<(), DoseError> {
         let Some(dose) = state.and_then(|state| state.unfinished) else { return Ok(()) };
         let (least_ml, most_ml) = dose.delivered_ml(&self.model);
         if dose.intent.terms.profile {
