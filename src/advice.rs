@@ -206,6 +206,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "if the board was replaced, use `--accept-settings` once with each of its pumps, or once with their rack"
         }
         Remedy::WriteSettingsAnew => "`--accept-settings` writes it anew",
+        Remedy::ResetBoard => {
+            "if nobody else uses it, `--accept-settings` resets it and takes it, once: each of its motors is without \
+             current meanwhile"
+        }
+        Remedy::TakePlace => "`--accept-settings` gives it to this pump, once",
         Remedy::SeekOffset => "seek it with --offset",
         Remedy::CheckPump => "`dose pumps check` says what they give",
         Remedy::PrintSource => "print it anew with `dose pumps show NAME --format rust`",

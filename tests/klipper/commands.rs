@@ -152,3 +152,29 @@ fn a_shutdown_in_motion_is_one_disturbance_and_on_record_with_its_fault() {
         assert!(!resumed.contains("angle is unknown"), "{resumed}");
     }
 }
+
+#[test]
+fn a_reset_in_motion_is_one_disturbance_and_on_record_with_its_fault() {
+    let rig = Rig::new(Character::default());
+    let dose = rig.starts(&["5mL", "--rate", "1mL/s", "--confirm-pump", "--start-angle", "0deg"]);
+    let until = Instant::now() + Duration::from_secs(20);
+    while rig.board.truth().steps[0] < 900 && Instant::now() < until {
+        sleep(Duration::from_millis(5));
+    }
+    rig.board.touch("reset").unwrap();
+    let (code, said) = ended(dose);
+    assert!(code != Some(0) && said.contains("the board was reset"), "{code:?}: {said}");
+    let cut = rig.state().unwrap();
+    let bracket = cut.unfinished.expect("the dose is unfinished");
+    let steps_rad = 0.5 * (bracket.made_most - bracket.made_least) as f64 * std::f64::consts::TAU / 12_800.0;
+    let fall_rad = 2.0 * std::f64::consts::TAU / 200.0;
+    assert!(cut.half_width_rad >= steps_rad + fall_rad - 1e-9, "{} {steps_rad}", cut.half_width_rad);
+    assert_eq!((cut.disturbances, cut.released, cut.count), (1, true, None), "{said}");
+    let (code, accepted) = rig.runs(&["accept"]);
+    assert_eq!(code, Some(0), "{said}; {accepted}");
+    let met = rig.state().unwrap();
+    assert_eq!((met.disturbances, met.half_width_rad), (1, cut.half_width_rad), "{accepted}");
+    let (code, dosed) = rig.runs(&["0.5mL"]);
+    assert_eq!(code, Some(0), "{accepted}; {dosed}");
+    assert_eq!(rig.state().unwrap().disturbances, 1, "{dosed}");
+}

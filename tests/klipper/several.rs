@@ -124,7 +124,7 @@ fn pumps_that_take_turns_at_a_board_find_it_as_they_left_it() {
             // The second pump changes the configuration once, which the first hears of once.
             let is_new = round == 0 || round == 1 && number == 0;
             // The second pump adds a motor to a board that is configured.
-            let event = if number == 0 { Disturbance::Reset } else { Disturbance::Reconfigured };
+            let event = if round + number == 0 { Disturbance::Reset } else { Disturbance::Reconfigured };
             let reset = is_new.then_some(event);
             assert_eq!(drive.disturbed(), reset, "round {round}, pump {number}");
             counts[number] = if is_new { 0 } else { counts[number] };

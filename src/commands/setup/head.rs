@@ -3,10 +3,10 @@
 use pump_bench::heads::bought_head;
 use pump_bench::setup::{Answers, HeadAnswer, Topic};
 use pump_bench::units;
-use pump_model::units::degrees;
 
 use super::asker::{Asked, Question, Stop, Usual};
 use super::course::{Course, heading, tell_person};
+use super::options::contact_in_deg;
 use crate::advice;
 use crate::failure::Failure;
 
@@ -267,7 +267,7 @@ const DIMENSIONS: [Dimension; 5] = [
         read: |answer| {
             let contact_rad = units::angle_rad(answer).map_err(|error| error.to_string())?;
             // Degrees as they were typed, without the rounding on the way over radians.
-            Ok([(1e9 * degrees(contact_rad)).round() / 1e9, 0.0])
+            Ok([contact_in_deg(contact_rad), 0.0])
         },
     },
 ];

@@ -16,6 +16,11 @@ use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::limits::ambient_kpa;
 
+/// The contact angle in deg, without the last digits that rad have left.
+pub(super) fn contact_in_deg(rad: f64) -> f64 {
+    (1e9 * degrees(rad)).round() / 1e9
+}
+
 /// Dimensions that a head has if it is drawn.
 const DRAWING: [&str; 5] = ["tube", "backplate", "roller", "offset", "contact"];
 
@@ -242,7 +247,7 @@ impl AnswerOptions {
             return Ok(Some(HeadAnswer::File(path)));
         }
         let tube = self.tube.map(|tube| (tube.bore_mm, tube.outer_mm));
-        let given = (tube, [self.backplate, self.roller, self.offset, self.contact.map(degrees)]);
+        let given = (tube, [self.backplate, self.roller, self.offset, self.contact.map(contact_in_deg)]);
         if given == (None, [None; 4]) {
             return Ok(None);
         }

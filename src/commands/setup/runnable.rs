@@ -80,6 +80,10 @@ fn in_setup(remedy: Remedy) -> &'static str {
              changed the settings or replaced the board, `dose home --unknown --accept-settings` takes it as it is; \
              otherwise set them back"
         }
+        Remedy::ResetBoard => {
+            "if nobody else uses it, `dose home --unknown --accept-settings` resets it and takes it: each of its motors \
+             is without current meanwhile"
+        }
         other => advice::words(other),
     }
 }

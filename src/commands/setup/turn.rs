@@ -169,7 +169,8 @@ fn is_without_current(error: &DoseError) -> bool {
 
 /// True if the record of the pump is of another board, or of the same one with other settings.
 fn is_of_other_board(error: &DoseError) -> bool {
-    error.remedies().iter().any(|remedy| matches!(remedy, Remedy::AcceptBoard | Remedy::AcceptSettings))
+    let takes = [Remedy::AcceptBoard, Remedy::AcceptSettings, Remedy::ResetBoard];
+    error.remedies().iter().any(|remedy| takes.contains(remedy))
 }
 
 /// Asks if the board at the port turns the pump from now on. Otherwise its port is asked for anew.

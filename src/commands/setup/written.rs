@@ -74,8 +74,27 @@ fn put(course: &mut Course, text: &str) -> Result<(), Stop> {
     let path = course.folder.write_pump(&mut course.answers, text)?;
     if is_new {
         tell_person(&format!("  {} is written", path.display()));
+        tell_reset(course);
     }
     Ok(())
+}
+
+/// Says which pumps lose their current once the first motion of a new one has its Klipper board configured anew.
+fn tell_reset(course: &Course) {
+    let (Some(DriverName::Klipper), Some(port)) = (course.answers.driver, &course.answers.port) else {
+        return;
+    };
+    let others = course.others_at(port);
+    let names: Vec<_> = others.iter().map(|other| format!("`{}`", other.name)).collect();
+    if names.is_empty() || course.board_on_record().is_some() {
+        return;
+    }
+    tell_person(&format!(
+        "  The first motion of `{}` resets the board, so that it knows its pins: the motors of {} are without current \
+         meanwhile, and the angle of their rollers is known less well.",
+        course.answers.name,
+        names.join(" and ")
+    ));
 }
 
 fn verdict(answer: &str) -> Result<Verdict, String> {

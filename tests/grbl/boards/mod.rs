@@ -138,7 +138,7 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_where_boards_have_ma
         said.contains("belongs to pump `acid` by the record; name another one in the file of pump `base`"),
         "{said}"
     );
-    assert_eq!(remedies, [Remedy::WriteSettingsAnew]);
+    assert_eq!(remedies, [Remedy::TakePlace]);
     drop(open("base", "ttyUSB0", true).unwrap());
     assert!(open("acid", "ttyUSB0", false).is_err());
     // Boards without a mark cannot be told apart, and none is refused.

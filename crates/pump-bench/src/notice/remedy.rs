@@ -188,6 +188,10 @@ pub enum Remedy {
     AcceptSettings,
     /// Have the record of the board's settings written anew.
     WriteSettingsAnew,
+    /// Have a board reset that another program has configured, and take it.
+    ResetBoard,
+    /// Give the pump the place of another one on its board.
+    TakePlace,
     /// Connect the board on record, or accept the one at the port from now on.
     AcceptBoard,
     /// Seek the offset of the points too.
@@ -308,6 +312,8 @@ impl Remedy {
         Self::ConfigureOrRaise,
         Self::AcceptSettings,
         Self::WriteSettingsAnew,
+        Self::ResetBoard,
+        Self::TakePlace,
         Self::AcceptBoard,
         Self::SeekOffset,
         Self::CheckPump,

@@ -184,6 +184,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "if the board was replaced, open the bench of each of its pumps, or their rack, with accept_settings=True \
              once"
         }
+        Remedy::ResetBoard => {
+            "if nobody else uses it, Bench.open() with accept_settings=True resets it and takes it, once: each of its \
+             motors is without current meanwhile"
+        }
+        Remedy::TakePlace => "Bench.open() with accept_settings=True gives it to this pump, once",
         Remedy::WriteSettingsAnew => "Bench.open() with accept_settings=True writes it anew",
         Remedy::SeekOffset => "seek it with offset=True",
         Remedy::CheckPump => "Pump.from_toml() shows what they give",

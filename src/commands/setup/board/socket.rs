@@ -10,6 +10,9 @@ use super::super::asker::{Asked, Question};
 use super::super::course::{Course, tell_person};
 use crate::failure::Failure;
 
+/// Pins of a motor, as a user types them.
+const PINS: &str = "step=PB13,dir=PB12,enable=!PB14";
+
 /// Current with which the pins of a socket are looked up, in A.
 const TRIED_A: f64 = 0.5;
 
@@ -119,17 +122,17 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
         let socket = socket_at(&boards, pin).map_or(pin.to_owned(), |socket| format!("{socket} ({pin})"));
         tell_person(&format!("  {} has the motor at {socket} of this board", other.name));
     }
-    let example = boards.first().map_or("skr-mini-e3-v3", |board| board.name);
-    let text = match is_unlisted {
-        true => "Pins of the motor, as step=PB13,dir=PB12,enable=!PB14".to_owned(),
-        false => format!("Board and socket of the motor, as {example}:X, or its pins"),
+    let is_taken = |pin: &str| others.iter().any(|other| other.step_pin.as_deref() == Some(pin));
+    let free = sockets_of(&boards).find(|(_, socket)| !is_taken(socket.step_pin()));
+    let (text, option) = match free.filter(|_| !is_unlisted) {
+        Some((name, _)) => {
+            (format!("Board and socket of the motor, as {name}, or its pins"), format!("--socket {name}"))
+        }
+        None => (format!("Pins of the motor, as {PINS}"), format!("--socket {PINS}")),
     };
     let question = Question {
         text: &text,
-        option: match is_unlisted {
-            true => "--socket step=PB13,dir=PB12,enable=!PB14",
-            false => "--socket skr-mini-e3-v3:X",
-        },
+        option: &option,
         usual: course.former(|before| before.socket.as_ref().map(ToString::to_string)),
         help: "the board's name is printed on it, and the socket's beside the motor's plug; the pins of any other \
                board are in its file of Klipper's folder config, as step=PB13,dir=PB12,enable=!PB14, and \
@@ -155,20 +158,26 @@ fn ask_socket(course: &mut Course) -> Asked<()> {
     Ok(())
 }
 
+/// Returns the sockets of these boards, each as a user types it.
+fn sockets_of<'a>(boards: &'a [&PrinterBoard]) -> impl Iterator<Item = (String, MotorSocket)> + 'a {
+    let names =
+        boards.iter().flat_map(|board| board.sockets().map(|socket| format!("{}:{socket}", board.name)));
+    names.filter_map(|name| name.parse().ok().map(|socket| (name, socket)))
+}
+
 /// Returns the socket of one of these boards whose step pin is `pin`, as a user types it.
 fn socket_at(boards: &[&PrinterBoard], pin: &str) -> Option<String> {
-    let sockets =
-        boards.iter().flat_map(|board| board.sockets().map(|socket| format!("{}:{socket}", board.name)));
-    let is_at_pin =
-        |socket: &String| socket.parse().is_ok_and(|parsed: MotorSocket| parsed.step_pin() == pin);
-    sockets.into_iter().find(is_at_pin)
+    sockets_of(boards).find(|(_, socket)| socket.step_pin() == pin).map(|(name, _)| name)
 }
 
 fn ask_current(course: &mut Course) -> Asked<()> {
     let question = Question {
         text: "Current of the motor (RMS), as 0.5A",
         option: "--current 0.5A",
-        usual: course.suggested(|last| last.current_a.map(|current_a| format!("{current_a}A")), None),
+        // The current is that of a motor's label: nobody has said that this motor is like the last one.
+        usual: course
+            .suggested(|last| last.current_a.map(|current_a| format!("{current_a}A")), None)
+            .filter(|_| !course.asker.is_silent()),
         help: "the board sets it in the stepper driver; the motor's label says the most of a phase, and 0.7 of that \
                keeps a motor cool that rests a lot",
     };

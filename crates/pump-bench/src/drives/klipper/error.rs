@@ -127,10 +127,7 @@ pub enum KlipperError {
     #[error("the board was reset, or lost its supply for a moment; its motor may have moved")]
     Reset,
     /// The board is configured otherwise than it should be.
-    #[error(
-        "the board has a configuration that is not on record, and another program may use it; have it reset, or switch \
-         it off and on"
-    )]
+    #[error("the board has a configuration that is not on record, and another program may use it")]
     Configured {
         /// Checksum of the configuration that the board has.
         found: u32,
@@ -139,7 +136,7 @@ pub enum KlipperError {
     },
     /// The pump file names no pins.
     #[error(
-        "no pins of the board are named for this pump, as for any built-in one; `dose setup` writes a pump file that \
+        "no pins of the board are named for this pump, and a built-in pump names none; `dose setup` writes a pump file that \
          names them, in the table [drive.klipper], as step = \"PB13\", with dir, and enable where the motor has one"
     )]
     NoPins,

@@ -295,6 +295,11 @@ impl Node {
         made.map_err(|fault| {
             self.part();
             self.tells_fault = matches!(fault.error, NodeError::Estop | NodeError::Driver);
+            if matches!(fault.error, NodeError::Reset) {
+                // The motor was without current, and the board counts anew.
+                (self.disturbed, self.current, self.stands) =
+                    (Some(Disturbance::Reset), Current::Missing, None);
+            }
             fault.of_drive()
         })
     }

@@ -85,9 +85,8 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
         NodeError::Version { theirs, .. } if *theirs < VERSION => Some(Remedy::UpdateFirmware),
         NodeError::Version { .. } => Some(Remedy::UpdateProgram),
         NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        NodeError::PlaceTaken(_) | NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => {
-            Some(Remedy::WriteSettingsAnew)
-        }
+        NodeError::PlaceTaken(_) => Some(Remedy::TakePlace),
+        NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         NodeError::Gone(_) => Some(Remedy::CheckCable),
         NodeError::Count { .. } => Some(Remedy::FindAngle),
         NodeError::Estop | NodeError::Driver => Some(Remedy::FindAngleIfLost),
@@ -102,10 +101,11 @@ fn of_klipper(error: &KlipperError) -> Option<Remedy> {
         KlipperError::NoPort => Some(Remedy::NamePort),
         KlipperError::Open { fault, .. } => of_port(fault),
         KlipperError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        KlipperError::Configured { .. } => Some(Remedy::AcceptSettings),
-        KlipperError::PlaceTaken(_)
-        | KlipperError::SessionRecord { .. }
-        | KlipperError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
+        KlipperError::Configured { .. } => Some(Remedy::ResetBoard),
+        KlipperError::PlaceTaken(_) => Some(Remedy::TakePlace),
+        KlipperError::SessionRecord { .. } | KlipperError::BoardRecord { .. } => {
+            Some(Remedy::WriteSettingsAnew)
+        }
         KlipperError::Gone(_) => Some(Remedy::CheckCable),
         KlipperError::Count { .. } => Some(Remedy::FindAngle),
         KlipperError::Shutdown { .. } | KlipperError::HeldUp | KlipperError::DeadMan { .. } => {
@@ -125,9 +125,8 @@ fn of_grbl(error: &GrblError) -> Option<Remedy> {
         GrblError::SoftLimits => Some(Remedy::Configure),
         GrblError::SettingsChanged { .. } => Some(Remedy::AcceptSettings),
         GrblError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        GrblError::PlaceTaken(_) | GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => {
-            Some(Remedy::WriteSettingsAnew)
-        }
+        GrblError::PlaceTaken(_) => Some(Remedy::TakePlace),
+        GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         GrblError::Gone(_) => Some(Remedy::CheckCable),
         GrblError::Count { .. } => Some(Remedy::FindAngle),
         _ => None,

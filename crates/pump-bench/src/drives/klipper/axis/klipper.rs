@@ -51,8 +51,8 @@ pub struct Klipper {
     /// True if the slip of the last motion was told with its fault. Once that is on record, no later meeting tells it
     /// again.
     tells_slip: bool,
-    /// True if the last motion ended with a shutdown, which was told with its fault.
-    is_shut_down: bool,
+    /// True if the last motion ended without current, by a shutdown or a reset, which was told with its fault.
+    has_lost_current: bool,
     notes: Vec<Notice>,
     /// Place of the next motion among those that begin together.
     place: Option<BeginPlace>,
@@ -101,7 +101,7 @@ impl Klipper {
             stands: None,
             disturbed: None,
             tells_slip: false,
-            is_shut_down: false,
+            has_lost_current: false,
             notes: Vec::new(),
             place: None,
             shared,
@@ -124,7 +124,7 @@ impl Klipper {
                 self.notes.extend(replaced.notes());
                 self.notes.extend(of_board.into_iter().map(Notice::from));
                 self.at = At::Met(Box::new(board));
-                self.is_shut_down = false;
+                self.has_lost_current = false;
                 (self.stands, self.disturbed) = (Some(position), disturbed);
                 // The session must hear what the board has told. A motion learns the drift again before it moves.
                 match self.learn_drift(self.terms.opening.with_other_boards) {
@@ -218,11 +218,19 @@ impl Klipper {
         self.stands = self.stands.zip(signed).map(|(before, made)| before + direction * made);
         made.map_err(|fault| {
             self.part();
-            // The next meeting tells of a shutdown after which the board's count was not found.
-            let is_shut_down = matches!(fault.error, KlipperError::Shutdown { .. }) && known.is_some();
-            if slip_steps > 0 || is_shut_down {
-                self.disturbed = Some(Disturbance::Halted { slip_steps, without_current: is_shut_down });
-                (self.tells_slip, self.is_shut_down) = (true, is_shut_down);
+            let without_current = match fault.error {
+                // The next meeting tells of a shutdown after which the board's count was not found.
+                KlipperError::Shutdown { .. } => known.is_some(),
+                // The board counts anew.
+                KlipperError::Reset => {
+                    self.stands = None;
+                    true
+                }
+                _ => false,
+            };
+            if slip_steps > 0 || without_current {
+                self.disturbed = Some(Disturbance::Halted { slip_steps, without_current });
+                (self.tells_slip, self.has_lost_current) = (true, without_current);
             }
             fault.of_drive()
         })
@@ -299,7 +307,7 @@ impl Drive for Klipper {
     }
 
     fn is_without_current(&self) -> bool {
-        self.is_shut_down
+        self.has_lost_current
     }
 
     fn recorded(&mut self) {

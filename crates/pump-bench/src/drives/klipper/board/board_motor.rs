@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::terms::Terms;
+use crate::drives::Opening;
 use crate::drives::klipper::dictionary::Dictionary;
+use crate::drives::known_board::RecordedPump;
 use crate::pump_file::KlipperTable;
 
 /// Most motors of a board. Each has six of its 255 objects.
@@ -58,12 +60,30 @@ pub(super) fn motors_of(
     (motors, place)
 }
 
-/// Tells of a motor on record that has to leave the configuration for these motors, because both claim a pin.
-pub(super) fn displaced(motors: &[BoardMotor], recorded: &[BoardMotor]) -> Option<String> {
+/// Tells of the other pumps whose motors a reset has left without current, since the board is configured for this one
+/// from now on.
+pub(super) fn left_without_current(configured: &[BoardMotor], opening: &Opening) -> Option<String> {
+    let is_beside = |pump: &str| opening.beside.iter().any(|(beside, _)| beside == pump);
+    let others = configured.iter().filter_map(|motor| motor.pump.as_deref());
+    let others = others.filter(|pump| opening.pump.as_deref() != Some(*pump) && !is_beside(pump));
+    let others: Vec<_> = others.map(|pump| format!("`{pump}`")).collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "the board was reset to configure it for this pump: it turns {} too, without current meanwhile, so the \
+             angle of those rollers is known less well",
+            others.join(", ")
+        )
+    })
+}
+
+/// Tells of a motor on record that has to leave the configuration for these motors, because both claim a pin. A pump
+/// that was refused before it moved has no record of its own, and claims none.
+pub(super) fn displaced(motors: &[BoardMotor], recorded: &[BoardMotor], opening: &Opening) -> Option<String> {
     let mut left = recorded.iter().filter(|motor| !motors.contains(motor));
     left.find_map(|motor| {
         let other = motors.iter().find(|other| !other.is_of_pump_of(motor) && other.displaces(motor))?;
         let (pin, pump) = (other.pins.clash(&motor.pins)?, motor.pump.as_deref()?);
+        RecordedPump::named(pump, opening)?;
         Some(format!(
             "pump `{pump}` on record claims the {pin} of the board too, so the board is reset whenever one follows the \
              other, and its motors are without current meanwhile; give each pump pins of its own"

@@ -18,6 +18,8 @@ const SCHEMA: &str = "klipper-board/1";
 struct Recorded {
     schema: String,
     session: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    before: Option<String>,
     cuts: u32,
     motors: Vec<BoardMotor>,
 }
@@ -27,6 +29,9 @@ struct Recorded {
 pub(super) struct BoardRecord {
     /// Number of the session, which is drawn whenever the board is configured.
     pub(super) session: u64,
+    /// Session that a program of this bench ended by a reset, to configure the board for this one. `None` if the board
+    /// had lost it before.
+    pub(super) before: Option<u64>,
     /// Shutdowns of the session that this bench has ended. Each has taken the current of every motor.
     pub(super) cuts: u32,
     /// Motors of the configuration.
@@ -47,15 +52,17 @@ impl BoardRecord {
     pub(super) fn read(path: &Path) -> Result<Option<Self>, KlipperError> {
         let Some(recorded) = read_json::<Recorded>(path)? else { return Ok(None) };
         check_schema(path, &recorded.schema, SCHEMA)?;
-        let Recorded { session, cuts, motors, .. } = recorded;
-        Ok(Some(Self { session: hexadecimal(path, &session)?, cuts, motors }))
+        let Recorded { session, before, cuts, motors, .. } = recorded;
+        let before = before.map(|before| hexadecimal(path, &before)).transpose()?;
+        Ok(Some(Self { session: hexadecimal(path, &session)?, before, cuts, motors }))
     }
 
     /// Writes the record to `path`. The disk has it afterwards.
     pub(super) fn write(&self, path: &Path) -> Result<(), KlipperError> {
-        let Self { session, cuts, motors } = self.clone();
+        let Self { session, before, cuts, motors } = self.clone();
         let session = format!("{session:016x}");
-        write_json(path, &Recorded { schema: SCHEMA.to_owned(), session, cuts, motors })
+        let before = before.map(|before| format!("{before:016x}"));
+        write_json(path, &Recorded { schema: SCHEMA.to_owned(), session, before, cuts, motors })
     }
 
     /// Notes one more shutdown on the record at `path`, before it is ended. Returns the number of all.

@@ -6,7 +6,7 @@ use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 use super::board::{Board, ConfigState, Talk, reason};
-use super::board_motor::{BoardMotor, displaced, motors_of};
+use super::board_motor::{BoardMotor, displaced, left_without_current, motors_of};
 use super::board_record::BoardRecord;
 use super::commands::Commands;
 use super::configuration::Configuration;
@@ -74,8 +74,8 @@ struct Found {
     disturbed: Option<Disturbance>,
     /// File of the record that the motors of the board share.
     shared_path: Option<PathBuf>,
-    /// Motor on record that has to leave the configuration, in words.
-    displaced: Option<String>,
+    /// What became of the board's other motors on record, in words.
+    of_others: Vec<String>,
 }
 
 /// Meets the board at the other end of `link`, which other motors of this process may have met. Returns the link with
@@ -101,7 +101,7 @@ pub(in crate::drives::klipper) fn meet(
         Ok(found) => found,
         Err(error) => return Err((Box::new(talk.link), error)),
     };
-    let Found { hz, state, record, disturbed, shared_path, displaced } = found;
+    let Found { hz, state, record, disturbed, shared_path, of_others } = found;
     let chip = talk.dictionary.constant_text("MCU");
     let clock = clock.map_or_else(|| talk.read_clock(hz), Ok);
     let ready = clock.and_then(|clock| Ok((clock, step_timer(hz, chip.as_deref(), terms)?)));
@@ -137,7 +137,7 @@ pub(in crate::drives::klipper) fn meet(
     let settled = ready.and_then(|ready| Ok((ready, marks.settle(&replaced, &terms.opening)?).0));
     match settled {
         Ok((position, mut of_board, was_off)) => {
-            of_board.extend(displaced);
+            of_board.extend(of_others);
             let disturbed = told_of(disturbed, replaced.board.is_some(), was_off);
             // Before another motor meets the board: it need not find it anew then.
             board.talk.link.note_met(true);
@@ -233,8 +233,14 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
         if let Some((record, disturbed)) =
             keep(talk, mine, (session, board.cuts), state, shared_path.as_deref())?
         {
+            // Another pump of this bench may have had the board configured since the motor moved last.
+            let is_reset_here = own.is_some_and(|own| board.before == Some(own.session));
+            let disturbed = match disturbed {
+                Some(Disturbance::Reset) if is_reset_here => Some(Disturbance::Reconfigured),
+                disturbed => disturbed,
+            };
             let state = talk.config()?;
-            return Ok(Found { hz, state, record, disturbed, shared_path, displaced: None });
+            return Ok(Found { hz, state, record, disturbed, shared_path, of_others: Vec::new() });
         }
     }
     if talk.link.is_met_by_others() {
@@ -251,21 +257,25 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
         bring_to_rest(talk, state, is_known, (board.motors.len(), wanted))?;
         reset(talk)?;
     }
-    let displaced = displaced(&motors, &recorded);
+    let mut of_others: Vec<_> = displaced(&motors, &recorded, &terms.opening).into_iter().collect();
     let disturbed = match state {
         _ if is_foreign => Disturbance::TakenOver,
         ConfigState { is_configured: true, is_shut_down: false, .. } => Disturbance::Reconfigured,
         _ => Disturbance::Reset,
     };
+    let before = (disturbed == Disturbance::Reconfigured).then_some(board.session);
+    of_others.extend(before.and_then(|_| left_without_current(&board.motors, &terms.opening)));
     let session = SessionRecord::draw();
     let checksum = configuration.checksum(session);
     let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts: 0 };
     // The disk has the session before the board does.
-    shared_path.as_ref().map_or(Ok(()), |path| BoardRecord { session, cuts: 0, motors }.write(path))?;
+    shared_path
+        .as_ref()
+        .map_or(Ok(()), |path| BoardRecord { session, before, cuts: 0, motors }.write(path))?;
     terms.record.as_ref().map_or(Ok(()), |path| record.write(path))?;
     let state = configure(talk, &configuration, checksum)?;
     talk.objects = configuration.objects(place);
-    Ok(Found { hz, state, record, disturbed: Some(disturbed), shared_path, displaced })
+    Ok(Found { hz, state, record, disturbed: Some(disturbed), shared_path, of_others })
 }
 
 /// Returns the session of the pump on record, and the record of the board. One that cannot be read is none if a person

@@ -28,6 +28,10 @@ impl Motion<'_> {
             _ => self.search(true),
         };
         self.feed = None;
+        if matches!(error, KlipperError::Reset) {
+            // The motor stopped where it was, without current.
+            self.note_slip(heard);
+        }
         match found {
             Some(counted) => {
                 self.note_slip(counted);

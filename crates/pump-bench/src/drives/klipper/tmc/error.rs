@@ -127,7 +127,8 @@ pub enum TmcError {
     /// The driver's enable input is off while the board gives the motor current.
     #[error(
         "the TMC2209 at address {address} tells that its enable input is off, so its motor has no current; check the \
-         pin `enable` of the pump file and its `!`, and that no emergency stop holds that line"
+         pin `enable` of the pump file and its `!`, that `address` is that of this motor's own TMC2209, and that no \
+         emergency stop holds that line"
     )]
     Disabled {
         /// Address of the driver.
@@ -137,7 +138,7 @@ pub enum TmcError {
     #[error(
         "the TMC2209 at address {address} tells that its enable input is on while the board switches the pin `enable` \
          off, so its motor keeps its current; switch the motor supply off before you touch the rotor, and check that \
-         pin of the pump file and its `!`"
+         pin of the pump file, its `!`, and that `address` is that of this motor's own TMC2209"
     )]
     Enabled {
         /// Address of the driver.
