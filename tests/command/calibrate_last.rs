@@ -103,8 +103,7 @@ fn what_cannot_be_the_weight_of_the_last_dose_is_refused_and_nothing_is_kept() {
     assert!(refused.contains("no dose is on record") && refused.contains("dose calibrate last"), "{refused}");
     user.json(&["10mL"]);
     // 49.5 g are 49.69 mL, 4.97 times 10 mL.
-    let wrong =
-        "the reading is 49.69 mL of water, 4.97 times the 9.9994 mL that the last dose delivered by the model";
+    let wrong = "the reading is 49.69 mL of water, 4.97 times the 9.9994 mL that the last dose delivered by the model";
     for (reading, part) in [("49.5g", wrong), ("10", "has no unit"), ("-10g", "without sign")] {
         let refused = user.is_refused(&["calibrate", "last", reading]);
         assert!(refused.contains(part) && !refused.contains("run 1"), "{reading}: {refused}");

@@ -62,7 +62,7 @@ fn a_board_of_another_program_is_refused_unless_a_person_accepts_it() {
     // Nothing on record tells that the configuration is this bench's.
     std::fs::remove_dir_all(rig.folder.path().join("pump")).unwrap();
     let words = rig.refusal(&rig.table());
-    assert!(words.contains("another program may use it; have it reset"), "{words}");
+    assert!(words.contains("another program may use it"), "{words}");
     let mut opening = rig.opening();
     opening.accept_settings = true;
     let mut drive = pump_bench::drives::Klipper::open(&rig.table(), &crate::rig::motor(), &opening).unwrap();
@@ -99,7 +99,7 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
         let pump = rig.pump_at(id, pins);
         ended(command(rig.folder.path(), &pump, rig.board.path(), words).spawn().unwrap())
     };
-    let dose = ["1mL", "--confirm-pump"];
+    let dose = ["1mL", "--confirm-pump", "--start-angle", "0deg"];
     let (code, said) = runs("red", with_driver("X", 0), &dose);
     assert_eq!(code, Some(0), "{said}");
     let made = rig.board.truth().steps;
@@ -109,11 +109,15 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
     ] {
         let (code, said) = runs("blue", pins, &dose);
         assert!(code == Some(2) && said.contains(words) && said.contains("pump `red`"), "{code:?}: {said}");
-        assert!(said.contains("`--accept-settings` writes it anew"), "{said}");
+        assert!(said.contains("`--accept-settings` gives it to this pump, once"), "{said}");
         assert_eq!(rig.board.truth().steps, made, "nothing moves");
     }
     let (code, said) = runs("blue", with_driver("Y", 2), &dose);
-    assert_eq!(code, Some(0), "{said}");
+    let told =
+        "the board was reset to configure it for this pump: it turns `red` too, without current meanwhile";
+    assert!(code == Some(0) && said.contains(told), "{code:?}: {said}");
+    let (code, said) = runs("red", with_driver("X", 0), &["0.2mL"]);
+    assert!(code == Some(0) && said.contains("this program has reset the board to configure it"), "{said}");
     let (code, said) = runs("green", with_driver("X", 0), &["1mL", "--confirm-pump", "--accept-settings"]);
     assert!(code == Some(0) && said.contains("the socket turned pump `red`"), "{code:?}: {said}");
     let (code, said) = runs("red", with_driver("X", 0), &dose);

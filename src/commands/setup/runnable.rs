@@ -81,8 +81,8 @@ fn in_setup(remedy: Remedy) -> &'static str {
              otherwise set them back"
         }
         Remedy::ResetBoard => {
-            "if nobody else uses it, `dose home --unknown --accept-settings` resets it and takes it: each of its motors \
-             is without current meanwhile"
+            "if nobody else uses it, `dose home --unknown --accept-settings` resets it and takes it: each of its \
+             motors is without current meanwhile"
         }
         other => advice::words(other),
     }
