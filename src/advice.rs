@@ -210,6 +210,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "if nobody else uses it, `--accept-settings` resets it and takes it, once: each of its motors is without \
              current meanwhile"
         }
+        Remedy::WritePins => "`dose setup` writes such a file",
         Remedy::TakePlace => "`--accept-settings` gives it to this pump, once",
         Remedy::SeekOffset => "seek it with --offset",
         Remedy::CheckPump => "`dose pumps check` says what they give",

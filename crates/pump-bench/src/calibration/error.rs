@@ -199,10 +199,10 @@ pub enum CalibrationError {
     },
     /// The reading of the last dose cannot be right.
     #[error(
-        "the reading is {} mL of {fluid}, {} times the {} mL that the last dose delivered by the model; allowed: {} to \
-         {} mL, half to twice the {} mL of the uncalibrated pump; check its unit, the tare, that the vessel held this dose \
-         alone, and the fluid; a motor with other steps per revolution than the pump file's makes such a difference \
-         too",
+        "the reading is {} mL of {fluid}, {} times the {} mL that the last dose delivered by the model; \
+         allowed: {} to {} mL, half to twice the {} mL of the uncalibrated pump; check its unit, the tare, that the \
+         vessel held this dose alone, and the fluid; a motor with other steps per revolution than the pump file's \
+         makes such a difference too",
         significant(*measured_ml, 5),
         significant(measured_ml / planned_ml, 3),
         significant(*planned_ml, 5),

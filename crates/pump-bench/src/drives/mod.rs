@@ -61,6 +61,7 @@ pub(crate) use identity::Identity;
 pub use klipper::BoardPins;
 #[cfg(feature = "klipper")]
 pub use klipper::{DictionaryError, Klipper, KlipperError, MessageError, RefitError, TmcError};
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 pub use known_board::{BoardOnRecord, PlaceTaken};
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeBoard, NodeError};

@@ -190,6 +190,8 @@ pub enum Remedy {
     WriteSettingsAnew,
     /// Have a board reset that another program has configured, and take it.
     ResetBoard,
+    /// Have a pump file written that names the pins of the board.
+    WritePins,
     /// Give the pump the place of another one on its board.
     TakePlace,
     /// Connect the board on record, or accept the one at the port from now on.
@@ -313,6 +315,7 @@ impl Remedy {
         Self::AcceptSettings,
         Self::WriteSettingsAnew,
         Self::ResetBoard,
+        Self::WritePins,
         Self::TakePlace,
         Self::AcceptBoard,
         Self::SeekOffset,

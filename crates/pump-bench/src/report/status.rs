@@ -15,7 +15,7 @@ pub use self::safety::{SafetyStatus, StandStatus};
 use crate::bench::Bench;
 use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;
-use crate::record::{AngleLoss, LogEnd, PhaseSource, Purpose, Wear};
+use crate::record::{AngleLoss, LogEnd, PhaseSource, Purpose, Story, Unfinished, Wear};
 
 /// The record of a pump (`schema` `status/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -163,6 +163,37 @@ pub struct UnfinishedStatus {
     pub cause: Option<String>,
 }
 
+impl UnfinishedStatus {
+    fn of(bench: &Bench, story: &Story, dose: &Unfinished) -> Self {
+        let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
+        let logged = dose.intent.told.and_then(|told| bench.logged(told.number));
+        Self {
+            number: dose.intent.told.map(|told| told.number),
+            purpose: dose.intent.purpose,
+            requested_ml: dose.intent.whole_requested_ml(),
+            planned_ml: dose.intent.whole.map_or(0.0, |whole| whole.booked_ml) + dose.intent.planned_ml,
+            delivered_least_ml,
+            delivered_most_ml,
+            searched_ml: dose.searched_ml(),
+            steps: dose.intent.steps,
+            steps_made_least: dose.made_least,
+            steps_made_most: dose.made_most,
+            steps_are_exact: dose.has_exact_steps(),
+            other_volumes: story.other_volumes,
+            board_may_tell: story.board_may_tell(dose),
+            began_unix_s: dose.intent.unix_s,
+            until_stopped: dose.intent.terms.until_stopped,
+            over_time: dose.intent.terms.profile,
+            by_weight: dose.intent.terms.by_weight,
+            target_g: Weighing::of(bench.file())
+                .reading_g(dose.intent.whole_requested_ml())
+                .filter(|_| dose.intent.terms.by_weight),
+            end: logged.as_ref().map(|entry| entry.end),
+            cause: logged.and_then(|entry| entry.cause),
+        }
+    }
+}
+
 /// A guided calibration that was begun and not finished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
@@ -200,34 +231,7 @@ impl Status {
         // A motion that nobody makes any more was cut off.
         let under_way = story.cut_off.map(|(_, motion)| motion).filter(|_| in_use_by.is_some());
         let state = recorded.unwrap_or(bench.fresh());
-        let unfinished = state.unfinished.map(|dose| {
-            let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
-            let logged = dose.intent.told.and_then(|told| bench.logged(told.number));
-            UnfinishedStatus {
-                number: dose.intent.told.map(|told| told.number),
-                purpose: dose.intent.purpose,
-                requested_ml: dose.intent.whole_requested_ml(),
-                planned_ml: dose.intent.whole.map_or(0.0, |whole| whole.booked_ml) + dose.intent.planned_ml,
-                delivered_least_ml,
-                delivered_most_ml,
-                searched_ml: dose.searched_ml(),
-                steps: dose.intent.steps,
-                steps_made_least: dose.made_least,
-                steps_made_most: dose.made_most,
-                steps_are_exact: dose.has_exact_steps(),
-                other_volumes: story.other_volumes,
-                board_may_tell: story.board_may_tell(&dose),
-                began_unix_s: dose.intent.unix_s,
-                until_stopped: dose.intent.terms.until_stopped,
-                over_time: dose.intent.terms.profile,
-                by_weight: dose.intent.terms.by_weight,
-                target_g: Weighing::of(bench.file())
-                    .reading_g(dose.intent.whole_requested_ml())
-                    .filter(|_| dose.intent.terms.by_weight),
-                end: logged.as_ref().map(|entry| entry.end),
-                cause: logged.and_then(|entry| entry.cause),
-            }
-        });
+        let unfinished = state.unfinished.map(|dose| UnfinishedStatus::of(bench, &story, &dose));
         let angle_known = state.phase().is_known(bench.model().pitch_rad());
         Ok(Self {
             schema: "status/1",

@@ -188,6 +188,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "if nobody else uses it, Bench.open() with accept_settings=True resets it and takes it, once: each of its \
              motors is without current meanwhile"
         }
+        Remedy::WritePins => "the command `dose setup` writes such a file",
         Remedy::TakePlace => "Bench.open() with accept_settings=True gives it to this pump, once",
         Remedy::WriteSettingsAnew => "Bench.open() with accept_settings=True writes it anew",
         Remedy::SeekOffset => "seek it with offset=True",

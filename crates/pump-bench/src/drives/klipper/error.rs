@@ -136,8 +136,8 @@ pub enum KlipperError {
     },
     /// The pump file names no pins.
     #[error(
-        "no pins of the board are named for this pump, and a built-in pump names none; `dose setup` writes a pump \
-         file that names them, in the table [drive.klipper], as step = \"PB13\", with dir, and enable where the motor has one"
+        "no pins of the board are named for this pump, and a built-in pump names none; a pump file names them in the \
+         table [drive.klipper], as step = \"PB13\", with dir, and enable where the motor has one"
     )]
     NoPins,
     /// The board would have to be configured anew, and turns another pump of this process.

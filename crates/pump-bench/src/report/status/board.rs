@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::bench::Bench;
+#[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
 use crate::drives::{BoardOnRecord, port_name};
 use crate::pump_file::Axis;
 
@@ -22,7 +23,14 @@ pub struct BoardStatus {
 }
 
 impl BoardStatus {
+    /// Returns nothing: a program without boards has none on record.
+    #[cfg(not(any(feature = "grbl", feature = "node", feature = "klipper")))]
+    pub(super) fn of(_bench: &Bench) -> Option<Self> {
+        None
+    }
+
     /// Reads the board on record, if it can be told from others.
+    #[cfg(any(feature = "grbl", feature = "node", feature = "klipper"))]
     pub(super) fn of(bench: &Bench) -> Option<Self> {
         let BoardOnRecord { number, port_name: recorded, axis } = BoardOnRecord::of(bench.opening())?;
         if number.is_none() && recorded.is_none() {
