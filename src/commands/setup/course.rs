@@ -51,6 +51,8 @@ pub(super) struct Course {
     pub(super) accepts_board: bool,
     /// Port at which no board answered. A script is told so once.
     pub(super) silent_port: Option<PathBuf>,
+    /// True once each answer is there and the pump file is that of the answers.
+    pub(super) is_complete: bool,
     /// True if the motor has turned in this call.
     pub(super) has_moved: bool,
     /// Warnings that were said already.
@@ -89,6 +91,7 @@ impl Course {
             is_elsewhere: false,
             accepts_board: false,
             silent_port: None,
+            is_complete: false,
             has_moved: false,
             warned: Vec::new(),
             runnable: Runnable::default(),
@@ -111,15 +114,12 @@ impl Course {
         if self.answers == before { Ok(()) } else { self.keep() }
     }
 
-    /// True if a script has failed before it changed anything but the answers of a pump that is set up: those `before`
-    /// hold on.
+    /// True if a script has failed before its answers were complete, and so changed nothing but the answers of a pump
+    /// that is set up: those `before` hold on.
     pub(super) fn is_to_return_to(&self, before: &Answers) -> bool {
-        let written = before.done.written;
-        let has_written = self.answers.done.written != written;
         self.asker.is_silent()
-            && written.is_some()
-            && !has_written
-            && !self.has_moved
+            && !self.is_complete
+            && before.done.written.is_some()
             && self.answers != *before
     }
 

@@ -227,6 +227,7 @@ impl SetupArgs {
             board::meet_said(course, self.no_motion)?;
         }
         written::write(course)?;
+        course.is_complete = true;
         course.expect_board()?;
         if self.no_motion {
             say("Nothing was moved: this pump was not tried yet.\n");
