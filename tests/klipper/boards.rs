@@ -116,8 +116,20 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
     let told =
         "the board was reset to configure it for this pump: it turns `red` too, without current meanwhile";
     assert!(code == Some(0) && said.contains(told), "{code:?}: {said}");
+    let (code, said) = runs("red", with_driver("X", 0), &["status"]);
+    assert!(code == Some(0) && said.contains("may have moved unseen once"), "{code:?}: {said}");
     let (code, said) = runs("red", with_driver("X", 0), &["0.2mL"]);
-    assert!(code == Some(0) && said.contains("this program has reset the board to configure it"), "{said}");
+    let told = "the board was reset to configure it for pump `blue` since";
+    let is_told = said.contains("this program has reset the board to configure it") && said.contains(told);
+    assert!(code == Some(0) && is_told, "{said}");
+    // A pump that is refused after the reset says what that has cost, and claims no pin.
+    let made = rig.board.truth().steps;
+    let (code, said) = runs("violet", with_driver("Z", 3), &dose);
+    let told = "the board was reset to configure it for this pump: it turns `blue`, `red` too";
+    assert!(code != Some(0) && said.contains("at address 3") && said.contains(told), "{code:?}: {said}");
+    assert_eq!(rig.board.truth().steps, made, "nothing moves");
+    let (code, said) = runs("orange", socket("Z"), &dose);
+    assert!(code == Some(0) && !said.contains("on record claims"), "{code:?}: {said}");
     let (code, said) = runs("green", with_driver("X", 0), &["1mL", "--confirm-pump", "--accept-settings"]);
     assert!(code == Some(0) && said.contains("the socket turned pump `red`"), "{code:?}: {said}");
     let (code, said) = runs("red", with_driver("X", 0), &dose);

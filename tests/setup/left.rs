@@ -153,12 +153,14 @@ fn is_made_again(signal: &str, code: i32) -> bool {
     assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
     let journal = desk.journal("acid", "grbl").unwrap();
     // A script does not leave the rest by the way.
-    for again in [&["--again"][..], &[]] {
+    let file = desk.configured("pumps/acid.toml");
+    for again in [&["--again"][..], &[], &["--axis", "Y"]] {
         let refused = desk.types(&[&["setup", "acid", "--yes"][..], again].concat());
         let is_told =
             refused.err.contains("is unfinished") && refused.err.contains("`dose resume --pump acid`");
         assert!(refused.code == 4 && is_told, "{}: {}", refused.code, refused.err);
         assert_eq!(desk.journal("acid", "grbl").unwrap(), journal);
+        assert_eq!(desk.configured("pumps/acid.toml"), file);
     }
     let ended = desk.answers(&["setup", "acid"], &mut |question| {
         Some(match question {

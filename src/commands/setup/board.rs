@@ -231,6 +231,7 @@ pub(super) fn meet_said(course: &mut Course, is_file_alone: bool) -> Asked<()> {
         return Ok(());
     }
     let port = port.clone();
+    say(&format!("  asking {} (nothing moves)\n", port.display()));
     let found = find_board(&port, *driver, &interrupt::stop_request());
     if let Some(signal) = interrupt::signal() {
         return Err(Failure::stopped(signal, false, "stopped by the user").into());

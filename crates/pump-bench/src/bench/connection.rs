@@ -72,6 +72,12 @@ impl Bench {
         // A motion that another process makes has no end on record either.
         Ok(cut_off.is_some() && !self.is_held())
     }
+
+    /// Returns a state on record as the next meeting will find it, as far as the records of the board tell.
+    pub(crate) fn as_told(&self, state: PumpState) -> PumpState {
+        let told = registry::told_by_record(self.drive(), self.opening()).filter(|_| !state.released);
+        told.map_or(state, |event| after_event(state, event, self.fall_rad(), self.model()))
+    }
 }
 
 impl<'a> Session<'a> {
@@ -305,6 +311,11 @@ impl<'a> Session<'a> {
             };
             let text = format!("{event}: the rollers' angle is {now}");
             notes.push(Notice::from(text).with_remedy(find_angle(&stands)));
+        }
+        let is_unsure = stands.unfinished.is_some_and(|dose| dose.made_least < dose.made_most);
+        if is_unsure && matches!(event, Disturbance::OtherAxis | Disturbance::TakenOver) {
+            let text = "what it counts tells nothing of the unfinished dose, whose steps stay within the bounds on record";
+            notes.push(Notice::from(format!("{event}: {text}")));
         }
         met
     }

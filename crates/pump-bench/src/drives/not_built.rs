@@ -1,5 +1,7 @@
 //! The drive of a board, in a program that is built without it.
 
+#[cfg(not(feature = "klipper"))]
+use super::drive::Disturbance;
 use super::drive::Drive;
 #[cfg(not(feature = "grbl"))]
 use super::drive::DriveLimits;
@@ -28,6 +30,12 @@ pub(super) fn recorded_limits(
     _step_rad: f64,
 ) -> Result<Option<DriveLimits>, DriveError> {
     Err(DriveError::NotBuilt { driver: table.driver.as_str() })
+}
+
+/// Returns nothing: a program without boards has no record of them.
+#[cfg(not(feature = "klipper"))]
+pub(super) fn told_by_record(_table: &DriveTable, _opening: &Opening) -> Option<Disturbance> {
+    None
 }
 
 /// Returns the error as it is: a program with one kind of board, or none, asks for no other.

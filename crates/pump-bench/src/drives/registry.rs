@@ -4,7 +4,7 @@
 use pump_model::Pump;
 
 use super::abilities::Abilities;
-use super::drive::{Drive, DriveLimits};
+use super::drive::{Disturbance, Drive, DriveLimits};
 use super::error::DriveError;
 #[cfg(all(feature = "grbl", feature = "node"))]
 use super::find;
@@ -51,6 +51,15 @@ pub(crate) fn recorded_limits(
     match table.driver {
         DriverName::Grbl => grbl::recorded_limits(table, opening, step_rad),
         DriverName::Sim | DriverName::Node | DriverName::Klipper => Ok(None),
+    }
+}
+
+/// Returns what has befallen the motor of `table` since it was met last, by the records of its board, which another
+/// pump may have had reset meanwhile. The next meeting tells it.
+pub(crate) fn told_by_record(table: &DriveTable, opening: &Opening) -> Option<Disturbance> {
+    match table.driver {
+        DriverName::Klipper => klipper::told_by_record(table, opening),
+        DriverName::Sim | DriverName::Grbl | DriverName::Node => None,
     }
 }
 

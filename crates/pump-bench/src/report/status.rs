@@ -230,7 +230,11 @@ impl Status {
         let in_use_by = bench.folder().holder();
         // A motion that nobody makes any more was cut off.
         let under_way = story.cut_off.map(|(_, motion)| motion).filter(|_| in_use_by.is_some());
-        let state = recorded.unwrap_or(bench.fresh());
+        let state = match recorded {
+            // A process that has the pump has met its board.
+            Some(state) if in_use_by.is_none() => bench.as_told(state),
+            recorded => recorded.unwrap_or(bench.fresh()),
+        };
         let unfinished = state.unfinished.map(|dose| UnfinishedStatus::of(bench, &story, &dose));
         let angle_known = state.phase().is_known(bench.model().pitch_rad());
         Ok(Self {

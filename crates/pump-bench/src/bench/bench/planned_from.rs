@@ -68,7 +68,7 @@ impl Bench {
     /// Returns the recorded state from which a dose can be planned while nothing moves. Without the record, a pump that
     /// nobody has confirmed is refused as its motion will be.
     pub(in crate::bench) fn state_to_plan_from(&self) -> Result<Option<PumpState>, DoseError> {
-        let state = self.state_to_plan()?;
+        let state = self.state_to_plan()?.map(|state| self.as_told(state));
         if self.plans_afresh {
             self.check_confirmed(state.as_ref())?;
         }

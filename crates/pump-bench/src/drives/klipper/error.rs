@@ -134,6 +134,14 @@ pub enum KlipperError {
         /// Checksum of the configuration that is needed.
         wanted: u32,
     },
+    /// The pump's motor was refused after the board was reset to configure it for this pump.
+    #[error("{error}; {others}")]
+    AfterReset {
+        /// Refusal.
+        error: Box<KlipperError>,
+        /// What became of the board's other motors, in words.
+        others: String,
+    },
     /// The pump file names no pins.
     #[error(
         "no pins of the board are named for this pump, and a built-in pump names none; a pump file names them in the \
@@ -321,6 +329,14 @@ impl KlipperError {
         )
     }
 
+    /// Returns the error of a meeting that has reset the board, with what became of its other motors.
+    pub(super) fn after_reset(self, others: &[String]) -> Self {
+        if others.is_empty() {
+            return self;
+        }
+        Self::AfterReset { error: Box::new(self), others: others.join("; ") }
+    }
+
     /// Returns true if nobody knows whether the motor holds after this error.
     pub(crate) fn hides_motor(&self) -> bool {
         self.ends_link() || matches!(self, Self::Reset)
@@ -328,6 +344,9 @@ impl KlipperError {
 
     /// Returns true for a refusal of this program: no board was asked, or none has refused.
     fn is_of_this_program(&self) -> bool {
+        if let Self::AfterReset { error, .. } = self {
+            return error.is_of_this_program();
+        }
         matches!(
             self,
             Self::NoPort

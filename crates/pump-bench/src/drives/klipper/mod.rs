@@ -32,6 +32,7 @@ mod tmc;
 pub(super) use ask::ask;
 pub use axis::Klipper;
 pub(super) use axis::open;
+pub(super) use board::told_by_record;
 #[cfg(all(feature = "grbl", feature = "node"))]
 pub use board_pins::BoardPins;
 pub use dictionary::DictionaryError;

@@ -98,6 +98,7 @@ fn of_klipper(error: &KlipperError) -> Option<ErrorFacts> {
         | KlipperError::Silent { port, .. }
         | KlipperError::Foreign { port, .. }
         | KlipperError::Shared { port } => drive.value(port.display()),
+        KlipperError::AfterReset { error, .. } => return of_klipper(error),
         KlipperError::PlaceTaken(taken) => drive.value(&taken.place),
         KlipperError::OtherFirmware { app, .. } => drive.value(app).allowed("Klipper"),
         KlipperError::OtherBoard { found, recorded, .. } => drive.value(found).allowed(recorded),

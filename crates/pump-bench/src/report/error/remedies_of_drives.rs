@@ -101,6 +101,7 @@ fn of_klipper(error: &KlipperError) -> Option<Remedy> {
         KlipperError::NoPort => Some(Remedy::NamePort),
         KlipperError::Open { fault, .. } => of_port(fault),
         KlipperError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
+        KlipperError::AfterReset { error, .. } => of_klipper(error),
         KlipperError::NoPins => Some(Remedy::WritePins),
         KlipperError::Configured { .. } => Some(Remedy::ResetBoard),
         KlipperError::PlaceTaken(_) => Some(Remedy::TakePlace),

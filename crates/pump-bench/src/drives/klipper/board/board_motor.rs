@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::terms::Terms;
 use crate::drives::Opening;
 use crate::drives::klipper::dictionary::Dictionary;
-use crate::drives::known_board::RecordedPump;
 use crate::pump_file::KlipperTable;
 
 /// Most motors of a board. Each has six of its 255 objects.
@@ -18,6 +17,9 @@ pub(in crate::drives::klipper) struct BoardMotor {
     /// Id of the pump. `None` if the drive was opened for no pump of a bench.
     pub(super) pump: Option<String>,
     pub(super) pins: KlipperTable,
+    /// True once the motor was met at these pins. One that was refused before claims none from other pumps.
+    #[serde(default)]
+    pub(super) met: bool,
 }
 
 impl BoardMotor {
@@ -39,13 +41,20 @@ pub(super) fn motors_of(
     recorded: &[BoardMotor],
     dictionary: &Dictionary,
 ) -> (Vec<BoardMotor>, usize) {
-    let own = BoardMotor { pump: terms.opening.pump.clone(), pins: terms.pins.clone() };
+    let of = |pump: Option<String>, pins: KlipperTable| {
+        let met = recorded.iter().any(|motor| motor.met && motor.pump == pump && motor.pins == pins);
+        BoardMotor { pump, pins, met }
+    };
+    let own = of(terms.opening.pump.clone(), terms.pins.clone());
     let step = own.pins.step.name.clone();
-    let beside = terms.opening.beside.iter().filter_map(|(pump, table)| {
-        Some(BoardMotor { pump: Some(pump.clone()), pins: table.klipper.clone()? })
-    });
+    let beside = terms
+        .opening
+        .beside
+        .iter()
+        .filter_map(|(pump, table)| Some(of(Some(pump.clone()), table.klipper.clone()?)));
     let mut motors = vec![own];
-    for motor in beside.chain(recorded.iter().cloned()) {
+    let (met, tried): (Vec<_>, Vec<_>) = recorded.iter().cloned().partition(|motor| motor.met);
+    for motor in beside.chain(met).chain(tried) {
         let tmc = motor.pins.tmc.iter().flat_map(|tmc| [Some(&tmc.uart), tmc.tx.as_ref()]).flatten();
         let is_there =
             motor.pins.motor_pins().into_iter().chain(tmc).all(|pin| dictionary.pin(&pin.name).is_ok());
@@ -76,14 +85,12 @@ pub(super) fn left_without_current(configured: &[BoardMotor], opening: &Opening)
     })
 }
 
-/// Tells of a motor on record that has to leave the configuration for these motors, because both claim a pin. A pump
-/// that was refused before it moved has no record of its own, and claims none.
-pub(super) fn displaced(motors: &[BoardMotor], recorded: &[BoardMotor], opening: &Opening) -> Option<String> {
-    let mut left = recorded.iter().filter(|motor| !motors.contains(motor));
+/// Tells of a motor on record that has to leave the configuration for these motors, because both claim a pin.
+pub(super) fn displaced(motors: &[BoardMotor], recorded: &[BoardMotor]) -> Option<String> {
+    let mut left = recorded.iter().filter(|motor| motor.met && !motors.contains(motor));
     left.find_map(|motor| {
         let other = motors.iter().find(|other| !other.is_of_pump_of(motor) && other.displaces(motor))?;
         let (pin, pump) = (other.pins.clash(&motor.pins)?, motor.pump.as_deref()?);
-        RecordedPump::named(pump, opening)?;
         Some(format!(
             "pump `{pump}` on record claims the {pin} of the board too, so the board is reset whenever one follows the \
              other, and its motors are without current meanwhile; give each pump pins of its own"

@@ -12,14 +12,19 @@ use crate::drives::klipper::error::KlipperError;
 /// Form of the record.
 const SCHEMA: &str = "klipper-board/1";
 
+/// Most sessions before the last one that are kept.
+const ENDED_MOST: usize = 15;
+
 /// Record as a file holds it.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Recorded {
     schema: String,
     session: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    before: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    before: Option<String>,
+    by: Option<String>,
     cuts: u32,
     motors: Vec<BoardMotor>,
 }
@@ -29,9 +34,11 @@ struct Recorded {
 pub(super) struct BoardRecord {
     /// Number of the session, which is drawn whenever the board is configured.
     pub(super) session: u64,
-    /// Session that a program of this bench ended by a reset, to configure the board for this one. `None` if the board
-    /// had lost it before.
-    pub(super) before: Option<u64>,
+    /// Sessions before that this bench ended by a reset, each to configure the board for the next one. There is none
+    /// before one that the board has lost.
+    pub(super) before: Vec<u64>,
+    /// Pump for which the board was configured.
+    pub(super) by: Option<String>,
     /// Shutdowns of the session that this bench has ended. Each has taken the current of every motor.
     pub(super) cuts: u32,
     /// Motors of the configuration.
@@ -52,17 +59,33 @@ impl BoardRecord {
     pub(super) fn read(path: &Path) -> Result<Option<Self>, KlipperError> {
         let Some(recorded) = read_json::<Recorded>(path)? else { return Ok(None) };
         check_schema(path, &recorded.schema, SCHEMA)?;
-        let Recorded { session, before, cuts, motors, .. } = recorded;
-        let before = before.map(|before| hexadecimal(path, &before)).transpose()?;
-        Ok(Some(Self { session: hexadecimal(path, &session)?, before, cuts, motors }))
+        let Recorded { session, before, by, cuts, motors, .. } = recorded;
+        let before: Result<_, _> = before.iter().map(|before| hexadecimal(path, before)).collect();
+        Ok(Some(Self { session: hexadecimal(path, &session)?, before: before?, by, cuts, motors }))
     }
 
     /// Writes the record to `path`. The disk has it afterwards.
     pub(super) fn write(&self, path: &Path) -> Result<(), KlipperError> {
-        let Self { session, before, cuts, motors } = self.clone();
+        let Self { session, before, by, cuts, motors } = self.clone();
         let session = format!("{session:016x}");
-        let before = before.map(|before| format!("{before:016x}"));
-        write_json(path, &Recorded { schema: SCHEMA.to_owned(), session, before, cuts, motors })
+        let before = before.iter().map(|before| format!("{before:016x}")).collect();
+        write_json(path, &Recorded { schema: SCHEMA.to_owned(), session, before, by, cuts, motors })
+    }
+
+    /// Returns the sessions that this bench has ended with this one, to configure the board for the next.
+    pub(super) fn ended(&self) -> Vec<u64> {
+        let before = self.before.iter().rev().take(ENDED_MOST).rev();
+        before.copied().chain([self.session]).collect()
+    }
+
+    /// Notes on the record at `path` that the motor of this pump was met, so that its pins are right.
+    pub(super) fn note_met(path: Option<&Path>, pump: Option<&str>) -> Result<(), KlipperError> {
+        let (Some(path), Some(pump)) = (path, pump) else { return Ok(()) };
+        let Some(mut record) = Self::read(path)? else { return Ok(()) };
+        let of_pump = |motor: &&mut BoardMotor| motor.pump.as_deref() == Some(pump) && !motor.met;
+        let Some(motor) = record.motors.iter_mut().find(of_pump) else { return Ok(()) };
+        motor.met = true;
+        record.write(path)
     }
 
     /// Notes one more shutdown on the record at `path`, before it is ended. Returns the number of all.

@@ -134,16 +134,20 @@ pub(in crate::drives::klipper) fn meet(
     };
     let ready = energise(&mut board, terms);
     // A board whose stepper driver is not reached takes no pump's place.
-    let settled = ready.and_then(|ready| Ok((ready, marks.settle(&replaced, &terms.opening)?).0));
+    let settled = ready.and_then(|ready| {
+        marks.settle(&replaced, &terms.opening)?;
+        BoardRecord::note_met(board.shared_path.as_deref(), terms.opening.pump.as_deref())?;
+        Ok(ready)
+    });
     match settled {
         Ok((position, mut of_board, was_off)) => {
-            of_board.extend(of_others);
+            of_board.extend(of_others.iter().cloned());
             let disturbed = told_of(disturbed, replaced.board.is_some(), was_off);
             // Before another motor meets the board: it need not find it anew then.
             board.talk.link.note_met(true);
             Ok(Met { board, position, disturbed, replaced, of_board })
         }
-        Err(error) => Err((Box::new(board.talk.link), error)),
+        Err(error) => Err((Box::new(board.talk.link), error.after_reset(&of_others))),
     }
 }
 
@@ -234,13 +238,15 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
             keep(talk, mine, (session, board.cuts), state, shared_path.as_deref())?
         {
             // Another pump of this bench may have had the board configured since the motor moved last.
-            let is_reset_here = own.is_some_and(|own| board.before == Some(own.session));
-            let disturbed = match disturbed {
-                Some(Disturbance::Reset) if is_reset_here => Some(Disturbance::Reconfigured),
-                disturbed => disturbed,
+            let is_reset_here = own.is_some_and(|own| board.before.contains(&own.session));
+            let (disturbed, by) = match disturbed {
+                Some(Disturbance::Reset) if is_reset_here => (Some(Disturbance::Reconfigured), board.by),
+                disturbed => (disturbed, None),
             };
+            let of_others = by.map(|by| format!("the board was reset to configure it for pump `{by}` since"));
+            let of_others = of_others.into_iter().collect();
             let state = talk.config()?;
-            return Ok(Found { hz, state, record, disturbed, shared_path, of_others: Vec::new() });
+            return Ok(Found { hz, state, record, disturbed, shared_path, of_others });
         }
     }
     if talk.link.is_met_by_others() {
@@ -257,21 +263,23 @@ fn take_over(talk: &mut Talk, terms: &Terms) -> Result<Found, KlipperError> {
         bring_to_rest(talk, state, is_known, (board.motors.len(), wanted))?;
         reset(talk)?;
     }
-    let mut of_others: Vec<_> = displaced(&motors, &recorded, &terms.opening).into_iter().collect();
+    let mut of_others: Vec<_> = displaced(&motors, &recorded).into_iter().collect();
     let disturbed = match state {
         _ if is_foreign => Disturbance::TakenOver,
         ConfigState { is_configured: true, is_shut_down: false, .. } => Disturbance::Reconfigured,
         _ => Disturbance::Reset,
     };
-    let before = (disturbed == Disturbance::Reconfigured).then_some(board.session);
-    of_others.extend(before.and_then(|_| left_without_current(&board.motors, &terms.opening)));
+    let mut before = Vec::new();
+    if disturbed == Disturbance::Reconfigured {
+        before = board.ended();
+        of_others.extend(left_without_current(&board.motors, &terms.opening));
+    }
     let session = SessionRecord::draw();
     let checksum = configuration.checksum(session);
     let record = SessionRecord { session, checksum, has_current: false, slip_steps: 0, cuts: 0 };
     // The disk has the session before the board does.
-    shared_path
-        .as_ref()
-        .map_or(Ok(()), |path| BoardRecord { session, before, cuts: 0, motors }.write(path))?;
+    let of_board = BoardRecord { session, before, by: terms.opening.pump.clone(), cuts: 0, motors };
+    shared_path.as_ref().map_or(Ok(()), |path| of_board.write(path))?;
     terms.record.as_ref().map_or(Ok(()), |path| record.write(path))?;
     let state = configure(talk, &configuration, checksum)?;
     talk.objects = configuration.objects(place);

@@ -12,6 +12,7 @@ mod session_record;
 mod shared_board;
 mod step_rate;
 mod terms;
+mod told;
 
 pub(super) use board::{Board, Talk, reason};
 #[cfg(all(feature = "grbl", feature = "node"))]
@@ -21,3 +22,4 @@ pub(super) use driver_line::{ask as ask_driver, check as check_driver};
 pub(super) use session_record::SessionRecord;
 pub(super) use shared_board::SharedBoard;
 pub(super) use terms::Terms;
+pub(in crate::drives) use told::told_by_record;
