@@ -176,7 +176,7 @@ fn a_dose_that_waits_for_its_weight_is_made_anew_once_the_pump_is_turned_round()
     assert!(dosed.code == 0 && dosed.err.contains("Weigh the dose"), "{}", dosed.err);
     let round = desk.types(&["setup", "acid", "--direction", "reverse", "--turned", "1", "--yes"]);
     assert!(round.code == 0 && round.err.contains("Weigh the dose"), "{}", round.err);
-    assert!(round.err.contains("turned round, as --direction says"), "{}", round.err);
+    assert!(round.err.contains("as the pump runs forward, as --direction says"), "{}", round.err);
     let [turn, dose] = ["One revolution", "Weigh a dose"].map(|part| round.err.find(part));
     assert!(turn.is_some() && turn < dose, "{}", round.err);
     // The rotor is turned for its angle, so the dose is weighed no more, and setup goes on all the same.

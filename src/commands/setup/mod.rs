@@ -223,7 +223,7 @@ impl SetupArgs {
 
     /// Follows the course from its answers to its end, or to a question that goes back to the answers.
     fn follow_on(&self, course: &mut Course, given: &mut Given) -> Asked<()> {
-        if course.answers.done.written.is_some() {
+        if course.folder.pump_file(&course.answers.name).exists() {
             // The board of the pump file of now may tell its steps.
             weigh::accept_stopped(course)?;
         }
@@ -240,6 +240,7 @@ impl SetupArgs {
             return Ok(course.keep()?);
         }
         weigh::leave_calibration_of_another_head(course)?;
+        weigh::accept_stopped(course)?;
         if course.answers.done.weighed > 0 {
             // A pump that was moved to another place turns in another way.
             turn::watch(course, &mut given.turned)?;
