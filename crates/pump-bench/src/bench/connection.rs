@@ -314,7 +314,8 @@ impl<'a> Session<'a> {
         }
         let is_unsure = stands.unfinished.is_some_and(|dose| dose.made_least < dose.made_most);
         if is_unsure && matches!(event, Disturbance::OtherAxis | Disturbance::TakenOver) {
-            let text = "what it counts tells nothing of the unfinished dose, whose steps stay within their bounds";
+            let text =
+                "what it counts tells nothing of the unfinished dose, whose steps stay within their bounds";
             notes.push(Notice::from(format!("{event}: {text}")));
         }
         met
