@@ -120,7 +120,7 @@ fn an_axis_that_turns_another_pump_by_its_record_is_refused_until_it_is_accepted
         said.contains("belongs to pump `acid` by the record; name another one in the file of pump `other`"),
         "{said}"
     );
-    assert_eq!(refused.remedies(), [Remedy::WriteSettingsAnew]);
+    assert_eq!(refused.remedies(), [Remedy::TakePlace]);
     assert_eq!(refused.facts().value.as_deref(), Some("axis X"));
     let notes = open("other", Axis::X, true).unwrap().notes();
     assert!(

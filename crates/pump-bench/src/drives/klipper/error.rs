@@ -138,7 +138,7 @@ pub enum KlipperError {
     #[error("{error}; {others}")]
     AfterReset {
         /// Refusal.
-        error: Box<KlipperError>,
+        error: Box<Self>,
         /// What became of the board's other motors, in words.
         others: String,
     },

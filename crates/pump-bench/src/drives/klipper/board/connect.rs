@@ -132,14 +132,7 @@ pub(in crate::drives::klipper) fn meet(
         search: if terms.opening.with_other_boards { SHORT_SEARCH } else { SEARCH },
         driver: terms.driver.as_ref().map(|(address, _)| *address),
     };
-    let ready = energise(&mut board, terms);
-    // A board whose stepper driver is not reached takes no pump's place.
-    let settled = ready.and_then(|ready| {
-        marks.settle(&replaced, &terms.opening)?;
-        BoardRecord::note_met(board.shared_path.as_deref(), terms.opening.pump.as_deref())?;
-        Ok(ready)
-    });
-    match settled {
+    match settle(&mut board, terms, (&marks, &replaced)) {
         Ok((position, mut of_board, was_off)) => {
             of_board.extend(of_others.iter().cloned());
             let disturbed = told_of(disturbed, replaced.board.is_some(), was_off);
@@ -149,6 +142,19 @@ pub(in crate::drives::klipper) fn meet(
         }
         Err(error) => Err((Box::new(board.talk.link), error.after_reset(&of_others))),
     }
+}
+
+/// Gives the motor its current, and puts board and pins on record. A board whose stepper driver is not reached takes no
+/// pump's place.
+fn settle(
+    board: &mut Board,
+    terms: &Terms,
+    (marks, replaced): (&KnownBoard, &MadePlace),
+) -> Result<(i64, Vec<String>, bool), KlipperError> {
+    let ready = energise(board, terms)?;
+    marks.settle(replaced, &terms.opening)?;
+    BoardRecord::note_met(board.shared_path.as_deref(), terms.opening.pump.as_deref())?;
+    Ok(ready)
 }
 
 /// Returns what a meeting tells of the rotor: more than how the board was found if it was exchanged for another one, or
