@@ -278,7 +278,9 @@ fn refuse_masked(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<()> {
     if ma.is_none() {
         return Ok(());
     }
-    if !argument.is_instance(&ma.getattr(intern!(py, "MaskedArray"))?)? {
+    // Another thread that still loads it has none either.
+    let Some(masked_array) = ma.getattr_opt(intern!(py, "MaskedArray"))? else { return Ok(()) };
+    if !argument.is_instance(&masked_array)? {
         return Ok(());
     }
     let masked: usize = ma.call_method1(intern!(py, "count_masked"), (argument,))?.extract()?;
