@@ -94,7 +94,7 @@ fn a_queue_that_is_too_small_and_a_motor_that_is_too_fast_are_refused_before_the
 
 #[test]
 fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise() {
-    let rig = Rig::of(Character::default(), with_driver("X", 0));
+    let rig = Rig::of(Character { drivers: 4, ..Character::default() }, with_driver("X", 0));
     let runs = |id: &str, pins, words: &[&str]| {
         let pump = rig.pump_at(id, pins);
         ended(command(rig.folder.path(), &pump, rig.board.path(), words).spawn().unwrap())
@@ -128,7 +128,17 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
     let told = "the board was reset to configure it for this pump: it turns `blue`, `red` too";
     assert!(code != Some(0) && said.contains("at address 3") && said.contains(told), "{code:?}: {said}");
     assert_eq!(rig.board.truth().steps, made, "nothing moves");
-    let (code, said) = runs("orange", socket("Z"), &dose);
+    // Its address is no part of the configuration: once it is right, no other pump is reset for it.
+    let (code, said) = runs("violet", with_driver("Z", 1), &dose);
+    assert_eq!(code, Some(0), "{said}");
+    for (number, (id, pins)) in
+        [("red", ("X", 0)), ("violet", ("Z", 1)), ("red", ("X", 0))].into_iter().enumerate()
+    {
+        let (code, said) = runs(id, with_driver(pins.0, pins.1), &["0.2mL"]);
+        // The first is told of the reset for the pump that was refused.
+        assert!(code == Some(0) && said.contains("was reset") == (number == 0), "{number} {code:?}: {said}");
+    }
+    let (code, said) = runs("orange", socket("E"), &dose);
     assert!(code == Some(0) && !said.contains("on record claims"), "{code:?}: {said}");
     let (code, said) = runs("green", with_driver("X", 0), &["1mL", "--confirm-pump", "--accept-settings"]);
     assert!(code == Some(0) && said.contains("the socket turned pump `red`"), "{code:?}: {said}");

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::rig::{Rig, ended};
+use crate::rig::{Rig, command, ended, socket};
 use crate::simulated_klipper::Character;
 
 #[test]
@@ -69,9 +69,8 @@ fn a_pump_file_that_turns_the_motor_otherwise_is_refused_until_a_person_confirms
     // The angle was just said, so that no motion on record tells the old way.
     assert_eq!(rig.runs(&["home", "--set", "0deg"]).0, Some(0));
     let steps = rig.board.truth().steps;
-    let types = |words: &[&str]| {
-        ended(crate::rig::command(rig.folder.path(), &path, rig.board.path(), words).spawn().unwrap())
-    };
+    let types =
+        |words: &[&str]| ended(command(rig.folder.path(), &path, rig.board.path(), words).spawn().unwrap());
     for (from, to, now) in [
         ("dir = \"PB12\"", "dir = \"!PB12\"", "pins PB13 (step), !PB12 (direction) and !PB14 (enable)"),
         ("step = \"PB13\"", "step = \"PB10\"", "pins PB10 (step), PB12 (direction)"),
@@ -113,9 +112,7 @@ fn each_bad_input_is_one_message_and_nothing_moves() {
         assert_ne!(changed, text, "{from} stands in the file");
         fs::write(rig.folder.path().join("bad.toml"), changed).unwrap();
         let bad = rig.folder.path().join("bad.toml");
-        let command =
-            crate::rig::command(rig.folder.path(), &bad, rig.board.path(), &["2mL", "--confirm-pump"])
-                .spawn();
+        let command = command(rig.folder.path(), &bad, rig.board.path(), &["2mL", "--confirm-pump"]).spawn();
         let (code, said) = ended(command.unwrap());
         assert!(code != Some(0) && said.contains(words), "{code:?}: {said}");
         assert_eq!(said.matches("error:").count(), 1, "{said}");
@@ -156,6 +153,14 @@ fn a_shutdown_in_motion_is_one_disturbance_and_on_record_with_its_fault() {
 #[test]
 fn a_reset_in_motion_is_one_disturbance_and_on_record_with_its_fault() {
     let rig = Rig::new(Character::default());
+    let blue = rig.pump_at("blue", socket("Y"));
+    let runs_blue =
+        |words: &[&str]| ended(command(rig.folder.path(), &blue, rig.board.path(), words).spawn().unwrap());
+    assert_eq!(rig.runs(&["0.1mL", "--confirm-pump"]).0, Some(0));
+    let (code, said) = runs_blue(&["0.1mL", "--confirm-pump", "--start-angle", "0deg"]);
+    assert_eq!(code, Some(0), "{said}");
+    let unseen = "may have moved unseen once";
+    assert!(!runs_blue(&["status"]).1.contains(unseen));
     let dose = rig.starts(&["5mL", "--rate", "1mL/s", "--confirm-pump", "--start-angle", "0deg"]);
     let until = Instant::now() + Duration::from_secs(20);
     while rig.board.truth().steps[0] < 900 && Instant::now() < until {
@@ -164,6 +169,8 @@ fn a_reset_in_motion_is_one_disturbance_and_on_record_with_its_fault() {
     rig.board.touch("reset").unwrap();
     let (code, said) = ended(dose);
     assert!(code != Some(0) && said.contains("the board was reset"), "{code:?}: {said}");
+    // The reset has taken the current of the other pump's motor too.
+    assert!(runs_blue(&["status"]).1.contains(unseen));
     let cut = rig.state().unwrap();
     let bracket = cut.unfinished.expect("the dose is unfinished");
     let steps_rad = 0.5 * (bracket.made_most - bracket.made_least) as f64 * std::f64::consts::TAU / 12_800.0;

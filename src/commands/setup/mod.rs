@@ -193,6 +193,10 @@ impl SetupArgs {
             let name = course.answers.name.clone();
             return Err(Failure::from(SetupError::Taken { name, path: record }).into());
         }
+        if course.folder.pump_file(&course.answers.name).exists() {
+            // Before any answer changes: the board of the pump file of now may tell its steps.
+            weigh::accept_stopped(course)?;
+        }
         let mut answers = course.answers.clone();
         self.refuse_like(&answers)?;
         self.refuse_weight_of_dose_to_come()?;
@@ -223,10 +227,6 @@ impl SetupArgs {
 
     /// Follows the course from its answers to its end, or to a question that goes back to the answers.
     fn follow_on(&self, course: &mut Course, given: &mut Given) -> Asked<()> {
-        if course.folder.pump_file(&course.answers.name).exists() {
-            // The board of the pump file of now may tell its steps.
-            weigh::accept_stopped(course)?;
-        }
         if std::mem::take(&mut course.is_elsewhere) {
             board::meet_said(course, self.no_motion)?;
         }

@@ -303,6 +303,8 @@ pub(super) fn leave_dose(course: &mut Course) -> Result<(), Failure> {
 pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
     let Err(unfinished) = bench.refuse_unfinished(bench.story()?.state) else { return Ok(()) };
+    // A dose that another process makes is in motion.
+    drop(bench.session()?);
     if course.asker.is_silent() {
         return Err(Failure::from(unfinished).into());
     }
@@ -321,8 +323,10 @@ pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     let mut session: Session<'_> = bench.session()?;
     let accepted = session.accept_counted();
     noted(&mut session, accepted)?;
-    course.answers.done.dosed = false;
-    Ok(course.keep()?)
+    if std::mem::take(&mut course.answers.done.dosed) {
+        course.keep()?;
+    }
+    Ok(())
 }
 
 /// Says that doses are refused while they would use a calibration of another head.

@@ -293,6 +293,11 @@ impl Board {
         self.put_on_record(record)
     }
 
+    /// Puts on record that the board was reset in motion, for the other pumps that it turns.
+    pub(in crate::drives::klipper) fn note_reset(&self) -> Result<(), KlipperError> {
+        BoardRecord::note_reset(self.shared_path.as_deref())
+    }
+
     /// Reads the clock until its readings span so long that its drift moves no begin in common. A board that was met
     /// long ago has them.
     pub(in crate::drives::klipper) fn learn_drift(&mut self) -> Result<(), KlipperError> {

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::board_motor::BoardMotor;
-use super::session_record::{check_schema, hexadecimal, read_json, write_json};
+use super::session_record::{SessionRecord, check_schema, hexadecimal, read_json, write_json};
 use crate::drives::Opening;
 use crate::drives::klipper::error::KlipperError;
+use crate::pump_file::KlipperTable;
 
 /// Form of the record.
 const SCHEMA: &str = "klipper-board/1";
@@ -78,14 +79,29 @@ impl BoardRecord {
         before.copied().chain([self.session]).collect()
     }
 
-    /// Notes on the record at `path` that the motor of this pump was met, so that its pins are right.
-    pub(super) fn note_met(path: Option<&Path>, pump: Option<&str>) -> Result<(), KlipperError> {
+    /// Notes on the record at `path` that the motor of this pump was met at these pins. They may differ from those that
+    /// the board was configured with in what it is not told, as an address.
+    pub(super) fn note_met(
+        path: Option<&Path>,
+        pump: Option<&str>,
+        pins: &KlipperTable,
+    ) -> Result<(), KlipperError> {
         let (Some(path), Some(pump)) = (path, pump) else { return Ok(()) };
         let Some(mut record) = Self::read(path)? else { return Ok(()) };
-        let of_pump = |motor: &&mut BoardMotor| motor.pump.as_deref() == Some(pump) && !motor.met;
-        let Some(motor) = record.motors.iter_mut().find(of_pump) else { return Ok(()) };
-        motor.met = true;
+        let mut motors = record.motors.iter_mut();
+        let Some(motor) = motors.find(|motor| motor.pump.as_deref() == Some(pump)) else { return Ok(()) };
+        if motor.met && motor.pins == *pins {
+            return Ok(());
+        }
+        (motor.met, motor.pins) = (true, pins.clone());
         record.write(path)
+    }
+
+    /// Notes on the record at `path` that the board has lost its session, which each of its pumps hears then.
+    pub(super) fn note_reset(path: Option<&Path>) -> Result<(), KlipperError> {
+        let Some(path) = path else { return Ok(()) };
+        let Some(record) = Self::read(path)? else { return Ok(()) };
+        Self { session: SessionRecord::draw(), before: Vec::new(), by: None, ..record }.write(path)
     }
 
     /// Notes one more shutdown on the record at `path`, before it is ended. Returns the number of all.

@@ -153,7 +153,7 @@ fn settle(
 ) -> Result<(i64, Vec<String>, bool), KlipperError> {
     let ready = energise(board, terms)?;
     marks.settle(replaced, &terms.opening)?;
-    BoardRecord::note_met(board.shared_path.as_deref(), terms.opening.pump.as_deref())?;
+    BoardRecord::note_met(board.shared_path.as_deref(), terms.opening.pump.as_deref(), &terms.pins)?;
     Ok(ready)
 }
 

@@ -29,8 +29,9 @@ impl Motion<'_> {
         };
         self.feed = None;
         if matches!(error, KlipperError::Reset) {
-            // The motor stopped where it was, without current.
+            // The motor stopped where it was, without current. The next meeting notes what the disk cannot.
             self.note_slip(heard);
+            let _ = self.board.note_reset();
         }
         match found {
             Some(counted) => {
