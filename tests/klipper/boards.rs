@@ -128,7 +128,7 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
     let told = "the board was reset to configure it for this pump: it turns `blue`, `red` too";
     assert!(code != Some(0) && said.contains("at address 3") && said.contains(told), "{code:?}: {said}");
     assert_eq!(rig.board.truth().steps, made, "nothing moves");
-    // Its address is no part of the configuration: once it is right, no other pump is reset for it.
+    // An address is no part of the configuration: once it is right, no other pump is reset for it.
     let (code, said) = runs("violet", with_driver("Z", 1), &dose);
     assert_eq!(code, Some(0), "{said}");
     for (number, (id, pins)) in

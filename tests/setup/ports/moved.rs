@@ -40,7 +40,7 @@ fn a_pump_that_has_not_moved_goes_to_the_board_axis_and_driver_that_setup_finds_
     let dosed = desk.json(&["0.2mL", "--pump", "acid", "--confirm-pump"]);
     assert_eq!(dosed["completed"], true, "{dosed}");
     assert!(board.truth().steps == [0; 4] && other.truth().steps[1] > 0);
-    // What is on record stays so until the pump moves at another place.
+    // The record stays as it is until the pump moves at another place.
     let stands = |told: &str| {
         let status = desk.types(&["status", "--pump", "acid"]);
         assert!(status.out.contains(told), "{}", status.out);

@@ -139,7 +139,7 @@ pub enum KlipperError {
     AfterReset {
         /// Refusal.
         error: Box<Self>,
-        /// What became of the board's other motors, in words.
+        /// Words for the board's other motors, and for what has befallen them.
         others: String,
     },
     /// The pump file names no pins.

@@ -12,6 +12,7 @@ use super::commands::Commands;
 use super::configuration::Configuration;
 use super::driver_line;
 use super::objects::Objects;
+use super::reset::{ANSWER_LIMIT, STILL, be_still, bring_to_rest, configure, reset};
 use super::session_record::SessionRecord;
 use super::shared_board::{Known, SharedBoard};
 use super::step_rate::{SEVERAL, most_steps_s};
@@ -24,18 +25,6 @@ use crate::drives::klipper::link::Link;
 use crate::drives::klipper::refit::{RefitError, StepTimer};
 use crate::drives::klipper::tmc::{TmcError, TmcSettings};
 use crate::drives::known_board::{KnownBoard, MadePlace, RecordedPump};
-
-/// Longest wait for a first answer.
-const ANSWER_LIMIT: Duration = Duration::from_secs(3);
-
-/// Longest wait for a motion of an earlier program. Its steps end without that program, by the dead-man time.
-const REST_LIMIT: Duration = Duration::from_secs(15);
-
-/// Time for which a count stays as it is where no step is under way at a speed at which a motor could slip.
-const STILL: Duration = Duration::from_millis(150);
-
-/// Time that a board takes to start after a reset.
-const START: Duration = Duration::from_millis(500);
 
 /// Longest search for a silent board in motion. The queue has ended by then, and the count is exact. The search is
 /// short while pumps at other boards wait for its end to stop: the next meeting finds the count.
@@ -74,7 +63,7 @@ struct Found {
     disturbed: Option<Disturbance>,
     /// File of the record that the motors of the board share.
     shared_path: Option<PathBuf>,
-    /// What became of the board's other motors on record, in words.
+    /// Words for the board's other motors on record, and for what has befallen them.
     of_others: Vec<String>,
 }
 
@@ -362,106 +351,6 @@ fn keep(
         _ => None,
     };
     Ok(Some((SessionRecord { has_current, cuts, ..record }, disturbed)))
-}
-
-/// Waits until the count of the stepper stays as it is.
-pub(in crate::drives::klipper) fn be_still(talk: &mut Talk) -> Result<(), KlipperError> {
-    let began = talk.link.now();
-    let (mut position, mut since) = (talk.position()?, began);
-    loop {
-        talk.link.sleep(STILL / 5);
-        let (now, at) = (talk.position()?, talk.link.now());
-        if now != position {
-            (position, since) = (now, at);
-        }
-        if at.saturating_sub(since) >= STILL {
-            return Ok(());
-        }
-        let waited = at.saturating_sub(began);
-        if waited > REST_LIMIT {
-            return Err(KlipperError::Moving { waited_s: waited.as_secs_f64() });
-        }
-    }
-}
-
-/// Brings a board to rest that is configured otherwise, or refuses one that is not known to stand. One of this bench
-/// has the same objects, and a person may accept any other.
-fn bring_to_rest(
-    talk: &mut Talk,
-    state: ConfigState,
-    is_known: bool,
-    (motors, wanted): (usize, u32),
-) -> Result<(), KlipperError> {
-    if state.is_configured && !is_known {
-        return Err(KlipperError::Configured { found: state.checksum, wanted });
-    }
-    if state.is_shut_down {
-        return Ok(());
-    }
-    // A board of another program may have no stepper of this number, and then shuts down, which is a rest too.
-    for place in 0..motors.max(1) {
-        let place = u8::try_from(place).unwrap_or(u8::MAX);
-        talk.objects = Objects::of(place, place);
-        match be_still(talk) {
-            Ok(()) => {}
-            Err(KlipperError::Shutdown { .. } | KlipperError::NoAnswer { .. }) => break,
-            Err(error) => return Err(error),
-        }
-    }
-    if !talk.config()?.is_shut_down {
-        let stop = talk.format.emergency_stop.clone();
-        talk.tell(&stop, &[])?;
-    }
-    Ok(())
-}
-
-/// Resets a board that has shut down, so that it forgets its configuration.
-fn reset(talk: &mut Talk) -> Result<(), KlipperError> {
-    let began = talk.link.now();
-    if talk.dictionary.has_command("config_reset") {
-        let command = talk.dictionary.command("config_reset")?;
-        talk.tell(&command, &[])?;
-    } else {
-        let command = talk.dictionary.command("reset")?;
-        talk.link.queue(&command.encode(&[])?)?;
-        // The board does not confirm it, and counts blocks anew.
-        talk.link.turn(Duration::ZERO)?;
-        talk.link.sleep(START);
-        talk.link.connect(ANSWER_LIMIT)?;
-    }
-    loop {
-        talk.forget();
-        let state = talk.config()?;
-        if !state.is_configured && !state.is_shut_down {
-            return Ok(());
-        }
-        if talk.link.now().saturating_sub(began) > ANSWER_LIMIT {
-            return Err(KlipperError::NoReset);
-        }
-        talk.link.sleep(STILL / 5);
-    }
-}
-
-/// Configures the board.
-fn configure(
-    talk: &mut Talk,
-    configuration: &Configuration,
-    checksum: u32,
-) -> Result<ConfigState, KlipperError> {
-    talk.forget();
-    for command in configuration.commands() {
-        talk.link.queue(command)?;
-    }
-    let finalize = talk.format.finalize_config.clone();
-    talk.tell(&finalize, &[checksum.into()])?;
-    talk.hear()?;
-    let state = talk.config()?;
-    match state {
-        ConfigState { is_configured: true, is_shut_down: false, checksum: told, .. } if told == checksum => {
-            Ok(state)
-        }
-        _ => Err(KlipperError::Configured { found: state.checksum, wanted: checksum }),
-    }
 }
 
 /// Sets the stepper driver while its motor has no current, and refuses an enable pin that does not take it away. A pin

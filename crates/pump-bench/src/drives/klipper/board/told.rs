@@ -1,4 +1,4 @@
-//! What the records of a board and of its pumps tell before the board is met.
+//! The disturbances that the records of a board and of its pumps tell before the board is met.
 
 use super::board_record::BoardRecord;
 use super::session_record::SessionRecord;
