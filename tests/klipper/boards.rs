@@ -118,6 +118,11 @@ fn a_socket_or_a_driver_turns_one_pump_on_record_until_a_person_says_otherwise()
     assert!(code == Some(0) && said.contains(told), "{code:?}: {said}");
     let (code, said) = runs("red", with_driver("X", 0), &["status"]);
     assert!(code == Some(0) && said.contains("may have moved unseen once"), "{code:?}: {said}");
+    // Two full steps of 1.8 deg, also in a plan that is not made.
+    let (code, said) = runs("red", with_driver("X", 0), &["0.2mL", "--dry-run", "--format", "json"]);
+    let width = said.split("\"half_width_deg\":").nth(1).and_then(|rest| rest.split(['}', ',']).next());
+    let width: f64 = width.unwrap().parse().unwrap();
+    assert!(code == Some(0) && width >= 3.6, "{code:?} {width}: {said}");
     let (code, said) = runs("red", with_driver("X", 0), &["0.2mL"]);
     let told = "the board was reset to configure it for pump `blue` since";
     let is_told = said.contains("this program has reset the board to configure it") && said.contains(told);

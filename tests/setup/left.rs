@@ -162,6 +162,12 @@ fn is_made_again(signal: &str, code: i32) -> bool {
         assert_eq!(desk.journal("acid", "grbl").unwrap(), journal);
         assert_eq!(desk.configured("pumps/acid.toml"), file);
     }
+    // A person who quits there has changed nothing either.
+    let answers = desk.configured("setup/acid.toml");
+    let left = desk.answers(&["setup", "acid", "--axis", "Y"], &mut |_| Some("quit".to_owned()));
+    assert!(left.code == 0 && left.asked[0].starts_with("Is the rest to be left"), "{:?}", left.asked);
+    assert_eq!([desk.configured("setup/acid.toml"), desk.configured("pumps/acid.toml")], [answers, file]);
+    assert_eq!(desk.journal("acid", "grbl").unwrap(), journal);
     let ended = desk.answers(&["setup", "acid"], &mut |question| {
         Some(match question {
             q if q.starts_with("Is the rest to be left") => "yes".to_owned(),

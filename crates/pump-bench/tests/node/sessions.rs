@@ -131,6 +131,9 @@ fn a_board_that_was_out_of_reach_tells_its_steps_to_the_log_and_one_that_was_res
         };
         assert_eq!(told("a board that was not reset since knows the exact steps"), tells);
         assert!(told(&format!("; ended by a fault ({})", first.cause.as_deref().unwrap())), "{first:?}");
+        // A reset is on record with its fault, and the next meeting counts it no more.
+        let disturbances = u8::from(!tells);
+        assert_eq!(Status::of(&bench).unwrap().disturbances, disturbances);
         // By the record of a reset board the angle is unknown, and no plan pretends that the board knows better.
         let planned = bench.prepare_rest(DoseRequest::dose(0.0));
         assert_eq!(planned.is_ok(), tells, "{planned:?}");
@@ -140,6 +143,7 @@ fn a_board_that_was_out_of_reach_tells_its_steps_to_the_log_and_one_that_was_res
         let mut drive = rig.open();
         let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
         session.connect().unwrap();
+        assert_eq!(session.state().unwrap().disturbances, disturbances);
         let now = logged(&bench);
         assert_eq!((now.end, now.number, &now.cause), (LogEnd::Fault, first.number, &first.cause));
         if !tells {
